@@ -30,7 +30,7 @@ mod update;
 
 use std::sync::Arc;
 
-use crate::config::Acceleration;
+use crate::config::{Acceleration, Traversal};
 use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
 use crate::geometry::{Ray, RayStream};
 use crate::scene::{ObjectId, World};
@@ -58,6 +58,7 @@ pub struct Accel<'a> {
     world: World<'a>,
     index: Arc<AccelIndex>,
     simd: Simd,
+    traversal: Traversal,
 }
 
 impl<'a> Accel<'a> {
@@ -93,6 +94,7 @@ impl<'a> Accel<'a> {
             world: world.into(),
             index,
             simd: Simd::best(),
+            traversal: Traversal::default(),
         }
     }
 
@@ -105,6 +107,17 @@ impl<'a> Accel<'a> {
     /// same counters.
     pub fn with_simd(self, simd: Simd) -> Self {
         Self { simd, ..self }
+    }
+
+    /// The same structure, whose streams of rays are traced in this way: same hits, same
+    /// counters.
+    pub fn with_traversal(self, traversal: Traversal) -> Self {
+        Self { traversal, ..self }
+    }
+
+    /// How streams of rays are traced.
+    pub(crate) fn traversal(&self) -> Traversal {
+        self.traversal
     }
 
     /// The instruction set.
@@ -207,11 +220,11 @@ impl<'a> Accel<'a> {
         hits: &mut Vec<Option<Hit>>,
         probe: &mut P,
     ) {
-        let Some(lower) = self.lower_levels() else {
+        if self.is_traced_in_streams() {
             return self.stream(rays, hits, probe);
-        };
+        }
         one_by_one(rays, hits, probe, |i, counts| {
-            self.nearest_placed(lower, &rays.get(i), counts)
+            self.nearest(&rays.get(i), counts)
         });
     }
 
@@ -223,13 +236,18 @@ impl<'a> Accel<'a> {
         occluded: &mut Vec<bool>,
         probe: &mut P,
     ) {
-        if self.lower_levels().is_none() {
+        if self.is_traced_in_streams() {
             return self.stream(rays, occluded, probe);
         }
         one_by_one(rays.rays(), occluded, probe, |i, counts| {
             let shadow = rays.get(i);
             self.occluded(&shadow.ray, shadow.t_max, shadow.ignored, counts)
         });
+    }
+
+    /// Whether many rays are traced at a time: not in scenes with instances.
+    fn is_traced_in_streams(&self) -> bool {
+        self.traversal == Traversal::Stream && self.lower_levels().is_none()
     }
 
     /// Answers all queries: coherent rays in packets, the others as a stream.

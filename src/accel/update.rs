@@ -119,6 +119,7 @@ impl<'a> Accel<'a> {
     pub fn refitted<'b>(&self, world: impl Into<World<'b>>) -> Option<Accel<'b>> {
         let world = world.into();
         let index = self.index.refitted(world)?;
-        Some(Accel::of_index(world, Arc::new(index)).with_simd(self.simd))
+        let accel = Accel::of_index(world, Arc::new(index));
+        Some(accel.with_simd(self.simd).with_traversal(self.traversal))
     }
 }

@@ -65,7 +65,7 @@ use states::States;
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
 use crate::camera::ImagePlane;
-use crate::config::{Config, CostMode};
+use crate::config::{Config, CostMode, Traversal};
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
@@ -73,6 +73,7 @@ use crate::instruments::{Profiler, Stages};
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
 use crate::schedule::Schedule;
+use crate::simd::Simd;
 use crate::statistics::upper_median;
 use crate::summary::{FrameSection, OtherRuns, Partial, RanksSection, Threads};
 use crate::vtk::{Codec, compressed};
@@ -240,6 +241,10 @@ pub struct RenderingView<'a> {
     pub scene: &'a Scene,
     /// The hierarchy's size, if there is one.
     pub bvh: Option<BvhStatistics>,
+    /// The instruction set.
+    pub simd: Simd,
+    /// How the rays of waves were traced.
+    pub traversal: Traversal,
     /// The meter of the pixels.
     pub meter: &'a Meter,
     /// The pixels and their cost.

@@ -52,7 +52,12 @@ fn of(job: &Job) -> Summary {
             .as_ref()
             .map(|instances| instances.n_instances() as u64),
         n_degenerate_triangles: Some(rendering.scene.n_degenerate),
-        acceleration: AccelerationSection::new(config.acceleration, rendering.bvh),
+        acceleration: AccelerationSection::new(
+            config.acceleration,
+            rendering.bvh,
+            rendering.simd,
+            rendering.traversal,
+        ),
         machine: Machine::current(),
         build: Some(Build::current()),
         threads: rendering.threads,

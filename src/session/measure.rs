@@ -8,10 +8,12 @@ use super::scope::Scope;
 use super::{RenderError, Session};
 use crate::accel::Accel;
 use crate::attribution::CostAttribution;
+use crate::config::SimdSet;
 use crate::cost::Meter;
 use crate::instruments::Stages;
 use crate::memory;
 use crate::render::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repeat_within};
+use crate::simd::Simd;
 use crate::stop;
 use crate::summary::RanksSection;
 
@@ -77,6 +79,7 @@ impl Session {
         stop::check()?;
         Ok(Measured {
             bvh: accel.statistics(),
+            kernel: (accel.simd(), accel.traversal()),
             meter,
             film,
             n_tiles: plan.n_tiles(),
@@ -95,8 +98,11 @@ impl Session {
         options: &Options,
         stages: &mut Stages,
     ) -> Result<Accel<'_>, RenderError> {
+        let simd = options.simd.map(SimdSet::detect).transpose();
+        let simd = simd.map_err(RenderError::Scene)?.unwrap_or_else(Simd::best);
         if let Some(index) = self.index.get() {
-            return Ok(Accel::of_index(&self.scene, Arc::clone(index)));
+            let accel = Accel::of_index(&self.scene, Arc::clone(index));
+            return Ok(accel.with_simd(simd).with_traversal(options.traversal));
         }
         options.report(Event::Begin {
             stage: "build",
@@ -116,6 +122,6 @@ impl Session {
         // A build that was stopped is not whole.
         stop::check()?;
         let _ = self.index.set(accel.index());
-        Ok(accel)
+        Ok(accel.with_simd(simd).with_traversal(options.traversal))
     }
 }

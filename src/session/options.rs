@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::RenderError;
+use crate::config::{SimdSet, Traversal};
 use crate::render::Progress;
 use crate::stop::Cancellation;
 use crate::text::Diagnostic;
@@ -25,6 +26,10 @@ pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 pub struct Options<'a> {
     /// Number of threads, at least 1; `None` for one per processor.
     pub threads: Option<u16>,
+    /// The instruction set; `None` for the fastest one of the processor.
+    pub simd: Option<SimdSet>,
+    /// How the rays of a wave are traced.
+    pub traversal: Traversal,
     /// Whether the picture is also rendered in each cost mode in turn, for
     /// [`Rendering::overhead`](super::Rendering::overhead).
     pub measure_overhead: bool,
@@ -111,6 +116,8 @@ impl fmt::Debug for Options<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Options")
             .field("threads", &self.threads)
+            .field("simd", &self.simd)
+            .field("traversal", &self.traversal)
             .field("measure_overhead", &self.measure_overhead)
             .field("estimates_work", &self.estimates_work)
             .field("vtkhdf", &self.vtkhdf)

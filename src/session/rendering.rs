@@ -8,6 +8,7 @@ use super::{RenderError, Session};
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
 use crate::checkpoint::Checkpoint;
+use crate::config::Traversal;
 use crate::cost::Meter;
 use crate::film::Film;
 use crate::folder::{OutputFolder, WriteError, Written};
@@ -15,6 +16,7 @@ use crate::instruments::{Profiler, Stages};
 use crate::output::{self, BandRows, Bands, Survey};
 use crate::render::{Overhead, Repeat, StoredPicture, least_repeats};
 use crate::schedule::Schedule;
+use crate::simd::Simd;
 use crate::stop;
 use crate::summary::{OtherRuns, Partial, RanksSection, Threads};
 use crate::text::Diagnostic;
@@ -36,6 +38,8 @@ pub struct Rendering<'s> {
 #[derive(Debug)]
 pub(super) struct Measured {
     pub(super) bvh: Option<BvhStatistics>,
+    /// The instruction set, and how the rays of waves were traced.
+    pub(super) kernel: (Simd, Traversal),
     pub(super) meter: Meter,
     pub(super) film: Film,
     /// Number of tiles that were to be rendered.
@@ -184,6 +188,8 @@ impl Rendering<'_> {
             config: self.session.config(),
             scene: self.session.scene(),
             bvh: measured.bvh,
+            simd: measured.kernel.0,
+            traversal: measured.kernel.1,
             meter: &measured.meter,
             film: &measured.film,
             survey: self.survey(),

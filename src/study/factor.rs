@@ -9,7 +9,9 @@ use serde_json::Value;
 use super::factor_level::{
     BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth, setting,
 };
-use crate::config::{CostMode, MAX_SAMPLES, MAX_SHAPES, Structure, TileOrder, Tiling};
+use crate::config::{
+    CostMode, MAX_SAMPLES, MAX_SHAPES, SimdSet, Structure, TileOrder, Tiling, Traversal,
+};
 use crate::vtk::Codec;
 
 /// Makes the enum of factors, their names and how levels are read: one row a factor,
@@ -68,6 +70,10 @@ factors! {
     TileOrder "tile_order": TileOrder => |order| keyword("tile-order", order);
     /// The cost that is measured for each pixel.
     Cost "cost": CostMode => |cost| keyword("cost", cost);
+    /// The vector instructions.
+    Simd "simd": SimdSet => |simd| keyword("simd", simd);
+    /// How the rays of a wave are traced.
+    Traversal "traversal": Traversal => |traversal| keyword("traversal", traversal);
     /// The codec of the arrays in VTK files.
     Compress "compress": Codec => |codec| keyword("compress", codec);
 }

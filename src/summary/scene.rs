@@ -8,9 +8,10 @@ use crate::camera::{ImagePlane, Projection};
 use crate::color::{Development, ToneCurve, Transfer};
 use crate::config::{
     Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,
-    ShadingModel,
+    ShadingModel, Traversal,
 };
 use crate::provenance::Checksum;
+use crate::simd::Simd;
 use crate::text::keyword_name;
 
 /// The scene file.
@@ -130,6 +131,12 @@ pub struct AccelerationSection {
     pub quality: Option<Quality>,
     /// The size of a BVH.
     pub bvh: Option<BvhStatistics>,
+    /// The vector instructions: `portable`, `avx2` or `avx512`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simd: Option<String>,
+    /// How the rays of a wave were traced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traversal: Option<Traversal>,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -205,7 +212,12 @@ impl From<&ImagePlane> for CameraSection {
 
 impl AccelerationSection {
     /// Describes a structure; `bvh` is the size of a BVH.
-    pub(crate) fn new(acceleration: Acceleration, bvh: Option<BvhStatistics>) -> Self {
+    pub(crate) fn new(
+        acceleration: Acceleration,
+        bvh: Option<BvhStatistics>,
+        simd: Simd,
+        traversal: Traversal,
+    ) -> Self {
         let (kind, quality) = match acceleration {
             Acceleration::Bvh(quality) => ("bvh", Some(quality)),
             Acceleration::BruteForce => ("brute_force", None),
@@ -213,6 +225,8 @@ impl AccelerationSection {
         Self {
             kind: kind.to_owned(),
             quality,
+            simd: Some(simd.to_string()),
+            traversal: Some(traversal),
             bvh,
         }
     }

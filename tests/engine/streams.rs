@@ -1,11 +1,13 @@
 //! Streams of rays have the hits and the counters of single rays.
 
 use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
-use crate::common::{film, film_on, lasting, parse, rays, sum, with_cost};
+use crate::common::{config, film, film_on, lasting, parse, rays, scene_of, sum, with_cost};
 use proptest::prelude::*;
-use raycost::config::{Config, CostMode, OptionalOutput};
-use raycost::cost::Counter;
+use raycost::accel::Accel;
+use raycost::config::{Config, CostMode, OptionalOutput, Traversal};
+use raycost::cost::{Counter, Meter};
 use raycost::film::Film;
+use raycost::render::{TilePlan, render};
 use raycost::simd::Simd;
 
 proptest! {
@@ -43,6 +45,26 @@ proptest! {
             prop_assert_eq!(found.totals, expected.totals);
             prop_assert!(lasting(found) == lasting(expected.clone()));
         }
+    }
+}
+
+#[test]
+fn every_kernel_gives_the_same_film() {
+    for name in ["seed_extended", "herd"] {
+        let mut config = config(name);
+        (config.image.width, config.image.height) = (40, 30);
+        let scene = scene_of(&config);
+        let mut films = Vec::new();
+        for simd in Simd::available() {
+            for traversal in [Traversal::Single, Traversal::Stream] {
+                let accel = Accel::new(&scene, config.acceleration);
+                let accel = accel.with_simd(simd).with_traversal(traversal);
+                let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+                let meter = Meter::new(CostMode::Time);
+                films.push(lasting(render(&scene, &accel, &plan, &meter, |_| {}).0));
+            }
+        }
+        assert!(films.iter().all(|film| *film == films[0]), "{name}");
     }
 }
 

@@ -93,6 +93,8 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         timeout: None,
         format: arguments.format,
         threads: arguments.threads,
+        simd: None,
+        traversal: None,
         measure_overhead: false,
         hardware_counters: false,
         profile: false,

@@ -22,7 +22,7 @@ use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, run_summary};
-use crate::config::Config;
+use crate::config::{Config, SimdSet, Traversal};
 use crate::folder::refuse_root;
 use crate::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use crate::memory::{self, Memory};
@@ -78,6 +78,14 @@ pub(super) struct RenderArguments {
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Vector instructions to use [default: the fastest that the processor has]
+    #[arg(long, value_name = "SET")]
+    simd: Option<SimdSet>,
+
+    /// How to trace the rays of a wave [default: stream]
+    #[arg(long, value_name = "HOW")]
+    traversal: Option<Traversal>,
 
     /// Also render in each cost mode in turn, and report the overhead of measuring
     #[arg(long)]
@@ -151,6 +159,7 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
         memory::set_limit(limit);
     }
     arguments.check_format()?;
+    arguments.simd.map(SimdSet::detect).transpose()?;
     refuse_root(&arguments.scene.out())?;
     let stages = Stages::with_start(arguments.hardware());
     let crew = ranks
@@ -303,6 +312,8 @@ impl RenderArguments {
     fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
         Options {
             threads: self.threads,
+            simd: self.simd,
+            traversal: self.traversal.unwrap_or_default(),
             measure_overhead: self.measure_overhead,
             estimates_work: Bars::are_shown(self.quiet),
             on_event: Some(on_event),

@@ -39,6 +39,8 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     ranks.report(&session.header_of_rank(arguments.scene.all_flags())?);
     let options = Options {
         threads: arguments.threads,
+        simd: arguments.simd,
+        traversal: arguments.traversal.unwrap_or_default(),
         ..Options::default()
     };
     Ok(session.work(&options, ranks)?)

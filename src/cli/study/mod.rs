@@ -273,8 +273,10 @@ fn checked_files(
     let scene = folder.join(&point.scene).display().to_string();
     let flags = point.flags.iter().chain(&plan.flags).cloned();
     let words: Vec<String> = words.chain([scene]).chain(flags.clone()).collect();
-    // `check` has no `--threads`.
-    let words = words.iter().filter(|word| !word.starts_with("--threads="));
+    // `check` has none of these.
+    let of_render = ["--threads=", "--simd=", "--traversal="];
+    let is_of_check = |word: &&String| !of_render.iter().any(|flag| word.starts_with(flag));
+    let words = words.iter().filter(is_of_check);
     let refused = |error: clap::Error| {
         let text = error.to_string();
         let reason = text.lines().next().unwrap_or_default();

@@ -1,0 +1,60 @@
+//! How rays are traced, besides what the scene says: the results are the same.
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::simd::Simd;
+use crate::text::{self, Diagnostic, keyword_name};
+
+/// A set of vector instructions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum SimdSet {
+    /// What every processor has
+    Portable,
+    /// 8 numbers at a time, on x86-64
+    Avx2,
+    /// 16 numbers at a time, on x86-64
+    Avx512,
+}
+
+/// How the kernel takes the rays of a wave.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum Traversal {
+    /// One after the other
+    Single,
+    /// Many at a time
+    #[default]
+    Stream,
+}
+
+impl SimdSet {
+    /// The instructions of this set.
+    ///
+    /// # Errors
+    /// The processor does not have them.
+    pub(crate) fn detect(self) -> Result<Simd, Diagnostic> {
+        let name = keyword_name(&self);
+        let available = Simd::available();
+        let found = available.iter().find(|simd| simd.to_string() == name);
+        found.copied().ok_or_else(|| {
+            Diagnostic::new(format!("this processor has no {name} instructions")).with_help(
+                format!("leave out `--simd`, or use `--simd {}`", Simd::best()),
+            )
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for SimdSet {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
+
+impl<'de> Deserialize<'de> for Traversal {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
