@@ -191,7 +191,7 @@ fn places([width, height]: [u32; 2], n: u32) -> Vec<[u32; 2]> {
     let mut random = |n: u32| {
         // The linear congruential generator of Numerical Recipes.
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (u64::from(state) * u64::from(n) >> 32) as u32
+        ((u64::from(state) * u64::from(n)) >> 32) as u32
     };
     let mut side = |side: u32| random(side.saturating_sub(SIDE) + 1);
     (0..n).map(|_| [side(width), side(height)]).collect()
