@@ -8,7 +8,7 @@ use crate::cost::{Clock, Counter, Counters, Instant};
 
 /// The stages of a wave.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Stage {
+pub(super) enum WaveStage {
     /// Camera rays start, and samples become pixels; split by samples.
     Samples,
     /// The hierarchy is searched for the nearest hits; by node visits and primitive tests.
@@ -82,7 +82,7 @@ impl<'a> WaveTimes<'a> {
     }
 
     /// Ends a stage, and begins the next one.
-    pub(super) fn lap(&mut self, stage: Stage) {
+    pub(super) fn lap(&mut self, stage: WaveStage) {
         let end = self.clock.now();
         self.ns[stage as usize] += f64::from(self.clock.elapsed_ns(self.begin, end));
         self.begin = end;
