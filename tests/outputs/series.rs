@@ -605,7 +605,7 @@ fn broken_series_are_refused_with_file_and_place() {
     );
     for (text, expected) in [
         ("<VTKFile><Collection/></VTKFile>", "no time steps"),
-        ("<VTKFile/>", "no collection"),
+        ("<VTKFile/>", "not a collection"),
         (
             "<VTKFile><Collection><DataSet timestep=\"x\" file=\"p000.vtk\"/></Collection></VTKFile>",
             "`timestep` is `x`",
@@ -623,7 +623,7 @@ fn broken_series_are_refused_with_file_and_place() {
             "several parts",
         ),
         ("<VTKFile><Collection>", "it ends early"),
-        ("", "no collection"),
+        ("", "not a collection"),
     ] {
         let message = message(
             &|scene| fs::write(scene.path("p.pvd"), text).unwrap(),

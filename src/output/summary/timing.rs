@@ -51,9 +51,10 @@ pub struct ThreadTime {
     pub busy_ns: f64,
     /// The pixels' own times.
     pub pixels_ns: f64,
-    /// One reading of the clock per pixel, at the measured cost of a reading.
+    /// One reading of the clock per pixel, at the measured cost of a reading; 0 if waves are
+    /// timed.
     pub clock_ns: f64,
-    /// Writing pixels to the film.
+    /// Writing pixels to the film; 0 if waves are timed, whose pixels' times include it.
     pub film_ns: f64,
     /// Rendering pixels that count for nothing: warm-up, before a tile's first pixel is timed,
     /// and pixels that are timed again.

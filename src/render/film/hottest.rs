@@ -20,6 +20,9 @@ const AGREEMENT: f32 = 0.1;
 /// of it: a disturbance seldom meets two neighbors.
 const LIKE_A_NEIGHBOR: f32 = 0.5;
 
+/// Pixels of a row that are looked at together.
+const BLOCK: usize = 64;
+
 impl Film {
     /// The `n` pixels that cost most, the most expensive first; of equal ones the
     /// upper one, then the left one, comes first. There are fewer where too few
@@ -103,9 +106,16 @@ impl Times<'_> {
     pub fn hottest(&self, n: usize) -> Vec<HotPixel> {
         let mut list = HottestList::new(n);
         for (y, row) in self.ns.iter().enumerate() {
-            for (x, &ns) in row.iter().enumerate() {
-                let place = (x as u32, y as u32);
-                list.add(place, ns.into(), || self.is_trusted((x, y)));
+            for (first, block) in (0..).step_by(BLOCK).zip(row.chunks(BLOCK)) {
+                // Most blocks have none: the compiler makes vectors of this loop.
+                let most = block.iter().copied().fold(0.0, f32::max);
+                if f64::from(most) <= list.least() {
+                    continue;
+                }
+                for (x, &ns) in (first..).zip(block) {
+                    let place = (x as u32, y as u32);
+                    list.add(place, ns.into(), || self.is_trusted((x, y)));
+                }
             }
         }
         list.pixels
@@ -166,19 +176,22 @@ impl HottestList {
         }
     }
 
+    /// The cost that a pixel has to exceed.
+    fn least(&self) -> f64 {
+        match self.pixels.last() {
+            Some(last) if self.pixels.len() == self.most => last.value,
+            _ => 0.0,
+        }
+    }
+
     /// Adds a pixel if it costs more than one of the list and `is_trusted`, which
     /// is asked last. Pixels come row by row.
     fn add(&mut self, place: (u32, u32), value: f64, is_trusted: impl FnOnce() -> bool) {
-        let is_full = self.pixels.len() == self.most;
-        let least = match self.pixels.last() {
-            Some(last) if is_full => last.value,
-            _ => 0.0,
-        };
-        if value <= least || self.most == 0 || !is_trusted() {
+        if value <= self.least() || self.most == 0 || !is_trusted() {
             return;
         }
         let position = self.pixels.partition_point(|pixel| pixel.value >= value);
-        if is_full {
+        if self.pixels.len() == self.most {
             self.pixels.pop();
         }
         self.pixels.insert(position, HotPixel { place, value });

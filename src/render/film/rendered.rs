@@ -15,8 +15,10 @@ pub struct Rendered<'a> {
     pub counters: Option<&'a Counters>,
     /// The rays of the pixels by bounce; empty unless the film keeps them.
     pub bounces: &'a [RaysByBounce],
-    /// The times of the pixels; empty if they were not measured.
-    pub times: &'a [PixelTime],
+    /// The times of the pixels in nanoseconds; empty if they were not measured.
+    pub time_ns: &'a [f32],
+    /// 1 for each pixel whose time is rejected, 0 for the others.
+    pub n_rejected: &'a [u8],
     /// Time in which pixels were rendered that count for nothing, in nanoseconds.
     pub warm_up_ns: f64,
 }

@@ -85,12 +85,9 @@ impl Strip {
         if !rendered.bounces.is_empty() {
             self.bounces[places.clone()].copy_from_slice(&rendered.bounces[row.clone()]);
         }
-        if !rendered.times.is_empty() {
-            let times = &rendered.times[row];
-            fill(&mut self.time_ns[places.clone()], times, |time| time.ns);
-            fill(&mut self.n_rejected[places], times, |time| {
-                time.is_rejected.into()
-            });
+        if !rendered.time_ns.is_empty() {
+            self.time_ns[places.clone()].copy_from_slice(&rendered.time_ns[row.clone()]);
+            self.n_rejected[places].copy_from_slice(&rendered.n_rejected[row]);
         }
     }
 
@@ -115,13 +112,5 @@ impl Strip {
         if !self.radiance.is_empty() {
             self.radiance[places].copy_from_slice(&pixels.color[row]);
         }
-    }
-}
-
-/// Writes one value of each element of `from`.
-#[inline(always)]
-fn fill<S, T>(places: &mut [T], from: &[S], value: impl Fn(&S) -> T) {
-    for (place, from) in places.iter_mut().zip(from) {
-        *place = value(from);
     }
 }

@@ -12,7 +12,7 @@ pub const MAX_PIXELS: usize = 2048;
 
 /// Paths of a group of pixels that are traced and timed together: enough to keep the kernel
 /// busy.
-const GROUP_PATHS: u32 = 512;
+const GROUP_PATHS: u32 = 1024;
 
 /// Most pixels of a group.
 const GROUP_PIXELS: u32 = 256;
@@ -107,6 +107,21 @@ impl Tile {
         (y - self.rows[0]) * (right - left) + x - left
     }
 
+    /// The index in the tile of the first pixel of a part of it.
+    pub fn first_index(&self, part: &Tile) -> u32 {
+        self.index((part.columns[0], part.rows[0]))
+    }
+
+    /// The indices in the tile of each row of a part of it.
+    pub fn rows_of(&self, part: &Tile) -> impl Iterator<Item = Range<usize>> + use<> {
+        let [top, bottom] = part.rows;
+        let (tile, left, width) = (*self, part.columns[0], part.width());
+        (top..bottom).map(move |y| {
+            let first = tile.index((left, y)) as usize;
+            first..first + width
+        })
+    }
+
     /// Divides the tile into parts of whole rows, with at most `n_pixels` pixels or
     /// one row each. If a part can have whole rows of blocks, it has no others.
     pub fn parts(&self, n_pixels: usize) -> impl Iterator<Item = Tile> + use<> {
@@ -129,7 +144,7 @@ impl Tile {
 
     /// Divides a part of the tile into the groups of pixels whose paths are traced and timed
     /// together, if each pixel has so many samples (0 if that differs): of 256 pixels at one
-    /// sample, and of one at 512.
+    /// sample, and of one at 1024.
     pub fn groups(&self, n_samples: u32) -> impl Iterator<Item = Tile> + use<> {
         let part = *self;
         let n_pixels = (GROUP_PATHS / n_samples.max(1)).clamp(1, GROUP_PIXELS);
@@ -201,7 +216,7 @@ mod tests {
                     assert!(parts.eq(tile.pixels()));
                     let parts = tile.parts(100).flat_map(|part| part.pixels());
                     assert_eq!(parts.count(), tile.n_pixels());
-                    for n_samples in [0, 1, 4, 31, 512, 5000] {
+                    for n_samples in [0, 1, 4, 31, 600, 5000] {
                         let groups = tile.groups(n_samples);
                         let mut grouped: Vec<_> = groups.flat_map(|it| it.pixels()).collect();
                         grouped.sort_by_key(|&(x, y)| (y, x));

@@ -21,25 +21,35 @@ pub(super) struct Places {
     y: Vec<u32>,
     /// The index of each pixel among those that are rendered together.
     pixels: Vec<u32>,
-    /// The tile whose pixels these are, if they are all of one.
-    tile: Option<Tile>,
+    /// The tile and the part of it whose pixels these are, if they are all of one.
+    group: Option<[Tile; 2]>,
 }
 
 impl Places {
-    /// Overwrites the pixels by those of a tile, by their indices in it.
-    pub(super) fn fill_tile(&mut self, tile: &Tile) {
-        match self.tile {
-            Some(before) if before.has_size_of(tile) => self.shift(&before, tile),
-            _ => self.fill(tile.pixels().map(|at| (tile.index(at), at))),
+    /// Overwrites the pixels by those of a part of a tile, by their indices in the tile.
+    pub(super) fn fill_group(&mut self, tile: &Tile, group: &Tile) {
+        match self.group {
+            Some([tile_before, before])
+                if before.has_size_of(group) && tile_before.width() == tile.width() =>
+            {
+                let first = tile_before.first_index(&before);
+                self.shift(&before, group, [first, tile.first_index(group)]);
+            }
+            _ => self.fill(group.pixels().map(|at| (tile.index(at), at))),
         }
-        self.tile = Some(*tile);
+        self.group = Some([*tile, *group]);
     }
 
-    /// Moves the pixels of a tile to another one of the same size.
-    fn shift(&mut self, from: &Tile, to: &Tile) {
-        let columns = to.columns[0].wrapping_sub(from.columns[0]);
-        let rows = to.rows[0].wrapping_sub(from.rows[0]);
-        for (values, by) in [(&mut self.x, columns), (&mut self.y, rows)] {
+    /// Moves the pixels of a group to another one of the same size, whose first pixel has
+    /// another index.
+    fn shift(&mut self, from: &Tile, to: &Tile, [from_index, to_index]: [u32; 2]) {
+        let moves = [
+            (&mut self.x, from.columns[0], to.columns[0]),
+            (&mut self.y, from.rows[0], to.rows[0]),
+            (&mut self.pixels, from_index, to_index),
+        ];
+        for (values, from, to) in moves {
+            let by = to.wrapping_sub(from);
             for value in values {
                 *value = value.wrapping_add(by);
             }
@@ -48,7 +58,7 @@ impl Places {
 
     /// Overwrites the pixels: index, column and row of each.
     pub(super) fn fill(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
-        self.tile = None;
+        self.group = None;
         self.x.clear();
         self.y.clear();
         self.pixels.clear();
@@ -69,11 +79,6 @@ impl Places {
     /// Number of pixels.
     pub(super) fn len(&self) -> usize {
         self.n
-    }
-
-    /// The index of each pixel.
-    pub(super) fn numbers(&self) -> &[u32] {
-        &self.pixels[..self.n]
     }
 
     /// Number of blocks of eight pixels; the last one may have fewer.
@@ -230,10 +235,12 @@ mod tests {
         let numbers = 0..grid.n_tiles();
         for number in numbers.clone().chain(numbers.rev()) {
             for part in grid.tile(number).parts(100) {
-                let mut new = Places::default();
-                new.fill_tile(&part);
-                reused.fill_tile(&part);
-                assert_eq!(reused, new);
+                for group in [part].into_iter().chain(part.groups(32)) {
+                    let mut new = Places::default();
+                    new.fill_group(&part, &group);
+                    reused.fill_group(&part, &group);
+                    assert_eq!(reused, new);
+                }
             }
         }
     }

@@ -137,7 +137,8 @@ impl<'a> Canvas<'a> {
                 pixels: &pixels,
                 counters: None,
                 bounces: &[],
-                times: &[],
+                time_ns: &[],
+                n_rejected: &[],
                 warm_up_ns: 0.0,
             },
         );

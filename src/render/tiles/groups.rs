@@ -5,7 +5,7 @@ use super::TileRenderer;
 use super::stopwatch::{LONG_NS, Stopwatch, ThreadTimer};
 use super::stream::StreamRenderer;
 use super::view::View;
-use super::wave_times::ByStage;
+use super::wave_times::{ByStage, StageColumns};
 use crate::film::{PixelTime, Rendered};
 use crate::schedule::Tile;
 use tracer::cost::{BounceCounts, Clock, Counters, CpuWait};
@@ -20,16 +20,22 @@ pub(super) struct GroupRenderer<'a> {
     /// The times of the groups, and those of their stages.
     times: Vec<PixelTime>,
     stages_ns: Vec<ByStage>,
-    /// What the stages counted of each group.
-    counts: Vec<ByStage>,
+    /// What the stages counted of each pixel, and of each group.
+    counts: StageColumns,
+    sums: Vec<ByStage>,
     /// The nanoseconds per count in the last group that was not disturbed and counted any.
     usual: ByStage,
-    /// The times of the pixels, row by row.
-    of_pixels: Vec<PixelTime>,
+    /// The times of the pixels, row by row, and 1 for those that are rejected.
+    time_ns: Vec<f32>,
+    n_rejected: Vec<u8>,
     /// The counters of what is rendered again, which count for nothing.
     uncounted: (Counters, BounceCounts),
     /// Whether the thread has rendered a group.
     is_warm: bool,
+    /// The nanoseconds of each pixel of the last tile outside of groups: buffers are cleared.
+    rest_ns: f32,
+    /// The number of pixels that the thread has stored in the film, and in how many nanoseconds.
+    stored: (f64, f64),
 }
 
 impl<'a> GroupRenderer<'a> {
@@ -41,22 +47,32 @@ impl<'a> GroupRenderer<'a> {
             groups: Vec::new(),
             times: Vec::new(),
             stages_ns: Vec::new(),
-            counts: Vec::new(),
+            counts: StageColumns::default(),
+            sums: Vec::new(),
             usual: ByStage::default(),
-            of_pixels: Vec::new(),
+            time_ns: Vec::new(),
+            n_rejected: Vec::new(),
             uncounted: (Counters::default(), BounceCounts::new(view.counts_bounces)),
             is_warm: false,
+            rest_ns: 0.0,
+            stored: (0.0, 0.0),
         }
     }
 
-    /// Renders the group of a pixel of this part of a tile twice; returns the nanoseconds that
-    /// the pixel took the second time.
-    pub(super) fn time_pixel(&mut self, part: &Tile, at: (u32, u32), wait: &mut CpuWait) -> f32 {
-        self.begin(part, |group| group.has(at));
+    /// Renders the groups of these pixels of a part of a tile twice; returns the nanoseconds
+    /// that each pixel took the second time.
+    pub(super) fn time_pixels<'p>(
+        &'p mut self,
+        part: &'p Tile,
+        pixels: &'p [(u32, u32)],
+        wait: &mut CpuWait,
+    ) -> impl Iterator<Item = f32> + use<'p, 'a> {
+        self.begin(part, |group| pixels.iter().any(|&at| group.has(at)));
         self.render_groups(part, wait);
         self.render_groups(part, wait);
         self.split(part);
-        self.of_pixels[part.index(at) as usize].ns
+        let time_ns = &self.time_ns;
+        pixels.iter().map(|&at| time_ns[part.index(at) as usize])
     }
 
     /// Begins with those groups of a tile that are wanted.
@@ -67,8 +83,8 @@ impl<'a> GroupRenderer<'a> {
         self.times.clear();
         self.times.resize(self.groups.len(), PixelTime::default());
         self.stages_ns.resize(self.groups.len(), ByStage::default());
-        self.of_pixels.clear();
-        self.of_pixels.resize(tile.n_pixels(), PixelTime::default());
+        self.time_ns.resize(tile.n_pixels(), 0.0);
+        self.n_rejected.resize(tile.n_pixels(), 0);
     }
 
     /// Renders the groups of a tile, and those again whose times are disturbed or doubtful.
@@ -81,25 +97,30 @@ impl<'a> GroupRenderer<'a> {
             times,
             stages_ns,
             counts,
+            sums,
             ..
         } = self;
         let n_pixels = tile.n_pixels();
         let mut stopwatch = Stopwatch::new(ThreadTimer { clock, wait });
         let mut warm_up_ns = 0.0;
-        stream.begin(n_pixels);
         if !self.is_warm {
             self.is_warm = true;
             warm_up_ns = stopwatch.time(|_| {
+                stream.begin(n_pixels);
                 stream.render_group(tile, &groups[0]);
             });
-            stream.begin(n_pixels);
         }
-        let n_done = stopwatch.time_each(times, |i| {
-            stages_ns[i] = stream.render_group(tile, &groups[i]);
+        let mut n_done = 0;
+        let whole_ns = stopwatch.time(|stopwatch| {
+            stream.begin(n_pixels);
+            n_done = stopwatch.time_each(times, |i| {
+                stages_ns[i] = stream.render_group(tile, &groups[i]);
+            });
         });
-        counts.clear();
-        counts.extend(groups.iter().map(|group| sum(stream, tile, group)));
-        let work = |i: usize| counts[i].iter().sum::<f64>().max(1.0) as f32;
+        let in_groups: f64 = times.iter().map(|time| f64::from(time.ns)).sum();
+        self.rest_ns = ((whole_ns - in_groups).max(0.0) / n_pixels as f64) as f32;
+        stream.count_stages(tile, groups, counts, sums);
+        let work = |i: usize| sums[i].iter().sum::<f32>().max(1.0);
         stream.exchange_counters(&mut self.uncounted, false);
         let again_ns = stopwatch.time(|stopwatch| {
             stopwatch.time_again(&mut times[..n_done], work, |i| {
@@ -111,41 +132,39 @@ impl<'a> GroupRenderer<'a> {
         warm_up_ns + again_ns
     }
 
-    /// Gives each pixel its share of its group's time. The stages of a group that was disturbed
-    /// include the wait for a CPU: they count as in the group before.
+    /// Gives each pixel its share of its group's time, and of what the thread does outside of
+    /// groups: it clears buffers, and stores pixels in the film. The stages of a group that was
+    /// disturbed include the wait for a CPU: they count as in the group before.
     fn split(&mut self, tile: &Tile) {
+        let (n_stored, storing_ns) = self.stored;
+        let other_ns = self.rest_ns + (storing_ns / n_stored.max(1.0)) as f32;
         for (i, group) in self.groups.iter().enumerate() {
-            let (time, counts) = (self.times[i], &self.counts[i]);
+            let (time, sums) = (self.times[i], &self.sums[i]);
             if !time.is_rejected || self.usual == ByStage::default() {
                 for (stage, usual) in self.usual.iter_mut().enumerate() {
-                    if counts[stage] > 0.0 {
-                        *usual = self.stages_ns[i][stage] / counts[stage];
+                    if sums[stage] > 0.0 {
+                        *usual = self.stages_ns[i][stage] / sums[stage];
                     }
                 }
             }
-            let terms = counts.iter().zip(self.usual);
-            let modeled_ns: f64 = terms.map(|(n, ns)| n * ns).sum();
-            let scale = f64::from(time.ns) / modeled_ns.max(1.0);
+            let terms = sums.iter().zip(self.usual);
+            let modeled_ns: f32 = terms.map(|(n, ns)| n * ns).sum();
+            let scale = time.ns / modeled_ns.max(1.0);
+            let ns_per_count = self.usual.map(|ns| ns * scale);
             let is_rejected = time.is_rejected && time.ns < LONG_NS;
-            for at in group.pixels() {
-                let pixel = tile.index(at);
-                let terms = self.stream.counts(pixel).into_iter().zip(self.usual);
-                let ns: f64 = terms.map(|(n, ns)| n * ns).sum();
-                let ns = ((ns * scale) as f32).max(1.0);
-                self.of_pixels[pixel as usize] = PixelTime { ns, is_rejected };
+            for row in tile.rows_of(group) {
+                self.n_rejected[row.clone()].fill(is_rejected.into());
+                let time_ns = &mut self.time_ns[row.clone()];
+                time_ns.fill(other_ns);
+                for (column, ns_per_count) in self.counts.iter().zip(ns_per_count) {
+                    for (ns, n) in time_ns.iter_mut().zip(&column[row.clone()]) {
+                        *ns += n * ns_per_count;
+                    }
+                }
             }
         }
+        self.time_ns.iter_mut().for_each(|ns| *ns = ns.max(1.0));
     }
-}
-
-/// What the stages counted of a group.
-fn sum(stream: &StreamRenderer<Counters>, tile: &Tile, group: &Tile) -> ByStage {
-    let mut sums = ByStage::default();
-    for at in group.pixels() {
-        let counts = stream.counts(tile.index(at));
-        sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
-    }
-    sums
 }
 
 impl TileRenderer for GroupRenderer<'_> {
@@ -154,9 +173,15 @@ impl TileRenderer for GroupRenderer<'_> {
         let warm_up_ns = self.render_groups(tile, wait);
         self.split(tile);
         Rendered {
-            times: &self.of_pixels,
+            time_ns: &self.time_ns,
+            n_rejected: &self.n_rejected,
             warm_up_ns,
             ..self.stream.rendered()
         }
+    }
+
+    fn has_stored(&mut self, n_pixels: usize, ns: u64) {
+        self.stored.0 += n_pixels as f64;
+        self.stored.1 += ns as f64;
     }
 }

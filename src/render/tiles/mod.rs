@@ -136,6 +136,9 @@ trait TileRenderer {
     /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` is that of the
     /// calling thread.
     fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
+
+    /// The film has stored so many pixels in so many nanoseconds.
+    fn has_stored(&mut self, _n_pixels: usize, _ns: u64) {}
 }
 
 /// Renders the tiles of the plan, but for those that the pass takes over. Each thread
@@ -224,8 +227,8 @@ fn render_tile(
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }
-        // The film is written per tile and outside of any pixel's time: page
-        // faults at the first write would show in the heatmap.
+        // Page faults at the first write would show in the map of any one pixel: groups get
+        // the mean of all stores.
         let rendered_ns = now_ns();
         wait.is_interrupted();
         let waited_ns = wait.waited_ns();
@@ -237,6 +240,7 @@ fn render_tile(
             .end_ns
             .saturating_sub(rendered_ns + run.waiting_ns - waited_ns);
         run.film_ns += busy_ns;
+        renderer.has_stored(part.n_pixels(), busy_ns);
     }
     run
 }

@@ -62,6 +62,9 @@ impl Samples {
 
 fn summarize_strip(strip: &mut Strip, samples: &[Vec<Sample>]) {
     strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
+    if samples.len() == 1 {
+        return;
+    }
     let mut of_pixel = Vec::with_capacity(samples.len());
     let mut kept = Vec::with_capacity(samples.len());
     for i in 0..strip.time_ns.len() {

@@ -13,7 +13,7 @@ use super::TileRenderer;
 use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
 use super::noisy_pixels::NoisyPixels;
 use super::view::View;
-use super::wave_times::{ByStage, Stage, WaveTimes};
+use super::wave_times::{ByStage, CountStages, StageColumns, WaveStage, WaveTimes};
 use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use base::stop;
@@ -174,7 +174,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Ends a stage of the wave, if waves are timed.
     #[inline]
-    fn lap(&mut self, stage: Stage) {
+    fn lap(&mut self, stage: WaveStage) {
         if let Some(times) = &mut self.times {
             times.lap(stage);
         }
@@ -184,7 +184,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     fn render_samples(&mut self, samples: Range<u32>) {
         self.start(samples.clone());
         self.count_samples(samples.len() as u32);
-        self.lap(Stage::Samples);
+        self.lap(WaveStage::Paths);
         let middle = samples.contains(&self.view.middle);
         let stored = middle.then(|| (self.view.middle - samples.start) as usize);
         self.trace(stored.map(|sample| (sample, samples.len())));
@@ -255,7 +255,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         let probe = ByPixel::new(&mut self.probe, self.wave.pixels());
         let tracer = &self.view.tracer;
         tracer.nearest_stream(&self.wave.rays, &mut self.hits, probe);
-        self.lap(Stage::Hierarchy);
+        self.lap(WaveStage::Hierarchy);
         let has_particles = self.shader.has_particles();
         if stored.is_some() || !has_particles {
             self.find_points();
@@ -269,9 +269,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.find_points();
         }
         if let Some(times) = &mut self.times {
-            times.count_hits(self.wave.pixels(), &self.hits);
+            times.count_misses(self.wave.pixels(), self.points.missed());
         }
-        self.lap(Stage::Surfaces);
+        self.lap(WaveStage::Surfaces);
     }
 
     /// Computes the points of the wave's hits.
@@ -305,7 +305,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     fn shade(&mut self) {
         self.shader.weaken(&mut self.wave, &self.hits);
         self.shader.begin(&self.wave, &self.points);
-        self.lap(Stage::Surfaces);
+        self.lap(WaveStage::Surfaces);
         self.count_shadow_steps();
         for sample in 0..self.shader.n_light_samples(self.wave.depth) {
             self.light(sample);
@@ -321,14 +321,14 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.bounces.add(pixel as usize, self.next.depth, 1);
         }
         std::mem::swap(&mut self.wave, &mut self.next);
-        self.lap(Stage::Paths);
+        self.lap(WaveStage::Paths);
     }
 
     /// Adds the light of one sample of the lights at all points.
     fn light(&mut self, sample: usize) {
         let (wave, points) = (&self.wave, &self.points);
         self.shader.cast(sample, starts!(self), wave, points);
-        self.lap(Stage::Lights);
+        self.lap(WaveStage::Surfaces);
         let shadows = &self.shader.shadows;
         if self.shader.casts_shadows() {
             for &pixel in shadows.pixels() {
@@ -338,7 +338,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
             tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
-            self.lap(Stage::ShadowRays);
+            self.lap(WaveStage::ShadowRays);
         } else {
             self.occluded.clear();
             self.occluded.resize(shadows.pixels().len(), false);
@@ -347,27 +347,22 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         let occluded = &self.occluded;
         self.shader
             .add_light(sample, starts!(self), wave, points, occluded);
-        self.lap(Stage::Lights);
+        self.lap(WaveStage::Surfaces);
     }
 
     /// Counts the steps of shadow rays if waves are timed; called before and after them.
     fn count_shadow_steps(&mut self) {
         if let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted()) {
-            times.count_shadow_steps(counters, self.places.numbers());
+            times.count_shadow_steps(counters);
         }
     }
 
     /// Renders a group of a tile's pixels; returns the nanoseconds of each stage if waves are
     /// timed.
     pub(super) fn render_group(&mut self, tile: &Tile, group: &Tile) -> ByStage {
-        if group == tile {
-            self.places.fill_tile(tile);
-        } else {
-            let place = |at| (tile.index(at), at);
-            self.places.fill(group.pixels().map(place));
-        }
+        self.places.fill_group(tile, group);
         if let Some(times) = &mut self.times {
-            times.begin();
+            times.begin(tile, group);
         }
         self.render_places();
         self.times
@@ -375,11 +370,24 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             .map_or(ByStage::default(), WaveTimes::ns)
     }
 
-    /// What the stages of waves that are timed have counted of a pixel.
-    pub(super) fn counts(&self, pixel: u32) -> ByStage {
-        match (&self.times, self.probe.counted()) {
-            (Some(times), Some(counters)) => times.counts(counters, pixel as usize),
-            _ => ByStage::default(),
+    /// Writes what the stages of waves have counted of the pixels and the groups of a tile, if
+    /// waves are timed.
+    pub(super) fn count_stages(
+        &self,
+        tile: &Tile,
+        groups: &[Tile],
+        of_pixels: &mut StageColumns,
+        of_groups: &mut Vec<ByStage>,
+    ) {
+        if let (Some(times), Some(counters)) = (&self.times, self.probe.counted()) {
+            self.simd.run(CountStages {
+                times,
+                counters,
+                tile,
+                groups,
+                of_pixels,
+                of_groups,
+            });
         }
     }
 
@@ -403,7 +411,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             pixels: &self.pixels,
             counters: self.probe.counted(),
             bounces: self.bounces.get(),
-            times: &[],
+            time_ns: &[],
+            n_rejected: &[],
             warm_up_ns: 0.0,
         }
     }
@@ -426,7 +435,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let position = self.pixels.position[number];
             self.pixels.footprint[number] = self.view.footprint(position, self.footprints[i]);
         }
-        self.lap(Stage::Samples);
+        self.lap(WaveStage::Paths);
     }
 }
 

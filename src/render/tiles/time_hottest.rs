@@ -22,8 +22,8 @@ const N_BEFORE: u32 = 4;
 /// Most rounds: in each, the pixels that take the places of others are timed, too.
 const N_ROUNDS: usize = 5;
 
-/// Times a pixel of the film once, in nanoseconds.
-type TimePixel<'a> = &'a mut dyn FnMut((u32, u32), &mut CpuWait) -> f32;
+/// Times each of these pixels of the film once, in nanoseconds.
+type TimePixels<'a> = &'a mut dyn FnMut(&[(u32, u32)], &mut CpuWait) -> Vec<f32>;
 
 /// Times the most expensive pixels of a film that has been timed again, until the first of
 /// them is one of these, and gives the film the medians of their times. A film without rows,
@@ -36,46 +36,81 @@ pub(super) fn time_hottest_again(film: &mut Film, view: View, meter: &Meter, pla
         Meter::Off | Meter::Counters => {}
         Meter::Time(clock) => {
             let mut renderer = GroupRenderer::new(view, clock);
-            again(film, &mut |place, wait| {
-                let part = plan.in_picture(&part(plan, place));
-                renderer.time_pixel(&part, in_picture(plan, place), wait)
+            again(film, &mut |places, wait| {
+                time_groups(&mut renderer, plan, places, wait)
             });
         }
         Meter::SingleRayTime(clock) => {
             let room = (N_BEFORE as usize + 1, &plan.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
-            again(film, &mut |place, wait| {
-                let place = in_picture(plan, place);
-                let before = before(place, plan.image.width);
-                renderer.time_last(before.chain([place]), wait)
+            again(film, &mut |places, wait| {
+                let places = places.iter().map(|&place| in_picture(plan, place));
+                let time = |place| {
+                    let before = before(place, plan.image.width);
+                    wait.begin();
+                    renderer.time_last(before.chain([place]), wait)
+                };
+                places.map(time).collect()
             });
         }
     }
 }
 
-fn again(film: &mut Film, time_pixel: TimePixel) {
+/// Times the groups of these pixels once, those of a part of a tile together.
+fn time_groups(
+    renderer: &mut GroupRenderer,
+    plan: &TilePlan,
+    places: &[(u32, u32)],
+    wait: &mut CpuWait,
+) -> Vec<f32> {
+    let mut times = vec![0.0; places.len()];
+    for (i, &place) in places.iter().enumerate() {
+        let is_timed = times[i] > 0.0;
+        if is_timed {
+            continue;
+        }
+        let part = part(plan, place);
+        let of_part = || (i..places.len()).filter(|&i| part.has(places[i]));
+        let pixels: Vec<(u32, u32)> = of_part().map(|i| in_picture(plan, places[i])).collect();
+        let in_picture = plan.in_picture(&part);
+        wait.begin();
+        let timed = renderer.time_pixels(&in_picture, &pixels, wait);
+        for (i, ns) in of_part().zip(timed) {
+            times[i] = ns;
+        }
+    }
+    times
+}
+
+fn again(film: &mut Film, time_pixels: TimePixels) {
     let mut wait = CpuWait::of_this_thread();
+    // The first of these are timed, and take their places among the rest.
+    let mut pixels = film.hottest(Metric::TIME, N_ROUNDS * N_PIXELS);
     let mut timed: Vec<(u32, u32)> = Vec::new();
     for _ in 0..N_ROUNDS {
-        let hottest = film.hottest(Metric::TIME, N_PIXELS);
         let is_timed = |pixel: &HotPixel| timed.contains(&pixel.place);
-        if stop::is_requested() || hottest.first().is_none_or(is_timed) {
+        if stop::is_requested() || pixels.first().is_none_or(is_timed) {
             return;
         }
-        let new = hottest.into_iter().filter(|pixel| !is_timed(pixel));
+        let hottest = pixels.iter().take(N_PIXELS);
+        let new = hottest.filter(|pixel| !is_timed(pixel));
         let new: Vec<(u32, u32)> = new.map(|pixel| pixel.place).collect();
         let mut times = vec![Vec::new(); new.len()];
         for _ in 0..N_TIMES {
-            for (times, &place) in times.iter_mut().zip(&new) {
-                wait.begin();
-                times.push(f64::from(time_pixel(place, &mut wait)));
+            for (times, ns) in times.iter_mut().zip(time_pixels(&new, &mut wait)) {
+                times.push(f64::from(ns));
             }
         }
         for (mut times, &place) in times.into_iter().zip(&new) {
             let [median_ns, mad_ns] = median_and_deviation(&mut times);
             let has_spread = film.n_repeats > 1;
             film.set_time(place, [median_ns, if has_spread { mad_ns } else { 0.0 }]);
+            let mut pixels = pixels.iter_mut();
+            if let Some(pixel) = pixels.find(|pixel| pixel.place == place) {
+                pixel.value = median_ns.into();
+            }
         }
+        pixels.sort_by(|a, b| b.value.total_cmp(&a.value));
         timed.extend(new);
     }
 }

@@ -39,7 +39,8 @@ pub(super) struct SingleRayRenderer<'a> {
     // The same row by row, as the film has them.
     columns: PixelColumns,
     counters: Counters,
-    times_by_row: Vec<PixelTime>,
+    time_ns: Vec<f32>,
+    n_rejected: Vec<u8>,
 }
 
 /// A pixel of a tile.
@@ -95,7 +96,8 @@ impl<'a> SingleRayRenderer<'a> {
             times: vec![written_time; n_pixels],
             columns: PixelColumns::none(n_pixels),
             counters: Counters::default(),
-            times_by_row: vec![written_time; n_pixels],
+            time_ns: vec![f32::NAN; n_pixels],
+            n_rejected: vec![u8::MAX; n_pixels],
         };
         renderer.warm_up_thread(image);
         renderer
@@ -215,7 +217,8 @@ impl TileRenderer for SingleRayRenderer<'_> {
         self.counters.reset(n_pixels, view.rounds.n_uniform());
         for (i, &PixelPlace { index, .. }) in self.places.iter().enumerate() {
             self.columns.set(index, &pixels[i]);
-            self.times_by_row[index] = self.times[i];
+            let PixelTime { ns, is_rejected } = self.times[i];
+            (self.time_ns[index], self.n_rejected[index]) = (ns, is_rejected.into());
             if i < n_done {
                 self.counters.add(index, &self.renderer.costs[i]);
             }
@@ -224,7 +227,8 @@ impl TileRenderer for SingleRayRenderer<'_> {
             pixels: &self.columns,
             counters: Some(&self.counters),
             bounces: self.renderer.bounces.get(),
-            times: &self.times_by_row[..n_pixels],
+            time_ns: &self.time_ns[..n_pixels],
+            n_rejected: &self.n_rejected[..n_pixels],
             warm_up_ns,
         }
     }

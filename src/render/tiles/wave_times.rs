@@ -4,32 +4,39 @@
 //! a stage is split over the pixels of the group in proportion to what that stage counts: the
 //! more samples pixels have, the fewer of them share a group.
 
+use std::ops::Range;
+
+use crate::schedule::Tile;
+use math::simd::{InstructionSet, Lanes, SimdKernel};
 use tracer::cost::{Clock, Counter, Counters, Instant};
 
 /// The stages of a wave.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Stage {
-    /// Camera rays start, and samples become pixels; split by samples.
-    Samples,
+pub(super) enum WaveStage {
     /// The hierarchy is searched for the nearest hits; by node visits and primitive tests.
     Hierarchy,
-    /// The surfaces at the hits are found, and shading begins; by hits.
+    /// The surfaces at the hits are found, shaded and lit; by hits.
     Surfaces,
-    /// Light samples are drawn and added; by hits.
-    Lights,
     /// Shadow rays are traced; by their node visits and primitive tests.
     ShadowRays,
-    /// Paths go on or end; by rays, without those of shadows.
+    /// Paths start, go on or end, and become pixels; by rays, without those of shadows.
     Paths,
 }
 
-const N_STAGES: usize = 6;
+const N_STAGES: usize = 4;
 
 /// A number for each stage.
-pub(super) type ByStage = [f64; N_STAGES];
+pub(super) type ByStage = [f32; N_STAGES];
 
-/// The rays that continue paths.
-const PATH_RAYS: [Counter; 3] = [
+/// The numbers of each stage for the pixels of a tile.
+pub(super) type StageColumns = [Vec<f32>; N_STAGES];
+
+/// The steps of a traversal.
+const STEPS: [Counter; 2] = [Counter::NodeVisits, Counter::PrimitiveTests];
+
+/// The rays of paths; those of samples are counted where pixels differ in them.
+const PATH_RAYS: [Counter; 4] = [
+    Counter::Samples,
     Counter::ReflectionRays,
     Counter::RefractionRays,
     Counter::DiffuseRays,
@@ -46,10 +53,12 @@ pub(super) struct WaveTimes<'a> {
     n_samples: u32,
     /// Whether pixels are rendered that count.
     counts: bool,
-    /// Surfaces that the rays of each pixel have hit.
-    hits: Vec<u64>,
+    /// Rays of each pixel that hit nothing.
+    misses: Vec<u32>,
     /// Node visits and primitive tests of the shadow rays of each.
     shadow_steps: Vec<u64>,
+    /// The pixels of the group, row by row.
+    rows: Vec<Range<usize>>,
 }
 
 impl<'a> WaveTimes<'a> {
@@ -60,31 +69,34 @@ impl<'a> WaveTimes<'a> {
             ns: ByStage::default(),
             n_samples,
             counts: true,
-            hits: Vec::new(),
+            misses: Vec::new(),
             shadow_steps: Vec::new(),
+            rows: Vec::new(),
         }
     }
 
     /// Begins a tile of so many pixels.
     pub(super) fn begin_tile(&mut self, n_pixels: usize) {
         if self.counts {
-            for counts in [&mut self.hits, &mut self.shadow_steps] {
-                counts.clear();
-                counts.resize(n_pixels, 0);
-            }
+            self.misses.clear();
+            self.misses.resize(n_pixels, 0);
+            self.shadow_steps.clear();
+            self.shadow_steps.resize(n_pixels, 0);
         }
     }
 
-    /// Begins a group.
-    pub(super) fn begin(&mut self) {
+    /// Begins a group of a tile.
+    pub(super) fn begin(&mut self, tile: &Tile, group: &Tile) {
+        self.rows.clear();
+        self.rows.extend(tile.rows_of(group));
         self.ns = ByStage::default();
         self.begin = self.clock.now();
     }
 
     /// Ends a stage, and begins the next one.
-    pub(super) fn lap(&mut self, stage: Stage) {
+    pub(super) fn lap(&mut self, stage: WaveStage) {
         let end = self.clock.now();
-        self.ns[stage as usize] += f64::from(self.clock.elapsed_ns(self.begin, end));
+        self.ns[stage as usize] += self.clock.elapsed_ns(self.begin, end);
         self.begin = end;
     }
 
@@ -98,42 +110,108 @@ impl<'a> WaveTimes<'a> {
         self.counts = counts;
     }
 
-    /// Counts the surfaces that the rays of these pixels have hit.
-    pub(super) fn count_hits<T>(&mut self, pixels: &[u32], hits: &[Option<T>]) {
+    /// Counts those rays of the wave's pixels that hit nothing.
+    pub(super) fn count_misses(&mut self, pixels: &[u32], missed: &[u32]) {
         if self.counts {
-            for (&pixel, hit) in pixels.iter().zip(hits) {
-                self.hits[pixel as usize] += u64::from(hit.is_some());
+            for &ray in missed {
+                self.misses[pixels[ray as usize] as usize] += 1;
             }
         }
     }
 
     /// Counts the steps of shadow rays, which are traced between two calls: one before them
     /// and one after them.
-    pub(super) fn count_shadow_steps(&mut self, counters: &Counters, pixels: &[u32]) {
-        if self.counts {
-            for &pixel in pixels {
-                let pixel = pixel as usize;
-                self.shadow_steps[pixel] = steps(counters, pixel) - self.shadow_steps[pixel];
+    pub(super) fn count_shadow_steps(&mut self, counters: &Counters) {
+        if !self.counts {
+            return;
+        }
+        for row in &self.rows {
+            let steps = STEPS.map(|counter| &counters.get(counter)[row.clone()]);
+            let shadow_steps = &mut self.shadow_steps[row.clone()];
+            for (i, of_shadows) in shadow_steps.iter_mut().enumerate() {
+                *of_shadows = steps[0][i] + steps[1][i] - *of_shadows;
             }
         }
     }
+}
 
-    /// What each stage counts of a pixel.
-    #[inline]
-    pub(super) fn counts(&self, counters: &Counters, pixel: usize) -> ByStage {
-        let shadow_steps = self.shadow_steps[pixel];
-        let nearest_steps = steps(counters, pixel) - shadow_steps;
-        let count = |counter| counters.get(counter).get(pixel).copied().unwrap_or(0);
-        let n_samples = u64::from(self.n_samples) + count(Counter::Samples);
-        let n_rays = n_samples + PATH_RAYS.map(count).iter().sum::<u64>();
-        let hits = self.hits[pixel];
-        [n_samples, nearest_steps, hits, hits, shadow_steps, n_rays].map(|n| n as f64)
+/// Writes what each stage counts of the pixels of a tile and of its groups.
+pub(super) struct CountStages<'a> {
+    pub(super) times: &'a WaveTimes<'a>,
+    pub(super) counters: &'a Counters,
+    pub(super) tile: &'a Tile,
+    pub(super) groups: &'a [Tile],
+    pub(super) of_pixels: &'a mut StageColumns,
+    pub(super) of_groups: &'a mut Vec<ByStage>,
+}
+
+impl SimdKernel for CountStages<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: InstructionSet>(self, set: I) {
+        let Self {
+            times, counters, ..
+        } = self;
+        let n_pixels = counters.n_pixels();
+        self.of_pixels
+            .iter_mut()
+            .for_each(|column| column.resize(n_pixels, 0.0));
+        let [hierarchy, surfaces, shadow_rays, paths] =
+            self.of_pixels.each_mut().map(|column| &mut column[..]);
+        paths.fill(times.n_samples as f32);
+        for kind in PATH_RAYS {
+            for (n_rays, &n) in paths.iter_mut().zip(counters.get(kind)) {
+                *n_rays += single(n);
+            }
+        }
+        for ((hits, n_rays), &misses) in surfaces.iter_mut().zip(&*paths).zip(&times.misses) {
+            *hits = n_rays - misses as f32;
+        }
+        let [visits, tests] = STEPS.map(|counter| &counters.get(counter)[..n_pixels]);
+        let of_shadows = &times.shadow_steps[..n_pixels];
+        let columns = hierarchy.iter_mut().zip(shadow_rays);
+        for (i, (hierarchy, shadow_rays)) in columns.enumerate() {
+            *hierarchy = single(visits[i] + tests[i] - of_shadows[i]);
+            *shadow_rays = single(of_shadows[i]);
+        }
+        self.of_groups.clear();
+        for group in self.groups {
+            let mut sums = [set.splat(0.0); N_STAGES];
+            let mut rests = ByStage::default();
+            for row in self.tile.rows_of(group) {
+                let columns = self.of_pixels.iter().map(|column| &column[row.clone()]);
+                for ((sum, sum_of_rest), column) in sums.iter_mut().zip(&mut rests).zip(columns) {
+                    let (blocks, rest) = column.as_chunks();
+                    blocks
+                        .iter()
+                        .for_each(|block| *sum = *sum + set.load(block));
+                    rest.iter().for_each(|n| *sum_of_rest += n);
+                }
+            }
+            let whole = sums.map(|sum| sum.to_array().into_iter().sum::<f32>());
+            let sums = std::array::from_fn(|stage| whole[stage] + rests[stage]);
+            self.of_groups.push(sums);
+        }
     }
 }
 
-/// The node visits and the primitive tests of a pixel so far.
-#[inline]
-fn steps(counters: &Counters, pixel: usize) -> u64 {
-    let count = |counter| counters.get(counter)[pixel];
-    count(Counter::NodeVisits) + count(Counter::PrimitiveTests)
+/// A count below 2^52 as a number. Vectors of integers of 64 bits are converted by AVX-512DQ only,
+/// and here by every set: the count becomes the fraction of a number whose exponent is 52.
+#[inline(always)]
+fn single(count: u64) -> f32 {
+    const TWO_TO_52: f64 = (1_u64 << 52) as f64;
+    (f64::from_bits(TWO_TO_52.to_bits() | count) - TWO_TO_52) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_become_numbers() {
+        for count in [0, 1, 2, 1 << 24, 123_456_789_012, (1 << 52) - 1] {
+            assert_eq!(single(count), count as f32);
+        }
+    }
 }
