@@ -9,9 +9,9 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use raycost::config::{CostMode, Repeats};
-use raycost::instruments::TimeLeft;
 use raycost::session::Event;
 use raycost::{Options, Session};
+use render::instruments::TimeLeft;
 
 /// Renderings of a scene whose median error is printed.
 const N_RENDERINGS: usize = 5;

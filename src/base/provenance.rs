@@ -37,15 +37,10 @@ pub fn checksum(bytes: &[u8]) -> Checksum {
 }
 
 /// Computes a checksum of bytes that arrive in parts.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Hasher(XxHash3_128);
 
 impl Hasher {
-    /// Starts without bytes.
-    pub fn new() -> Self {
-        Self(XxHash3_128::new())
-    }
-
     /// Adds bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.write(bytes);
@@ -175,7 +170,7 @@ mod tests {
             checksum(b"").to_string(),
             "99aa06d3014798d86001c324468d497f"
         );
-        let mut hasher = Hasher::new();
+        let mut hasher = Hasher::default();
         hasher.add(b"ray");
         hasher.add(b"cost\n");
         assert_eq!(hasher.checksum(), checksum(b"raycost\n"));

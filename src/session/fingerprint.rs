@@ -107,7 +107,7 @@ pub(super) fn section_of(
     let settings: Vec<&str> = document.settings().collect();
     let scene = (document.name(), settings, config);
     let program = (version, commit, flags);
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(format!("{program:?}{scene:?}{:?}", (number, time)).as_bytes());
     let states = states_of(files(document, config));
     hasher.add(&states.bits().to_le_bytes());
@@ -131,7 +131,7 @@ fn of_pixels(
     (frame, base): (Option<(u32, f64)>, Option<Checksum>),
     files: impl Iterator<Item = PathBuf>,
 ) -> Result<Checksum, Diagnostic> {
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(format!("{config:?}{frame:?}{base:?}").as_bytes());
     hasher.add(&contents_of(files)?.bits().to_le_bytes());
     Ok(hasher.checksum())
@@ -144,7 +144,7 @@ fn of_pixels(
 pub(crate) fn contents_of(
     files: impl Iterator<Item = impl AsRef<Path>>,
 ) -> Result<Checksum, Diagnostic> {
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     for file in files {
         let file = file.as_ref();
         // Not a regular file: skipped; the scene's own files were read earlier.
@@ -161,7 +161,7 @@ pub(crate) fn contents_of(
 
 /// A hash of the lengths of files and of when they were changed.
 pub(crate) fn states_of(files: impl Iterator<Item = impl AsRef<Path>>) -> Checksum {
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     for file in files {
         hasher.add(format!("{:?}", state_of(file.as_ref())).as_bytes());
     }
@@ -189,7 +189,7 @@ fn state_of(file: &Path) -> (&Path, u64, u128) {
 /// over them.
 pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
     let materials: Vec<&String> = config.materials.keys().collect();
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(format!("{:?}", (&config.objects, materials, config.acceleration)).as_bytes());
     let states = states_of(geometry_files(document, config).into_iter());
     hasher.add(&states.bits().to_le_bytes());

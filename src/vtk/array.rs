@@ -14,9 +14,13 @@ pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 
 
 /// An array whose bytes are generated while the file is written.
 pub struct Array<'a> {
+    /// The name in the file.
     pub name: &'a str,
+    /// The type of its numbers.
     pub scalar: ScalarType,
+    /// Numbers per entry.
     pub n_components: usize,
+    /// Bytes of all entries, uncompressed.
     pub n_bytes: u64,
     /// The unit of its numbers; `None` for colors, ids and flags.
     pub unit: Option<&'static str>,
@@ -111,7 +115,9 @@ impl<'a> Array<'a> {
 /// than 64-bit ones.
 #[derive(Clone, Copy)]
 pub enum Integers {
+    /// 32 bits, signed.
     I32,
+    /// 64 bits, signed.
     I64,
 }
 

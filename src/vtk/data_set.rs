@@ -9,7 +9,9 @@ pub enum DataSet<'a> {
     /// A regular grid of points with spacing 1, or a piece of one, whose first point is at the
     /// origin.
     Image {
+        /// The points, in the whole grid.
         extent: Extent,
+        /// An entry per point, row by row from the bottom.
         point_data: Vec<Array<'a>>,
     },
     /// A regular grid of square cells.
@@ -20,6 +22,7 @@ pub enum DataSet<'a> {
         origin: [f64; 2],
         /// The side of a cell.
         spacing: f64,
+        /// An entry per cell, row by row from the bottom.
         cell_data: Vec<Array<'a>>,
     },
     /// Cells of any type; the last array of `cells` is `types`.
@@ -32,7 +35,9 @@ pub enum DataSet<'a> {
 /// from bottom to top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
+    /// The first and the last column.
     pub columns: [u32; 2],
+    /// The first and the last row, from the bottom.
     pub rows: [u32; 2],
 }
 
@@ -56,9 +61,13 @@ impl fmt::Display for Extent {
 
 /// Points and cells with their arrays.
 pub struct CellMesh<'a> {
+    /// Number of points.
     pub n_points: usize,
+    /// Number of cells.
     pub n_cells: usize,
+    /// Arrays of an entry per point.
     pub point_data: Vec<Array<'a>>,
+    /// Arrays of an entry per cell.
     pub cell_data: Vec<Array<'a>>,
     /// The points' coordinates.
     pub points: Array<'a>,

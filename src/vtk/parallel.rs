@@ -13,11 +13,16 @@ pub enum PieceFiles {
     /// Parts of an image of so many columns and rows, with spacing 1 and the first point at the
     /// origin.
     Image {
+        /// Columns and rows of the whole image.
         size: [u32; 2],
+        /// The name of each file, and its part of the image.
         files: Vec<(String, Extent)>,
     },
     /// Grids of cells, whose points are 32-bit floats.
-    Grids { files: Vec<String> },
+    Grids {
+        /// The name of each file.
+        files: Vec<String>,
+    },
 }
 
 /// Writes the file of pieces that all have these arrays of points.

@@ -103,7 +103,7 @@ impl HashedFile {
         Ok(Self {
             file: disk::create_file(&path)?,
             path,
-            hasher: Hasher::new(),
+            hasher: Hasher::default(),
             position: 0,
             end: 0,
             was_rewritten: false,
@@ -144,7 +144,7 @@ impl Write for HashedFile {
 /// An error of the system.
 pub fn checksum_of(path: &Path) -> io::Result<Checksum> {
     let mut file = files::open(path)?;
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     let mut buffer = vec![0; READ_BUFFER];
     loop {
         stop::check().map_err(io::Error::other)?;

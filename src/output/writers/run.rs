@@ -19,7 +19,7 @@ impl PixelHashes {
     pub(super) fn add(&mut self, film: &Film) {
         let stored: Vec<Column> = film.kept_columns().filter(Column::is_in_strips).collect();
         let of_strip = |strip: &Strip| {
-            let mut hasher = Hasher::new();
+            let mut hasher = Hasher::default();
             for column in &stored {
                 hasher.add(column.bytes(film, strip, &mut Vec::new()));
             }
@@ -27,7 +27,7 @@ impl PixelHashes {
         };
         // Packed counters are equal where the counts are.
         let of_tiles = |tiles: &[RenderedTile]| {
-            let mut hasher = Hasher::new();
+            let mut hasher = Hasher::default();
             let parts = tiles.iter().flat_map(|tile| &tile.counters);
             for bytes in parts.flat_map(PackedCounters::bytes) {
                 hasher.add(bytes);
@@ -48,7 +48,7 @@ pub(super) fn id_of(rendering: &RenderingView) -> RunId {
     let PixelHashes { strips, tiles } = &rendering.survey.hashes;
     let time = rendering.frame.map(|frame| frame.time);
     let asked = format!("{:?}", (rendering.scene_file, rendering.config, time));
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(env!("CARGO_PKG_VERSION").as_bytes());
     hasher.add(asked.as_bytes());
     for sum in strips.iter().chain(tiles) {

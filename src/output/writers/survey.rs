@@ -14,8 +14,9 @@ use tracer::cost::Metric;
 pub struct Survey {
     pub(super) hashes: PixelHashes,
     pub(super) n_hits: u64,
-    /// The sum of the times, and of their median absolute deviations, in nanoseconds.
+    /// The sum of the times in nanoseconds.
     pub time_ns: f64,
+    /// The sum of the times' median absolute deviations in nanoseconds.
     pub time_mad_ns: f64,
     /// Number of rejected times.
     pub n_rejected: u64,

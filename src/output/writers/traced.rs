@@ -68,7 +68,7 @@ fn own() -> Own {
 
 /// Returns a hash of the scene's name, the frame's time, the rays, their times and the cloud.
 fn run_id(traced: &Traced) -> RunId {
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(format!("{:?}", (traced.name, traced.time)).as_bytes());
     for pixel in traced.pixels {
         for ray in &pixel.tree.rays {

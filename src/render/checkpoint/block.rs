@@ -84,7 +84,7 @@ fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<bool> {
 }
 
 fn checksum(kind_and_length: &[u8], number: u64, content: &[u8]) -> [u8; 16] {
-    let mut hasher = Hasher::new();
+    let mut hasher = Hasher::default();
     hasher.add(kind_and_length);
     hasher.add(&number.to_le_bytes());
     hasher.add(content);

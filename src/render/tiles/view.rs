@@ -17,6 +17,7 @@ use tracer::trace::Tracer;
 /// Everything that rendering a pixel needs.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
+    /// Finds hits in the scene.
     pub tracer: Tracer<'a>,
     pub(crate) shader: Shader<'a>,
     /// The samples of each pixel.
@@ -42,6 +43,7 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
+    /// The view of a scene through the pixels of an image.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {

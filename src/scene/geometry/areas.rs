@@ -47,6 +47,7 @@ pub struct AreaTest<R: Arithmetic> {
 }
 
 impl<R: Arithmetic> Areas<R> {
+    /// Computes the areas of a triangle with these vertices.
     #[inline(always)]
     pub fn new([a, b, c]: &[Vector<R>; 3]) -> Self {
         let (u0, u1) = (b.x * c.y, b.y * c.x);

@@ -206,7 +206,7 @@ impl FrameSeries {
 
     /// A hash of the frames' runs.
     fn id(&self) -> RunId {
-        let mut hasher = Hasher::new();
+        let mut hasher = Hasher::default();
         for frame in &self.frames {
             hasher.add(format!("{:?}", (frame.number, frame.time, frame.run)).as_bytes());
         }

@@ -52,10 +52,9 @@ impl Instant {
     }
 }
 
-#[cfg(test)]
 impl Instant {
     /// A reading of a simulated clock.
-    pub fn of_ticks(ticks: u64) -> Self {
+    pub fn from_ticks(ticks: u64) -> Self {
         Self { ticks, cpu: 0 }
     }
 

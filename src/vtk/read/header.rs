@@ -14,17 +14,22 @@ const MAX_COMPONENTS: u32 = 9;
 /// The root element, `VTKFile`.
 #[derive(Debug, Deserialize)]
 pub struct VtkHeader {
+    /// `LittleEndian` or `BigEndian`.
     #[serde(rename = "@byte_order")]
     pub byte_order: String,
+    /// The type of the lengths before arrays, such as `UInt64`.
     #[serde(rename = "@header_type")]
     pub header_type: Option<String>,
+    /// The VTK class that decompresses the arrays, if they are compressed.
     #[serde(rename = "@compressor")]
     pub compressor: Option<String>,
     /// The id of the run that wrote the file.
     #[serde(rename = "@raycost_run")]
     pub run: Option<String>,
+    /// The data set, if it is an image.
     #[serde(rename = "ImageData")]
     pub image: Option<ImageDataElement>,
+    /// The data set, if it has cells of any type.
     #[serde(rename = "UnstructuredGrid")]
     pub grid: Option<UnstructuredGridElement>,
 }
@@ -41,8 +46,10 @@ pub struct ImageDataElement {
 /// The element `Piece` of an `ImageData`.
 #[derive(Debug, Deserialize)]
 pub struct ImagePieceElement {
+    /// First and last column, row and layer of its points, six numbers.
     #[serde(rename = "@Extent")]
     pub extent: String,
+    /// Arrays of an entry per point.
     #[serde(rename = "PointData", default)]
     pub point_data: DataArraysElement,
 }
@@ -70,6 +77,7 @@ pub struct GridPieceElement {
 /// The elements `PointData` and `Points`: lists of arrays.
 #[derive(Debug, Default, Deserialize)]
 pub struct DataArraysElement {
+    /// The arrays, in the order of the file.
     #[serde(rename = "DataArray", default)]
     pub arrays: Vec<DataArrayElement>,
 }
@@ -95,15 +103,19 @@ pub(super) struct TextElement {
 /// The element `DataArray`.
 #[derive(Debug, Deserialize)]
 pub struct DataArrayElement {
+    /// VTK's name of the type of its numbers, such as `Float32`.
     #[serde(rename = "@type")]
     pub scalar: String,
+    /// The name of the array.
     #[serde(rename = "@Name")]
     pub name: String,
+    /// Numbers per entry.
     #[serde(rename = "@NumberOfComponents", default = "one")]
     pub n_components: u32,
     /// Of field data.
     #[serde(rename = "@NumberOfTuples")]
     pub(super) n_tuples: Option<u64>,
+    /// Bytes from the start of the appended data; `None` for data in the header.
     #[serde(rename = "@offset")]
     pub offset: Option<u64>,
 }

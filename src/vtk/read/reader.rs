@@ -22,6 +22,7 @@ pub(super) const LENGTH_BYTES: u64 = size_of::<u64>() as u64;
 /// An open VTK file.
 #[derive(Debug)]
 pub struct VtkReader {
+    /// The file's path, for messages.
     pub path: PathBuf,
     pub(super) file: File,
     n_bytes: u64,

@@ -48,7 +48,7 @@ impl BusyMachine {
 
 impl Timer for &BusyMachine {
     fn now(&mut self) -> Instant {
-        Instant::of_ticks(self.now_ns.get())
+        Instant::from_ticks(self.now_ns.get())
     }
 
     fn elapsed_ns(&self, from: Instant, to: Instant) -> f32 {
