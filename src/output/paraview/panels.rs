@@ -90,7 +90,7 @@ impl Panels {
 
 /// The shape of a panel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Panel {
+pub struct Panel {
     /// Width over height.
     aspect: f64,
     /// Height of the title as a fraction of the panel's height.

@@ -2,7 +2,7 @@
 
 /// The replacement of a marked value.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum StateValue {
+pub enum StateValue {
     /// The value of an attribute.
     One(String),
     /// The values of all elements of a property.

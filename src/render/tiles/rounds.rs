@@ -32,7 +32,7 @@ struct NoiseLimit {
 
 /// Sums over the samples of a pixel.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SampleSums<R> {
+pub struct SampleSums<R> {
     pub colors: Vector<R>,
     /// Of the colors' squares.
     pub squares: Vector<R>,

@@ -9,7 +9,7 @@ use base::folder::{FileWriter, OutputFolder};
 use base::provenance::RunId;
 
 /// A file of a diff. Its source file defines it; `files.rs` lists all.
-pub(crate) struct DiffFile {
+pub struct DiffFile {
     /// Its name in the folder.
     pub name: &'static str,
     pub(super) write: fn(&DiffJob, &mut FileWriter) -> io::Result<()>,
