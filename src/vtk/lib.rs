@@ -1,10 +1,11 @@
-//! VTK XML files: `appended::write` writes them, and `read::VtkReader` reads them.
+//! VTK's files: data sets → bytes, and bytes → arrays by name. It does not know what the arrays
+//! mean.
 //!
-//! The header consists of vtkio's types, serialized by vtkio. The arrays follow
-//! it as appended data, raw or compressed a few blocks at a time, directly from
-//! their memory, so that no second copy of them exists. (vtkio's own writer
-//! would hold the whole file as base64 text, and loses data beyond 2 GiB.) This
-//! module knows the format, but not the meaning of the arrays.
+//! Read [`array`] and [`data_set`], what is written; [`appended::write`], which writes a header
+//! of vtkio's types and behind it the arrays, raw or compressed a few blocks at a time, from
+//! their memory, so that no second copy exists (vtkio's own writer would hold the file as
+//! base64, and loses data beyond 2 GiB); and [`read::VtkReader`]. [`parallel`] lists the pieces
+//! of a data set, [`hdf`] writes VTKHDF.
 
 mod codec;
 pub mod array;

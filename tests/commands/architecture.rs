@@ -1,6 +1,6 @@
-//! The order of the modules in `lib.rs` is the order of the data: a module uses
-//! only those above it. Inside a folder no files use each other in a circle. Each
-//! name means one type.
+//! The crates stand in the order of the data, and so do the modules of each: a module uses
+//! only those above it. (The compiler holds the crates apart.) Inside a folder no files use
+//! each other in a circle. Each name means one type.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,9 +8,28 @@ use std::path::{Path, PathBuf};
 
 use crate::common::in_repository;
 
-/// The modules in the order of `lib.rs`.
-fn modules() -> Vec<String> {
-    declared(&fs::read_to_string(in_repository("src/lib.rs")).unwrap())
+/// The folders of the crates in the order of `Cargo.toml`; that of the program is the last.
+fn crates() -> Vec<PathBuf> {
+    let manifest = fs::read_to_string(in_repository("Cargo.toml")).unwrap();
+    let (_, members) = manifest.split_once("\nmembers = [").unwrap();
+    let (members, _) = members.split_once(']').unwrap();
+    let folders = members.split('"').skip(1).step_by(2);
+    folders.chain(["src"]).map(in_repository).collect()
+}
+
+/// The modules of a crate in the order of its `lib.rs`.
+fn modules(folder: &Path) -> Vec<String> {
+    declared(&fs::read_to_string(folder.join("lib.rs")).unwrap())
+}
+
+/// The Rust files of a module of a crate.
+fn sources(folder: &Path, module: &str) -> Vec<PathBuf> {
+    let file = folder.join(module).with_extension("rs");
+    if file.exists() {
+        vec![file]
+    } else {
+        files(&folder.join(module))
+    }
 }
 
 /// The modules that a source text declares.
@@ -88,30 +107,45 @@ fn first(path: &str) -> &str {
 }
 
 #[test]
+fn a_crate_uses_only_those_above_it() {
+    let crates = crates();
+    assert_eq!(crates.len(), 9);
+    let names = crates.iter().map(|folder| folder.file_name().unwrap());
+    let names: Vec<&str> = names.map(|name| name.to_str().unwrap()).collect();
+    for (index, folder) in crates.iter().take(crates.len() - 1).enumerate() {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        for line in manifest.lines() {
+            let used = line.strip_prefix("raycost-");
+            let used = used.and_then(|line| line.split_once('.'));
+            if let Some((used, _)) = used {
+                let name = names[index];
+                assert!(names[..index].contains(&used), "{name} uses {used}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_module_uses_only_those_above_it() {
-    let modules = modules();
-    assert!(modules.len() >= 10, "{modules:?}");
-    for (index, module) in modules.iter().enumerate() {
-        let file = in_repository(&format!("src/{module}.rs"));
-        let found = if file.exists() {
-            vec![file]
-        } else {
-            files(&in_repository(&format!("src/{module}")))
-        };
-        assert!(!found.is_empty(), "{module} has no source");
-        for file in found {
-            let text = fs::read_to_string(&file)
-                .unwrap()
-                .replace("#[cfg(test)]", "");
-            for path in paths(&code(&text), "crate") {
-                let name = first(&path);
-                let position = modules.iter().position(|other| other == name);
-                let file = file.display();
-                let position = position.unwrap_or_else(|| panic!("{file} uses crate::{name}"));
-                assert!(
-                    position <= index,
-                    "{file}: {module} stands above {name} but uses it"
-                );
+    for folder in crates() {
+        let modules = modules(&folder);
+        for (index, module) in modules.iter().enumerate() {
+            let sources = sources(&folder, module);
+            assert!(!sources.is_empty(), "{module} has no source");
+            for file in sources {
+                let text = fs::read_to_string(&file)
+                    .unwrap()
+                    .replace("#[cfg(test)]", "");
+                for path in paths(&code(&text), "crate") {
+                    let name = first(&path);
+                    let position = modules.iter().position(|other| other == name);
+                    // What `lib.rs` gives out is not a module.
+                    assert!(
+                        position.is_none_or(|position| position <= index),
+                        "{}: {module} stands above {name} but uses it",
+                        file.display()
+                    );
+                }
             }
         }
     }
@@ -129,7 +163,8 @@ fn uses_within(folder: &Path) -> BTreeMap<String, BTreeSet<String>> {
             origins.insert(item, name.clone());
         }
     }
-    let place = folder.strip_prefix(in_repository("src")).unwrap();
+    let of_crate = folder.ancestors().find(|path| path.join("lib.rs").exists());
+    let place = folder.strip_prefix(of_crate.unwrap()).unwrap();
     let parts: Vec<&str> = place.iter().map(|part| part.to_str().unwrap()).collect();
     let inside = format!("{}::", parts.join("::"));
     let mut uses = BTreeMap::new();
@@ -212,24 +247,29 @@ fn no_files_of_a_folder_use_each_other_in_a_circle() {
 
 #[test]
 fn files_and_folders_belong_to_a_module() {
-    let modules = modules();
-    for entry in fs::read_dir(in_repository("src")).unwrap() {
-        let path = entry.unwrap().path();
-        let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        let known = modules.contains(&stem) || ["lib", "main"].contains(&stem.as_str());
-        assert!(known, "{} is not listed in lib.rs", path.display());
+    let crates = crates();
+    for folder in &crates {
+        let modules = modules(folder);
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            let known = modules.contains(&stem)
+                || ["lib", "main", "Cargo"].contains(&stem.as_str())
+                || crates.contains(&path);
+            assert!(known, "{} is not listed in lib.rs", path.display());
+        }
     }
 }
 
 /// Where files are opened in another way: the one place of all others, folders, what the system
 /// says of itself, and HDF5, which opens a path itself once it is known to be a regular file.
 const OPENERS: [&str; 6] = [
-    "files/regular.rs",
-    "folder/disk.rs",
-    "folder/lock.rs",
-    "host/cgroup.rs",
-    "instruments/memory_benchmark.rs",
-    "import/vtk/hdf/data_set.rs",
+    "base/files/regular.rs",
+    "base/folder/disk.rs",
+    "base/folder/lock.rs",
+    "base/host/cgroup.rs",
+    "render/instruments/memory_benchmark.rs",
+    "scene/import/vtk/hdf/data_set.rs",
 ];
 
 /// A FIFO or a device in the place of a file would let a program wait, or read without an end.

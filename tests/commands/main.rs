@@ -12,6 +12,7 @@ mod configs;
 mod cost_law;
 mod course;
 mod diff;
+mod doc_comments;
 mod errors;
 mod examples;
 mod exit_codes;

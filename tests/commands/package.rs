@@ -18,7 +18,14 @@ fn it_has_the_pictures_of_the_readme_and_no_documents_in_pdf() {
     let pictures: BTreeSet<&str> = pictures.filter(|link| link.ends_with(".png")).collect();
     assert!(!pictures.is_empty());
     let output = Command::new(env!("CARGO"))
-        .args(["package", "--list", "--allow-dirty", "--offline"])
+        .args([
+            "package",
+            "--list",
+            "--allow-dirty",
+            "--offline",
+            "--package",
+            "raycost",
+        ])
         .current_dir(in_repository(""))
         .output()
         .unwrap();
@@ -32,6 +39,26 @@ fn it_has_the_pictures_of_the_readme_and_no_documents_in_pdf() {
     };
     assert_eq!(of_docs(".png"), pictures);
     assert_eq!(of_docs(".pdf"), BTreeSet::new());
+}
+
+/// A crate's package has nothing from outside of its folder.
+#[test]
+fn no_crate_includes_files_of_others() {
+    let found = Command::new("grep")
+        .args(["-rnE", r#"include_(str|bytes)!\("|#\[path = ""#])
+        .args(["--include=*.rs", "src"])
+        .current_dir(in_repository(""))
+        .output()
+        .unwrap();
+    let text = String::from_utf8(found.stdout).unwrap();
+    assert!(text.lines().count() > 10);
+    for line in text.lines() {
+        let (file, _) = line.split_once(':').unwrap();
+        // Folders from the crate down to the file.
+        let depth = file.split('/').count() - 3;
+        let up = line.matches("../").count();
+        assert!(up <= depth, "{line}");
+    }
 }
 
 #[test]

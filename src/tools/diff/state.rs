@@ -9,7 +9,7 @@ use base::provenance::stamped;
 use output::chart::Range;
 use output::paraview::{Axis, ColorScale, Panels, fill, value_of_panels};
 
-const TEMPLATE: &str = include_str!("../../../paraview/diff.pvsm");
+const TEMPLATE: &str = include_str!("diff.pvsm");
 
 /// The file.
 pub const FILE: DiffFile = DiffFile {

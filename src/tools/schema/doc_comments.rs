@@ -1,11 +1,11 @@
-//! The doc comments of keys and keywords, which `build.rs` collects from the sources.
+//! The doc comments of keys and keywords, which a test collects from the sources.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// Names with their doc comments by the type that has them; a line each: type, name and
-/// comment, with tabs between them.
-const COLLECTED: &str = include_str!(concat!(env!("OUT_DIR"), "/doc_comments.tsv"));
+/// comment, with tabs between them. `tests/commands/doc_comments.rs` holds them to the sources.
+const COLLECTED: &str = include_str!("doc_comments.tsv");
 
 /// The names of one type and their comments; empty for none.
 type Documented = BTreeMap<&'static str, &'static str>;

@@ -15,10 +15,12 @@ impl NoHdfWriter {
         Err(io::ErrorKind::Unsupported.into())
     }
 
+    /// Never called: there is no value.
     pub fn append(&mut self, _: &DataSet, _: &[Field]) -> io::Result<()> {
         match *self {}
     }
 
+    /// Never called: there is no value.
     pub fn finish(self) -> io::Result<()> {
         match self {}
     }

@@ -19,7 +19,7 @@ use base::text::numbers::capitalized;
 use tracer::cost::Metric;
 
 /// The template of `geometry.pvsm`.
-pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("../../../../paraview/geometry.pvsm");
+pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("geometry.pvsm");
 
 /// The states of a rendering's folder.
 pub(super) struct States<'a> {

@@ -9,7 +9,7 @@ use base::folder::OutputFolder;
 use render::attribution::TracedRay;
 use tracer::cost::Metric;
 
-const RAYS: &str = include_str!("../../../../paraview/rays.pvsm");
+const RAYS: &str = include_str!("rays.pvsm");
 
 /// Greatest length of rays that are shown, in radii of the scene: a plane has hits up
 /// to its horizon, and ParaView clips points 1000 times nearer than the farthest one.

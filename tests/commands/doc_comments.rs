@@ -1,4 +1,4 @@
-//! Collects the doc comments of fields and variants from sources.
+//! The doc comments of keys and keywords, which `raycost schema` shows, are those of the sources.
 //!
 //! The sources are formatted, so that a line shows what it is: a type begins with `struct` or
 //! `enum`, a list of kinds with the name of its macro, and both end with `}` in the first
@@ -6,27 +6,60 @@
 
 use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+use crate::common::in_repository;
+
+/// The folders whose doc comments describe the keys of scene and study files.
+const DOCUMENTED: [&str; 13] = [
+    "math/sampling",
+    "vtk/codec",
+    "scene/animation",
+    "scene/background",
+    "scene/camera",
+    "scene/color",
+    "scene/config",
+    "scene/fog",
+    "scene/geometry",
+    "scene/light",
+    "scene/material",
+    "scene/material/image",
+    "tools/study",
+];
+
+/// `RAYCOST_BLESS=1 cargo test --test commands doc_comments::` writes them anew; then build, and
+/// write the schemas anew.
+#[test]
+fn they_are_those_of_the_sources() {
+    let kept = in_repository("src/tools/schema/doc_comments.tsv");
+    let collected = collect();
+    if std::env::var_os("RAYCOST_BLESS").is_some() {
+        fs::write(&kept, &collected).unwrap();
+    }
+    let kept = fs::read_to_string(kept).unwrap();
+    let differs = |(kept, now): (&str, &str)| (kept != now).then(|| now.to_owned());
+    let changed = kept.lines().zip(collected.lines()).find_map(differs);
+    assert!(kept == collected, "{changed:?}: set RAYCOST_BLESS=1");
+}
 
 /// Returns lines of type, name and comment, which may be empty, with tabs between them.
-pub fn collect(folders: &[&Path]) -> String {
-    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| sources(folder)).collect();
+fn collect() -> String {
+    let src = in_repository("src");
+    let mut files: Vec<PathBuf> = DOCUMENTED
+        .iter()
+        .flat_map(|folder| fs::read_dir(src.join(folder)).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+        .collect();
     files.sort();
     let mut found = String::new();
     for file in files {
-        let text = fs::read_to_string(&file).expect("a source");
+        let text = fs::read_to_string(&file).unwrap();
         // A type's name is unique; a macro may be used in several files.
-        of_source(&text, &file.display().to_string(), &mut found);
+        let file = file.strip_prefix(&src).unwrap().display().to_string();
+        of_source(&text, &file, &mut found);
     }
     found
-}
-
-fn sources(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).expect("a folder of sources");
-    let paths = entries.map(|entry| entry.expect("an entry").path());
-    paths
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
-        .collect()
 }
 
 fn of_source(text: &str, file: &str, found: &mut String) {
@@ -46,7 +79,7 @@ fn of_source(text: &str, file: &str, found: &mut String) {
             comment.clear();
         } else if let (Some(owner), Some(name)) = (&owner, name_of(code)) {
             let text = plain(&comment);
-            writeln!(found, "{owner}\t{name}\t{text}").expect("a string");
+            writeln!(found, "{owner}\t{name}\t{text}").unwrap();
             comment.clear();
         } else {
             comment.clear();
