@@ -1,7 +1,7 @@
 //! A rendering on many ranks, simulated from the times of its tiles.
 //!
 //! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks,
-//! as [`raycost::render`] does with MPI: both ends of a message look for the next one from time
+//! as [`render::ranks`] does with MPI: both ends of a message look for the next one from time
 //! to time ([`pause`]), and workers have some milliseconds of tiles ahead. What is simulated
 //! are the times of tiles, messages and the film of rank 0; that threads of a machine slow
 //! each other down, and that messages do, is not.

@@ -3,12 +3,12 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use super::array::Array;
-use super::codec::Compressor;
-use super::compressed;
-use super::data_set::DataSet;
-use super::encoding::Encoding;
-use super::header::{LabeledDataSet, Offsets};
+use crate::array::Array;
+use crate::codec::Compressor;
+use crate::compressed;
+use crate::data_set::DataSet;
+use crate::encoding::Encoding;
+use crate::header::{LabeledDataSet, Offsets};
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
 /// last one up to the opening tag of the arrays. With expat 2.6, or an

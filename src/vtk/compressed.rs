@@ -4,13 +4,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use rayon::prelude::*;
 
-use super::array::Array;
-use super::codec::Compressor;
-
-/// Bytes of a block before it is compressed; the last block of an array may be
-/// shorter. Larger blocks do not compress better, and leave fewer blocks for the
-/// threads.
-pub(super) const BLOCK: usize = 1 << 18;
+use crate::array::Array;
+use crate::codec::{BLOCK, Compressor};
 
 /// Bytes that are compressed in parallel: enough blocks for many threads, and little
 /// memory compared with a film.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::array::Array;
+use crate::array::Array;
 
 /// A data set with its arrays.
 pub enum DataSet<'a> {

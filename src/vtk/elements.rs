@@ -3,9 +3,9 @@
 use serde::Serialize;
 use vtkio::xml::{AttributeData, DataArray, DataArrayFormat, DataSetType, ScalarType};
 
-use super::array::Array;
-use super::data_set::{CellMesh, DataSet, Extent};
-use super::field::{Field, FieldValues};
+use crate::array::Array;
+use crate::data_set::{CellMesh, DataSet, Extent};
+use crate::field::{Field, FieldValues};
 
 /// The element of a data set.
 #[derive(Serialize)]

@@ -1,6 +1,7 @@
 //! Encoding of a file, for any data set.
 
-use super::{Codec, Field};
+use crate::codec::Codec;
+use crate::field::Field;
 use base::provenance::RunId;
 
 /// Encoding of a file, for any data set.

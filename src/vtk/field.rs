@@ -1,7 +1,7 @@
 //! Field data: what a file says of all of its points and cells.
 
-use super::array::Array;
-use super::data_set::DataSet;
+use crate::array::Array;
+use crate::data_set::DataSet;
 
 /// The field array that lists the units of the other arrays.
 const UNITS: &str = "units";

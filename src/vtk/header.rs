@@ -6,12 +6,12 @@ use serde::Serialize;
 use vtkio::model::{ByteOrder, Version};
 use vtkio::xml::{DataSetType, ScalarType, se};
 
-use super::array::Array;
-use super::codec::Compressor;
-use super::data_set::DataSet;
-use super::elements::{DataElement, FieldDataElement, content};
-use super::encoding::Encoding;
-use super::field::Field;
+use crate::array::Array;
+use crate::codec::Compressor;
+use crate::data_set::DataSet;
+use crate::elements::{DataElement, FieldDataElement, content};
+use crate::encoding::Encoding;
+use crate::field::Field;
 use base::provenance::RunId;
 
 /// A data set with the field data of its file and the ID of its run.

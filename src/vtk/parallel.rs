@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use super::array::Array;
-use super::data_set::Extent;
-use super::header::byte_order;
+use crate::array::Array;
+use crate::data_set::Extent;
+use crate::header::byte_order;
 use base::provenance::{KEY, RunId};
 
 /// The pieces of a data set, by their files in the same folder.

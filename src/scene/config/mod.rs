@@ -65,7 +65,7 @@ use vtk::Codec;
 /// A whole scene file.
 ///
 /// ```
-/// # use raycost::{config::Config, yaml::Source};
+/// # use scene::{config::Config, yaml::Source};
 /// let config: Config = Source::new("scene.yaml", "
 /// image: { width: 320, height: 240 }
 /// camera:

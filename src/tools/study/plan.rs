@@ -15,7 +15,8 @@ use scene::yaml;
 /// A study file.
 ///
 /// ```
-/// # use raycost::{study::StudyPlan, yaml};
+/// # use scene::yaml;
+/// # use tools::study::StudyPlan;
 /// let plan: StudyPlan = yaml::from_str("
 /// title: Threads
 /// scenes: [../seed_extended.yaml]

@@ -9,7 +9,8 @@ use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 /// A plot that a study file requests.
 ///
 /// ```
-/// # use raycost::{study::PlotSpec, yaml};
+/// # use scene::yaml;
+/// # use tools::study::PlotSpec;
 /// let plot: PlotSpec = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

@@ -14,11 +14,16 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use base::text;
 
+/// Bytes of a block before it is compressed; the last block of an array may be
+/// shorter. Larger blocks do not compress better, and leave fewer blocks for the
+/// threads.
+pub(crate) const BLOCK: usize = 1 << 18;
+
 /// The compression of the arrays in VTK files. All of them are lossless.
 ///
 /// ```
 /// # use vtk::Codec;
-/// let compress: Codec = scene::yaml::from_str("zlib").unwrap();
+/// let compress: Codec = serde_yaml::from_str("zlib").unwrap();
 /// # assert_eq!(compress, Codec::Zlib);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ValueEnum)]
@@ -110,7 +115,6 @@ pub(crate) fn compressors() -> impl Iterator<Item = &'static dyn Compressor> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compressed::BLOCK;
 
     #[test]
     fn a_block_of_another_length_or_content_is_refused() {

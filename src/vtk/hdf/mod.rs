@@ -24,8 +24,8 @@ pub use absent::NoHdfWriter as HdfWriter;
 #[cfg(feature = "hdf5")]
 pub use writer::HdfWriter;
 
-use super::data_set::DataSet;
-use super::field::Field;
+use crate::data_set::DataSet;
+use crate::field::Field;
 
 /// Whether this program was built with HDF5.
 pub const IS_BUILT: bool = cfg!(feature = "hdf5");

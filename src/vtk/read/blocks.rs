@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
-use crate::codec::Compressor;
-use crate::compressed::{BLOCK, table_head};
+use crate::codec::{BLOCK, Compressor};
+use crate::compressed::table_head;
 
 /// Most bytes of a compressed block: noise grows a little when it is compressed.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
