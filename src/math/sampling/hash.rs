@@ -6,6 +6,7 @@ use crate::simd::{Integer, Real};
 ///
 /// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU
 /// Rendering", JCGT 9(3), 2020, on both halves of the key.
+#[inline]
 pub fn uniform(key: [u64; 3]) -> [f32; 4] {
     let [low, high] = [0, 32].map(|shift| key.map(|word| (word >> shift) as u32));
     // An f32 in [0, 1) has 24 bits of uniform resolution.

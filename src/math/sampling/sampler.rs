@@ -37,6 +37,7 @@ impl Dimension {
     pub const LENS: Self = Self(1);
 
     /// A choice, less than 2^20, that is made after this number of bounces, up to 255.
+    #[inline]
     pub const fn after_bounces(depth: u32, choice: u32) -> Self {
         Self(2 + (depth << 20 | choice))
     }
@@ -71,6 +72,7 @@ impl Sampler {
     }
 
     /// The index of the sample in the pixel's center.
+    #[inline]
     pub fn center(&self) -> u32 {
         self.strata.as_ref().map_or(0, Strata::center)
     }

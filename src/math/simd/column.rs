@@ -15,6 +15,7 @@ pub struct VectorColumn {
 
 impl VectorColumn {
     /// Makes room for at least `n` vectors; keeps those that it has.
+    #[inline]
     pub fn grow(&mut self, n: usize) {
         for numbers in [&mut self.x, &mut self.y, &mut self.z] {
             grow(numbers, n);
@@ -22,6 +23,7 @@ impl VectorColumn {
     }
 
     /// Overwrites the first `n` vectors with zeros.
+    #[inline]
     pub fn reset(&mut self, n: usize) {
         self.grow(n);
         for numbers in [&mut self.x, &mut self.y, &mut self.z] {
@@ -30,6 +32,7 @@ impl VectorColumn {
     }
 
     /// Whether it has room for none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }

@@ -98,6 +98,7 @@ impl ImagePlane {
     }
 
     /// The point at which all camera rays start, if there is one.
+    #[inline]
     pub fn eye(&self) -> Option<Vec3> {
         let is_point = match self.projection {
             Projection::Perspective => self.lens.is_none(),
@@ -137,6 +138,7 @@ impl ImagePlane {
     }
 
     /// The side of a square with the area of a pixel on the plane.
+    #[inline]
     pub fn pitch(&self) -> f32 {
         (self.right.length() * self.down.length()).sqrt()
     }
@@ -163,6 +165,7 @@ impl ImagePlane {
     }
 
     /// The point of pixel coordinates (x, y).
+    #[inline]
     pub fn point(&self, x: f32, y: f32) -> Vec3 {
         self.eye + Vec3::from(self.offset(x, y))
     }

@@ -16,6 +16,7 @@ pub struct Ray {
 
 impl Ray {
     /// The point at parameter `t`.
+    #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
     }
@@ -25,6 +26,7 @@ impl Ray {
     /// on the side of its direction, so that it does not hit it again.
     ///
     /// Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 6.8.6.
+    #[inline]
     pub fn leaving([position, normal]: [Vec3; 2], error: f32, direction: Vec3) -> Self {
         let origin = leaving([position.into(), normal.into()], error, direction.into());
         Self {

@@ -14,21 +14,25 @@ pub struct RayStream {
 
 impl RayStream {
     /// Number of rays.
+    #[inline]
     pub fn len(&self) -> usize {
         self.n
     }
 
     /// Whether there are no rays.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.n == 0
     }
 
     /// Removes all rays.
+    #[inline]
     pub fn clear(&mut self) {
         self.n = 0;
     }
 
     /// Adds a ray.
+    #[inline]
     pub fn push(&mut self, ray: Ray) {
         self.reserve(1);
         self.origins.set(self.n, ray.origin);
@@ -59,6 +63,7 @@ impl RayStream {
     }
 
     /// All rays.
+    #[inline]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Ray> {
         (0..self.n).map(|i| self.get(i))
     }

@@ -157,16 +157,19 @@ impl Material {
     }
 
     /// Whether it emits light.
+    #[inline]
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
     }
 
     /// Whether it mirrors.
+    #[inline]
     pub fn mirrors(&self) -> bool {
         self.reflection > 0.0 || self.conductor.is_some()
     }
 
     /// Whether it reflects or refracts anything.
+    #[inline]
     pub fn scatters(&self) -> bool {
         self.is_lit() || self.mirrors() || self.dielectric.is_some()
     }
@@ -248,6 +251,7 @@ impl Material {
     }
 
     /// Whether it reflects light that arrives directly from a light.
+    #[inline]
     pub fn is_lit(&self) -> bool {
         let is_special = self.dielectric.is_some() || self.conductor.is_some() || self.emits();
         !is_special || self.diffuse > 0.0 || self.specular > 0.0

@@ -100,21 +100,25 @@ impl AttributeKind {
     }
 
     /// Whether corners have normals.
+    #[inline]
     pub fn has_normals(self) -> bool {
         matches!(self, Self::Corners { normals: true, .. })
     }
 
     /// Whether corners have texture coordinates.
+    #[inline]
     pub fn has_uvs(self) -> bool {
         matches!(self, Self::Corners { uvs: true, .. })
     }
 
     /// Whether corners have numbers of an array.
+    #[inline]
     pub fn has_corner_scalars(self) -> bool {
         matches!(self, Self::Corners { scalars: true, .. })
     }
 
     /// Whether corners have colors.
+    #[inline]
     pub fn has_corner_colors(self) -> bool {
         matches!(self, Self::Corners { colors: true, .. })
     }

@@ -108,6 +108,7 @@ impl Lights {
     }
 
     /// Where the light with this index comes from.
+    #[inline]
     pub fn origin(&self, index: u32) -> LightOrigin {
         match &self.sources[index as usize] {
             LightSource::Emitter(emitter) => LightOrigin::Surfaces(emitter.material),
@@ -118,6 +119,7 @@ impl Lights {
     }
 
     /// Number of lights that are sampled at each point.
+    #[inline]
     pub fn n_samples(&self) -> usize {
         match self.choice {
             LightChoice::Each => self.sources.len(),
@@ -133,6 +135,7 @@ impl Lights {
 
     /// Whether a number has to choose one of the lights by power, or one of the shapes of a
     /// light.
+    #[inline]
     pub fn need_choices(&self) -> bool {
         self.need_choices
     }

@@ -233,6 +233,7 @@ impl Scene {
     }
 
     /// Whether any material is a dielectric.
+    #[inline]
     pub fn has_media(&self) -> bool {
         self.has_media
     }
@@ -243,6 +244,7 @@ impl Scene {
     }
 
     /// Whether any material has holes.
+    #[inline]
     pub fn has_cutouts(&self) -> bool {
         self.has_cutouts
     }
@@ -274,6 +276,7 @@ impl Scene {
     }
 
     /// The material with this id.
+    #[inline]
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.0 as usize]
     }

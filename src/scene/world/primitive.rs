@@ -49,6 +49,7 @@ impl Primitive {
     }
 
     /// Its shape in world space; `None` if it needs a transform.
+    #[inline]
     pub fn world_shape(&self) -> Option<&Shape> {
         self.placement.is_none().then_some(&self.shape)
     }
@@ -79,6 +80,7 @@ impl Primitive {
 
     /// The point of its surface nearest to `near`, which lies on it up to rounding
     /// errors, and the outward unit normal there.
+    #[inline]
     pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
         match &self.placement {
             None => self.shape.project(near),
@@ -91,6 +93,7 @@ impl Primitive {
 
     /// A bound of the distance between its surface and a point of it that
     /// [`project`](Self::project) found.
+    #[inline]
     pub fn rounding(&self, point: Vec3) -> f32 {
         let Some(placement) = &self.placement else {
             let parameters = self.shape.parameters();
@@ -110,6 +113,7 @@ impl Primitive {
     }
 
     /// The smallest known box around it; [`Aabb::ALL`] for a plane.
+    #[inline]
     pub fn bounds(&self) -> Aabb {
         match &self.placement {
             None => self.shape.bounds(),
@@ -127,6 +131,7 @@ impl Primitive {
     }
 
     /// Whether it has no bounds.
+    #[inline]
     pub fn is_unbounded(&self) -> bool {
         self.shape.bounds() == Aabb::ALL
     }

@@ -34,17 +34,20 @@ impl SurfaceClass {
     }
 
     /// The kind of the shape; `None` for shapes under a transform.
+    #[inline]
     pub fn shape(self) -> Option<ShapeKind> {
         let shape = (self.0 % N_SHAPES) as usize;
         shape.checked_sub(1).map(|kind| ShapeKind::ALL[kind])
     }
 
     /// The kind of the attributes.
+    #[inline]
     pub fn attributes(self) -> AttributeKind {
         AttributeKind::numbered(self.0 / N_SHAPES % N_ATTRIBUTES)
     }
 
     /// The material.
+    #[inline]
     pub fn material(self) -> MaterialId {
         MaterialId(self.0 / N_SHAPES / N_ATTRIBUTES)
     }

@@ -50,26 +50,31 @@ pub struct ShadowStream {
 
 impl ShadowStream {
     /// The rays.
+    #[inline]
     pub fn rays(&self) -> &RayStream {
         &self.rays
     }
 
     /// Only hits with a smaller `t` count for ray `i`.
+    #[inline]
     pub fn t_max(&self, i: usize) -> f32 {
         self.t_max[i]
     }
 
     /// Number of rays.
+    #[inline]
     pub fn len(&self) -> usize {
         self.rays.len()
     }
 
     /// Whether there are no rays.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.rays.is_empty()
     }
 
     /// Removes all rays.
+    #[inline]
     pub fn clear(&mut self) {
         self.rays.clear();
         self.ignored.clear();
@@ -99,6 +104,7 @@ impl ShadowStream {
     }
 
     /// Ray `i`.
+    #[inline]
     pub fn get(&self, i: usize) -> ShadowRay {
         ShadowRay {
             ray: self.rays.get(i),

@@ -28,16 +28,19 @@ impl Counters {
     }
 
     /// Returns a counter of all pixels; empty if it is 0 for all.
+    #[inline]
     pub fn get(&self, counter: Counter) -> &[u64] {
         &self.counts[counter as usize]
     }
 
     /// The number of pixels.
+    #[inline]
     pub fn n_pixels(&self) -> usize {
         self.n_pixels
     }
 
     /// Returns the cost of one pixel.
+    #[inline]
     pub fn of(&self, pixel: usize) -> Cost {
         self.cost(1, |counts| counts.get(pixel).copied().unwrap_or(0))
     }
@@ -62,6 +65,7 @@ impl Counters {
     }
 
     /// Adds the cost of one pixel.
+    #[inline]
     pub fn add(&mut self, pixel: usize, cost: &Cost) {
         let n_samples = u64::from(self.n_samples);
         debug_assert!(n_samples == 0 || n_samples == cost.rays_of(RayKind::Camera));

@@ -33,6 +33,7 @@ impl ShadowWave {
     }
 
     /// The pixel of each ray.
+    #[inline]
     pub fn pixels(&self) -> &[u32] {
         &self.pixels[..self.rays.len()]
     }

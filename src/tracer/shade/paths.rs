@@ -80,6 +80,7 @@ impl PathWave {
     }
 
     /// The length of each path before its ray, if they are [measured](Self::measure).
+    #[inline]
     pub fn lengths(&self) -> &[f32] {
         &self.lengths
     }
@@ -182,11 +183,13 @@ impl PathWave {
     }
 
     /// The pixel of each ray.
+    #[inline]
     pub fn pixels(&self) -> &[u32] {
         &self.pixels[..self.rays.len()]
     }
 
     /// The index of each path's color.
+    #[inline]
     pub fn slots(&self) -> &[u32] {
         &self.slots[..self.rays.len()]
     }

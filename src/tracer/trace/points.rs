@@ -137,17 +137,20 @@ impl Points {
     }
 
     /// The end of the points' indices.
+    #[inline]
     pub fn end(&self) -> usize {
         let last = self.groups.last();
         last.map_or(0, |group| (group.first + group.n).next_multiple_of(N_LANES))
     }
 
     /// Its groups.
+    #[inline]
     pub fn groups(&self) -> &[PointGroup] {
         &self.groups
     }
 
     /// The rays that hit nothing.
+    #[inline]
     pub fn missed(&self) -> &[u32] {
         &self.missed
     }
@@ -159,6 +162,7 @@ impl Points {
     }
 
     /// The instance that a point is on, if it is on one.
+    #[inline]
     pub fn instance(&self, point: usize) -> Option<InstanceId> {
         *self.instances.get(point)?
     }
