@@ -31,6 +31,7 @@ mod tiles;
 mod trace_events;
 mod traced;
 
+use std::path::Path;
 use std::time::Duration;
 
 pub use bands::{BandRows, Bands};
@@ -65,10 +66,10 @@ use states::States;
 use crate::accel::BvhStatistics;
 use crate::attribution::CostAttribution;
 use crate::camera::ImagePlane;
-use crate::config::{Config, CostMode, Traversal};
+use crate::config::{Config, CostMode, OptionalOutput, Traversal};
 use crate::cost::Meter;
 use crate::film::Film;
-use crate::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use crate::folder::{OutputFolder, Own, Replace, StagedFile, WriteError, Written, write_file};
 use crate::instruments::{Profiler, Stages};
 use crate::render::{Overhead, Repeat};
 use crate::scene::Scene;
@@ -352,6 +353,22 @@ pub fn write(
     }
     staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
     Ok(written)
+}
+
+/// Writes only the picture of a rendering whose film has all rows: as OpenEXR if the config asks
+/// for that, otherwise as PNG.
+///
+/// # Errors
+/// The file could not be written; then an old one is unchanged.
+pub(crate) fn write_picture(rendering: &RenderingView, path: &Path) -> Result<Written, WriteError> {
+    let run = run::id_of(rendering);
+    write_file(path, Replace::Marked, |out| {
+        if rendering.config.output.has(OptionalOutput::Exr) {
+            layers::write(rendering, run, out)
+        } else {
+            picture::write(rendering, &picture::texts_of_run(rendering, run), out)
+        }
+    })
 }
 
 /// Checks that [`write()`] would not overwrite or remove a file of another program:
