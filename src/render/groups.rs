@@ -2,13 +2,21 @@
 //! pixels get their shares of its time.
 
 use super::TileRenderer;
-use super::stopwatch::{LONG_NS, Stopwatch, ThreadTimer};
+use super::stopwatch::{Stopwatch, ThreadTimer};
 use super::stream::StreamRenderer;
 use super::view::View;
 use super::wave_times::{ByStage, StageColumns};
 use crate::cost::{BounceCounts, Clock, Counters, CpuWait};
 use crate::film::{PixelTime, Rendered};
 use crate::schedule::Tile;
+
+/// A disturbed time that is longer is not measured again: its CPU time is right, as cold caches
+/// are a small part of it, and the next one would be interrupted as well.
+const LONG_NS: f32 = 2e5;
+
+/// A time is doubtful that is so many times as long as groups before let expect: a pause of the
+/// virtual machine is not reported, nor are cold caches.
+const SPIKE: f32 = 1.5;
 
 /// Renders tiles group by group, and times each.
 pub(super) struct GroupRenderer<'a> {
@@ -98,6 +106,7 @@ impl<'a> GroupRenderer<'a> {
             stages_ns,
             counts,
             sums,
+            usual,
             ..
         } = self;
         let n_pixels = tile.n_pixels();
@@ -120,10 +129,13 @@ impl<'a> GroupRenderer<'a> {
         let in_groups: f64 = times.iter().map(|time| f64::from(time.ns)).sum();
         self.rest_ns = ((whole_ns - in_groups).max(0.0) / n_pixels as f64) as f32;
         stream.count_stages(tile, groups, counts, sums);
-        let work = |i: usize| sums[i].iter().sum::<f32>().max(1.0);
+        let is_doubtful = |times: &[PixelTime], i: usize| {
+            let expected_ns = dot(&sums[i], usual);
+            expected_ns > 0.0 && times[i].ns > SPIKE * expected_ns
+        };
         stream.exchange_counters(&mut self.uncounted, false);
         let again_ns = stopwatch.time(|stopwatch| {
-            stopwatch.time_again(&mut times[..n_done], work, |i| {
+            stopwatch.time_again(&mut times[..n_done], LONG_NS, is_doubtful, |i| {
                 stream.begin(n_pixels);
                 stages_ns[i] = stream.render_group(tile, &groups[i]);
             });
@@ -147,9 +159,7 @@ impl<'a> GroupRenderer<'a> {
                     }
                 }
             }
-            let terms = sums.iter().zip(self.usual);
-            let modeled_ns: f32 = terms.map(|(n, ns)| n * ns).sum();
-            let scale = time.ns / modeled_ns.max(1.0);
+            let scale = time.ns / dot(sums, &self.usual).max(1.0);
             let ns_per_count = self.usual.map(|ns| ns * scale);
             let is_rejected = time.is_rejected && time.ns < LONG_NS;
             for row in tile.rows_of(group) {
@@ -165,6 +175,11 @@ impl<'a> GroupRenderer<'a> {
         }
         self.time_ns.iter_mut().for_each(|ns| *ns = ns.max(1.0));
     }
+}
+
+/// The nanoseconds of these counts.
+fn dot(counts: &ByStage, ns_per_count: &ByStage) -> f32 {
+    counts.iter().zip(ns_per_count).map(|(n, ns)| n * ns).sum()
 }
 
 impl TileRenderer for GroupRenderer<'_> {

@@ -15,11 +15,11 @@ use crate::simd::{InstructionSet, Lanes, SimdKernel};
 pub(super) enum WaveStage {
     /// The hierarchy is searched for the nearest hits; by node visits and primitive tests.
     Hierarchy,
-    /// The surfaces at the hits are found, shaded and lit; by hits.
+    /// The surfaces at the hits are found, shaded and lit, and paths go on from them; by hits.
     Surfaces,
     /// Shadow rays are traced; by their node visits and primitive tests.
     ShadowRays,
-    /// Paths start, go on or end, and become pixels; by rays, without those of shadows.
+    /// Paths start, leave the scene, and become pixels; by rays, without those of shadows.
     Paths,
 }
 
