@@ -16,7 +16,11 @@ const LONG_NS: f32 = 2e5;
 
 /// A time is doubtful that is so many times as long as groups before let expect: a pause of the
 /// virtual machine is not reported, nor are cold caches.
-const SPIKE: f32 = 1.5;
+const SPIKE: f32 = 2.0;
+
+/// The part of a thread's time in which doubtful groups are rendered again: some take longer than
+/// expected each time.
+const MOST_AGAIN: f64 = 0.01;
 
 /// Renders tiles group by group, and times each.
 pub(super) struct GroupRenderer<'a> {
@@ -40,6 +44,9 @@ pub(super) struct GroupRenderer<'a> {
     uncounted: (Counters, BounceCounts),
     /// Whether the thread has rendered a group.
     is_warm: bool,
+    /// The nanoseconds in which groups were rendered, and those in which some were again.
+    total_ns: f64,
+    again_ns: f64,
     /// The nanoseconds of each pixel of the last tile outside of groups: buffers are cleared.
     rest_ns: f32,
     /// The number of pixels that the thread has stored in the film, and in how many nanoseconds.
@@ -62,6 +69,8 @@ impl<'a> GroupRenderer<'a> {
             n_rejected: Vec::new(),
             uncounted: (Counters::default(), BounceCounts::new(view.counts_bounces)),
             is_warm: false,
+            total_ns: 0.0,
+            again_ns: 0.0,
             rest_ns: 0.0,
             stored: (0.0, 0.0),
         }
@@ -129,9 +138,11 @@ impl<'a> GroupRenderer<'a> {
         let in_groups: f64 = times.iter().map(|time| f64::from(time.ns)).sum();
         self.rest_ns = ((whole_ns - in_groups).max(0.0) / n_pixels as f64) as f32;
         stream.count_stages(tile, groups, counts, sums);
+        self.total_ns += in_groups;
+        let may_doubt = self.again_ns <= MOST_AGAIN * self.total_ns;
         let is_doubtful = |times: &[PixelTime], i: usize| {
             let expected_ns = dot(&sums[i], usual);
-            expected_ns > 0.0 && times[i].ns > SPIKE * expected_ns
+            may_doubt && expected_ns > 0.0 && times[i].ns > SPIKE * expected_ns
         };
         stream.exchange_counters(&mut self.uncounted, false);
         let again_ns = stopwatch.time(|stopwatch| {
@@ -141,6 +152,7 @@ impl<'a> GroupRenderer<'a> {
             });
         });
         stream.exchange_counters(&mut self.uncounted, true);
+        self.again_ns += again_ns;
         warm_up_ns + again_ns
     }
 
