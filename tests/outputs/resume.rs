@@ -143,7 +143,8 @@ fn a_torn_end_is_rendered_again() {
         let torn = [&bytes[..end], &vec![7; garbage]].concat();
         fs::write(&path, torn).unwrap();
         let n_left = slow.n_kept("out");
-        assert!(n_left < n_kept || end > bytes.len() - 1000);
+        // The kill itself may have left a torn end.
+        assert!(n_left <= n_kept && (n_left < n_kept || end > bytes.len() / 2));
         assert_success(&slow.run("out", &["--resume"]));
         assert!(!path.exists());
         assert_same_output(&slow.path("whole"), &slow.path("out"));
