@@ -2,7 +2,7 @@
 //! pixels get their shares of its time.
 
 use super::TileRenderer;
-use super::stopwatch::{Stopwatch, ThreadTimer};
+use super::stopwatch::{SPIKE, Stopwatch, ThreadTimer};
 use super::stream::StreamRenderer;
 use super::view::View;
 use super::wave_times::{ByStage, StageColumns};
@@ -10,13 +10,8 @@ use crate::cost::{BounceCounts, Clock, Counters, CpuWait};
 use crate::film::{PixelTime, Rendered};
 use crate::schedule::Tile;
 
-/// A disturbed time that is longer is not measured again: its CPU time is right, as cold caches
-/// are a small part of it, and the next one would be interrupted as well.
+/// Disturbed groups that take longer are not rendered again.
 const LONG_NS: f32 = 2e5;
-
-/// A time is doubtful that is so many times as long as groups before let expect: a pause of the
-/// virtual machine is not reported, nor are cold caches.
-const SPIKE: f32 = 2.0;
 
 /// The part of a thread's time in which doubtful groups are rendered again: some take longer than
 /// expected each time.

@@ -276,8 +276,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Computes the points of the wave's hits.
     fn find_points(&mut self) {
-        let tracer = &self.view.tracer;
-        tracer.group_hits(&self.hits, &mut self.points);
+        (self.view.tracer).group_hits(&self.hits, &mut self.points);
         self.lap(WaveStage::Paths);
         let Self { wave, hits, .. } = self;
         let tracer = &self.view.tracer;

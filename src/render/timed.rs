@@ -24,8 +24,7 @@ const N_WARM_UP: usize = 4;
 /// Columns and rows of the pixels that warm up a thread.
 const SPREAD: u32 = 8;
 
-/// A disturbed time that is longer is not measured again: its CPU time is right, as cold caches
-/// are a small part of it, and the next one would be interrupted as well.
+/// Disturbed pixels that take longer are not rendered again.
 const LONG_NS: f32 = 1e6;
 
 /// Paths for which there is room before any is traced.

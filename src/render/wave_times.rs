@@ -19,7 +19,7 @@ pub(super) enum WaveStage {
     Surfaces,
     /// Shadow rays are traced; by their node visits and primitive tests.
     ShadowRays,
-    /// Paths start, leave the scene, and become pixels; by rays, without those of shadows.
+    /// Paths start, leave the scene, and become pixels; by rays, without shadow rays.
     Paths,
 }
 
@@ -34,7 +34,7 @@ pub(super) type StageColumns = [Vec<f32>; N_STAGES];
 /// The steps of a traversal.
 const STEPS: [Counter; 2] = [Counter::NodeVisits, Counter::PrimitiveTests];
 
-/// The rays of paths; those of samples are counted where pixels differ in them.
+/// The rays of paths; camera rays are counted where pixels differ in samples.
 const PATH_RAYS: [Counter; 4] = [
     Counter::Samples,
     Counter::ReflectionRays,

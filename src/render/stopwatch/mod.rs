@@ -7,10 +7,9 @@ use crate::stop;
 /// How often a disturbed pixel is rendered again at most.
 const N_TRIES: usize = 3;
 
-/// A time is doubtful that is so many times as long as those of the pixels before and after:
-/// an interrupt that returns to the thread is not reported, nor is a pause of the virtual
-/// machine, nor are cold caches.
-const SPIKE: f32 = 2.0;
+/// A time is doubtful if it is this many times as long as expected: an interrupt that returns to
+/// the thread is not reported, nor is a pause of the virtual machine, nor are cold caches.
+pub(super) const SPIKE: f32 = 2.0;
 
 /// The clocks of a thread.
 pub(super) trait Timer {
@@ -108,7 +107,8 @@ impl<T: Timer> Stopwatch<T> {
     /// for less than `longest_ns`, or are doubtful, each after the pixel before it, as the first
     /// time. A disturbed time is replaced by the first one that is not, or else by the median of
     /// the CPU times, and remains rejected; of a doubtful time and another one the smaller is
-    /// right.
+    /// right. The CPU time of a longer one is right, as cold caches are a small part of it, and
+    /// the next one would be interrupted as well.
     pub(super) fn time_again(
         &mut self,
         times: &mut [PixelTime],
