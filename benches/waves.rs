@@ -5,7 +5,7 @@
 //! counters alone; (b) the sum of all pixels' times over the time that the thread spent on
 //! tiles; (c) windows of 32 x 32 pixels at random places, rendered by themselves with counters
 //! and without a clock inside: how many of them take as long as the map of the whole picture
-//! says, within 10 %. Overheads are those of the fastest of several rounds, the others medians.
+//! says, within 10 %. Overheads compare the fastest of several rounds, the others are medians.
 
 #[path = "render/scenes.rs"]
 mod scenes;

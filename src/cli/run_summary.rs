@@ -13,6 +13,28 @@ use render::schedule::Schedule;
 use scene::config::{OptionalOutput, Outputs};
 use scene::world::Scene;
 
+/// Returns the lines on the picture, the stages and the speed.
+pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
+    let image = &rendering.config.image;
+    let times: Vec<String> = stages
+        .ended
+        .iter()
+        .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
+        .collect();
+    format!(
+        "image   {} x {} pixels, {} per pixel, {}, {}\n\
+         time    {}\n\
+         speed   {}\n",
+        image.width,
+        image.height,
+        image.samples(),
+        primitives(rendering.scene),
+        counted(rendering.threads.used as u64, "thread"),
+        times.join(", "),
+        speed(rendering),
+    )
+}
+
 /// Returns the summary of a rendered scene and the files written.
 pub(super) fn lines(
     scene: &SceneArguments,
@@ -20,18 +42,12 @@ pub(super) fn lines(
     stages: &Stages,
     written: &[Written],
 ) -> String {
-    let image = &rendering.config.image;
     let out = scene.out();
     let trace = hottest::trace_command(scene, rendering.survey.hottest);
     let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
     let keep = scene.command_to_keep();
     let keep = keep.map_or(String::new(), |command| format!("keep    {command}\n"));
     let files = files(written);
-    let times: Vec<String> = stages
-        .ended
-        .iter()
-        .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
-        .collect();
     let costs = match rendering.attribution {
         Some(attribution) if rendering.config.output.has(OptionalOutput::Objects) => {
             charges::tables(rendering, attribution)
@@ -54,9 +70,7 @@ pub(super) fn lines(
     };
     let ranks = rendering.ranks.map_or(String::new(), ranks);
     format!(
-        "image   {} x {} pixels, {} per pixel, {}, {}\n\
-         time    {}\n\
-         speed   {}\n\
+        "{}\
          {tiles}\
          {ranks}\
 {quality}\
@@ -67,13 +81,7 @@ pub(super) fn lines(
          next    paraview {option}{}\n\
          {trace}\
          {keep}",
-        image.width,
-        image.height,
-        image.samples(),
-        primitives(rendering.scene),
-        counted(rendering.threads.used as u64, "thread"),
-        times.join(", "),
-        speed(rendering),
+        head(rendering, stages),
         hottest::lines(rendering.survey.hottest),
         costs,
         left_out(&rendering.config.output),

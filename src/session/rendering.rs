@@ -90,6 +90,20 @@ impl Rendering<'_> {
         self.write_to(&folder, None)
     }
 
+    /// Writes only the picture to a file: as OpenEXR if the config asks for that, otherwise as
+    /// PNG.
+    ///
+    /// # Errors
+    /// The file cannot be written; then an old one is unchanged.
+    pub(crate) fn write_picture(&mut self, path: &Path) -> Result<Written, WriteError> {
+        let mut stages = std::mem::take(&mut self.stages);
+        let view = self.view(None);
+        let written = (self.pool).install(|| writers::write_picture(&view, path));
+        stages.end("write");
+        self.stages = stages;
+        written
+    }
+
     /// Writes all files into an open folder; the profile, too, if there is one.
     ///
     /// # Errors

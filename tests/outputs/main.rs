@@ -30,6 +30,7 @@ mod hostile;
 mod interrupted;
 mod irregular;
 mod layers;
+mod only_picture;
 mod output_folder;
 mod paraview_export;
 mod paraview_rays;

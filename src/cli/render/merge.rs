@@ -85,6 +85,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     };
     drop(found);
     let arguments = RenderArguments {
+        picture: None,
         scene: scene_of(arguments, &header)?,
         frames: None,
         part: None,

@@ -3,6 +3,7 @@
 mod hierarchies;
 mod frames;
 mod merge;
+mod only_picture;
 mod part;
 mod picture;
 mod ranks;
@@ -12,6 +13,7 @@ use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use only_picture::PictureFile;
 use part::PartDone;
 use picture::{FinishedPicture, Until};
 use ranks::Crew;
@@ -38,13 +40,22 @@ pub(super) use merge::{MergeArguments, run as run_merge};
 pub(super) use ranks::fail_on_a_rank;
 
 /// Render a scene and write its files
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Examples:
   raycost render configs/seed_sphere.yaml
-  raycost render configs/seed_extended.yaml --width 1600 --height 1200 --spp 4 --out /tmp/big")]
+  raycost render configs/seed_extended.yaml --width 1600 --height 1200 --spp 4 --out /tmp/big
+  raycost render configs/seed_sphere.yaml -o sphere.png")]
 pub(super) struct RenderArguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    /// Write only the picture, to this file: `.png`, or `.exr` for its linear light. Measures no
+    /// cost, unless `--cost` asks for it
+    #[arg(long, short = 'o', value_name = "FILE", conflicts_with_all = [
+        "out", "also", "compress", "part", "resume", "timeout", "format", "measure_overhead",
+        "hardware_counters", "profile",
+    ])]
+    picture: Option<PictureFile>,
 
     /// Frames of an animated scene to render, such as 7 or 10..19, both ends included
     /// [default: all]
@@ -128,6 +139,11 @@ enum ExtraFormat {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+    let mut arguments = arguments.clone();
+    if let Some(file) = &arguments.picture {
+        arguments.scene.want_only_picture(file.format);
+    }
+    let arguments = &arguments;
     // Processes with parts share no picture: each renders its own.
     let ranks = match arguments.part {
         Some(_) => None,
@@ -171,14 +187,13 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     if crew.is_some() {
         arguments.check_ranks(scene.frames.is_some())?;
     }
-    if let Some(frames) = &scene.frames {
-        return frames::render(arguments, &scene, frames, deadline);
-    }
-    if let Some(range) = &arguments.frames {
-        scene.check_frame(*range.0.start())?;
-    }
+    let frame = match (&scene.frames, &arguments.picture) {
+        (Some(_), Some(_)) => Some(arguments.only_frame()?),
+        (Some(frames), None) => return frames::render(arguments, &scene, frames, deadline),
+        (None, _) => arguments.frames.as_ref().map(|range| *range.0.start()),
+    };
     let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let input = scene.load(None, arguments.needed())?;
+    let input = scene.load(frame, arguments.needed())?;
     if let Some(shared) = shared {
         shared.end();
     }
@@ -190,6 +205,9 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     }
     let team = crew.map(|crew| crew.gather(arguments, &session));
     let team = team.transpose()?;
+    if let Some(file) = &arguments.picture {
+        return only_picture::render(arguments, &session, file, team);
+    }
     let until = Until {
         deadline,
         profiler: profiler.as_ref(),
@@ -295,10 +313,13 @@ impl RenderArguments {
 
     /// Checks that a picture that is larger than memory can have these settings.
     fn check_bands(&self, session: &Session) -> Result<(), Diagnostic> {
-        let flag = match (self.format, self.measure_overhead) {
-            (Some(_), _) => "format",
-            (None, true) => "measure-overhead",
-            (None, false) => return Ok(()),
+        let flags = [
+            (self.picture.is_some(), "picture"),
+            (self.format.is_some(), "format"),
+            (self.measure_overhead, "measure-overhead"),
+        ];
+        let Some((_, flag)) = flags.into_iter().find(|(is_given, _)| *is_given) else {
+            return Ok(());
         };
         if session.bands().is_none() {
             return Ok(());

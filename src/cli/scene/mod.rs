@@ -10,8 +10,8 @@ use base::text::Diagnostic;
 use crop::Crop;
 use scene::color::ToneCurve;
 use scene::config::{
-    Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Repeats,
-    Structure, TileOrder, Tiling,
+    Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
+    Repeats, Structure, TileOrder, Tiling,
 };
 pub use scene::import;
 use scene::yaml::{self, Document, Fault, Source};
@@ -106,6 +106,17 @@ pub(in crate::cli) struct SceneArguments {
     /// Compression of the arrays in VTK files, instead of the file's
     #[arg(long, value_name = "CODEC")]
     compress: Option<Codec>,
+
+    /// Only the picture is wanted, in this format
+    #[arg(skip)]
+    picture: Option<PictureFormat>,
+}
+
+/// A format of pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::cli) enum PictureFormat {
+    Png,
+    Exr,
 }
 
 impl SceneArguments {
@@ -142,6 +153,12 @@ impl SceneArguments {
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
         config.compress = self.compress.unwrap_or(config.compress);
+        if let Some(format) = self.picture {
+            config.output = Outputs::default();
+            if format == PictureFormat::Exr {
+                config.output.add(OptionalOutput::Exr);
+            }
+        }
         let by_file = config.output.clone();
         self.also
             .iter()
@@ -156,6 +173,11 @@ impl SceneArguments {
         config
             .check_arrays()
             .map_err(|fault| document.point_at(fault))
+    }
+
+    /// Asks for the picture only, in this format.
+    pub(in crate::cli) fn want_only_picture(&mut self, format: PictureFormat) {
+        self.picture = Some(format);
     }
 
     /// Whether a setting of the command line changes the scene or its folder.
@@ -225,7 +247,8 @@ impl SceneArguments {
 
     /// The cost mode of the command line, if given.
     fn cost(&self) -> Option<CostMode> {
-        if self.no_cost {
+        let is_unwanted = self.no_cost || (self.picture.is_some() && self.cost.is_none());
+        if is_unwanted {
             Some(CostMode::None)
         } else {
             self.cost

@@ -31,6 +31,7 @@ mod tiles;
 mod trace_events;
 mod traced;
 
+use std::path::Path;
 use std::time::Duration;
 
 pub(crate) use bands::HITS as HITS_PVTU;
@@ -65,7 +66,7 @@ pub use states::StateValues;
 use states::States;
 
 use crate::summary::{Build, FrameSection, OtherRuns, Partial, RanksSection, Threads};
-use base::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use base::folder::{OutputFolder, Own, Replace, StagedFile, WriteError, Written, write_file};
 use math::simd::Simd;
 use math::statistics::upper_median;
 use render::attribution::CostAttribution;
@@ -74,7 +75,7 @@ use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
 use render::tiles::{Overhead, Repeat};
 use scene::camera::ImagePlane;
-use scene::config::{Config, CostMode, Traversal};
+use scene::config::{Config, CostMode, OptionalOutput, Traversal};
 use scene::world::Scene;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
@@ -356,6 +357,22 @@ pub fn write(
     }
     staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
     Ok(written)
+}
+
+/// Writes only the picture of a rendering whose film has all rows: as OpenEXR if the config asks
+/// for that, otherwise as PNG.
+///
+/// # Errors
+/// The file could not be written; then an old one is unchanged.
+pub fn write_picture(rendering: &RenderingView, path: &Path) -> Result<Written, WriteError> {
+    let run = run::id_of(rendering);
+    write_file(path, Replace::Marked, |out| {
+        if rendering.config.output.has(OptionalOutput::Exr) {
+            layers::write(rendering, run, out)
+        } else {
+            picture::write(rendering, &picture::texts_of_run(rendering, run), out)
+        }
+    })
 }
 
 /// Checks that [`write()`] would not overwrite or remove a file of another program:

@@ -10,12 +10,13 @@ use std::ops::Range;
 use image::RgbImage;
 use rayon::prelude::*;
 
+use super::RenderingView;
 use super::file::{FileContent, Job, OutputFile};
 use super::state_files::SHOWN_OF_CLOUD;
 use crate::chart::png;
 use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
 use base::folder::FileWriter;
-use base::provenance;
+use base::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS, Strip};
 use scene::color::rgb8;
 use scene::config::Config;
@@ -29,17 +30,45 @@ pub(super) const NAME: &str = "image.png";
 pub(super) const FILE: OutputFile = OutputFile {
     name: NAME,
     is_wanted: |request| !request.is_stored,
-    content: FileContent::Written(|job, out| {
-        let film = job.rendering.film;
-        let legends = legends(job.rendering.scene);
-        if !legends.is_empty() {
-            write_with_legends(job, &legends, out)
-        } else {
-            let bits = job.rendering.config.film.bits;
-            job.write_png(bits, out, |rows| write_rows(film, 0, bits, rows))
-        }
-    }),
+    content: FileContent::Written(|job, out| write(job.rendering, &texts(job), out)),
 };
+
+/// Key and value of each text chunk.
+pub(super) type Texts = [(&'static str, String)];
+
+/// Writes the picture of a rendering whose film has all rows.
+pub(super) fn write(
+    rendering: &RenderingView,
+    texts: &Texts,
+    out: &mut FileWriter,
+) -> io::Result<()> {
+    let legends = legends(rendering.scene);
+    if !legends.is_empty() {
+        return write_with_legends(rendering, &legends, texts, out);
+    }
+    let bits = rendering.config.film.bits;
+    let write_rows = |rows: &mut dyn Write| write_rows(rendering.film, 0, bits, rows);
+    write_png(rendering, bits, texts, out, write_rows)
+}
+
+/// The texts of a picture in a folder with the other files of its run.
+fn texts(job: &Job) -> Vec<(&'static str, String)> {
+    let written = job.rendering.film.extra.written;
+    let state = written
+        .has_all(&SHOWN_OF_CLOUD)
+        .then(|| ("ParaViewState", job.states.geometry().to_string()));
+    let mut texts = texts_of_run(job.rendering, job.run);
+    texts.splice(1..1, state);
+    texts
+}
+
+/// The ID of the run, and a comment if pixels are missing.
+pub(super) fn texts_of_run(rendering: &RenderingView, run: RunId) -> Vec<(&'static str, String)> {
+    let partial = rendering.partial.map(|partial| partial.to_string());
+    let partial = partial.map(|partial| ("Comment", partial));
+    let run = (provenance::KEY, run.to_string());
+    [run].into_iter().chain(partial).collect()
+}
 
 /// Writes the pixels of a film as a picture without color bars and texts.
 pub(crate) fn write_bare(film: &Film, bits: u8, out: &mut impl Write) -> io::Result<()> {
@@ -79,10 +108,11 @@ pub(super) fn write_bands(
             Ok(())
         })?;
         draw_legends(&mut picture, &legends);
-        return job.write_png(8, out, |rows| rows.write_all(&picture));
+        let write_rows = |rows: &mut dyn Write| rows.write_all(&picture);
+        return write_png(job.rendering, 8, &texts(job), out, write_rows);
     }
     let bits = job.rendering.config.film.bits;
-    job.write_png(bits, out, |out| {
+    write_png(job.rendering, bits, &texts(job), out, |out| {
         for_each(&mut |band, rows| {
             let n_skipped = (rows.start - band.row_range().start) as usize;
             write_rows(band, n_skipped, bits, out)
@@ -182,14 +212,19 @@ fn key(array: &ArrayTexture) -> LegendKey {
 }
 
 /// Writes the picture with color bars.
-fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) -> io::Result<()> {
-    let film = job.rendering.film;
+fn write_with_legends(
+    rendering: &RenderingView,
+    legends: &[ColorLegend],
+    texts: &Texts,
+    out: &mut FileWriter,
+) -> io::Result<()> {
+    let film = rendering.film;
     let (width, height) = (film.grid.width, film.grid.height);
     let mut picture = RgbImage::new(width, height);
     copy_rows(film, film.row_range(), &mut picture);
     draw_legends(&mut picture, legends);
-    if job.rendering.config.film.bits == 8 {
-        return job.write_png(8, out, |rows| rows.write_all(&picture));
+    if rendering.config.film.bits == 8 {
+        return write_png(rendering, 8, texts, out, |rows| rows.write_all(&picture));
     }
     let mut developed = developed(film);
     let before = film.rows(|strip| &strip.rgb).flatten();
@@ -201,7 +236,8 @@ fn write_with_legends(job: &Job, legends: &[ColorLegend], out: &mut FileWriter) 
             *place = [r, r, g, g, b, b];
         }
     }
-    job.write_png(16, out, |rows| rows.write_all(developed.as_flattened()))
+    let write_rows = |rows: &mut dyn Write| rows.write_all(developed.as_flattened());
+    write_png(rendering, 16, texts, out, write_rows)
 }
 
 /// The picture of a film that keeps its radiance.
@@ -219,26 +255,17 @@ fn developed(film: &Film) -> Vec<Rgb16> {
     pixels
 }
 
-impl Job<'_> {
-    /// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of
-    /// all rows.
-    fn write_png(
-        &self,
-        bits: u8,
-        out: &mut impl Write,
-        write_rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        let run = self.run.to_string();
-        let written = self.rendering.film.extra.written;
-        let state = written
-            .has_all(&SHOWN_OF_CLOUD)
-            .then(|| self.states.geometry());
-        let mut texts = vec![(provenance::KEY, &*run)];
-        texts.extend(state.iter().map(|state| ("ParaViewState", &**state)));
-        let partial = self.rendering.partial.map(|partial| partial.to_string());
-        texts.extend(partial.iter().map(|partial| ("Comment", &**partial)));
-        let grid = &self.rendering.film.grid;
-        let size = [grid.width, grid.height];
-        png::write(size, pixel_bytes(bits), &texts, out, write_rows)
-    }
+/// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of
+/// all rows.
+fn write_png(
+    rendering: &RenderingView,
+    bits: u8,
+    texts: &Texts,
+    out: &mut impl Write,
+    write_rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let texts: Vec<_> = texts.iter().map(|(key, text)| (*key, &**text)).collect();
+    let grid = &rendering.film.grid;
+    let size = [grid.width, grid.height];
+    png::write(size, pixel_bytes(bits), &texts, out, write_rows)
 }

@@ -210,19 +210,7 @@ impl Film {
 
     /// The sum of `time_ns` over all pixels; 0 if no time was measured.
     pub fn total_time_ns(&self) -> f64 {
-        let of_strip = |strip: &Strip| -> f64 {
-            // Eight sums at a time: one would wait for each addition.
-            let mut sums = [0.0; 8];
-            let (blocks, rest) = strip.time_ns.as_chunks::<8>();
-            for block in blocks {
-                sums.iter_mut()
-                    .zip(block)
-                    .for_each(|(sum, &ns)| *sum += f64::from(ns));
-            }
-            let rest = rest.iter().map(|&ns| f64::from(ns));
-            sums.into_iter().chain(rest).sum()
-        };
-        self.strips.iter().map(of_strip).sum()
+        self.values(|strip| &strip.time_ns).map(f64::from).sum()
     }
 
     /// The sum of `time_mad_ns` over all pixels; 0 where there are none.

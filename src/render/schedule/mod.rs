@@ -78,12 +78,6 @@ impl TileRun {
         self.duration_ns().saturating_sub(self.waiting_ns)
     }
 
-    /// The part of its duration in which its pixels were rendered, in nanoseconds.
-    pub fn rendering_ns(&self) -> u64 {
-        self.busy_ns()
-            .saturating_sub(self.film_ns + self.warm_up_ns)
-    }
-
     /// Whether the thread lost its CPU meanwhile, as far as the system reports it.
     pub fn is_interrupted(&self) -> bool {
         self.waiting_ns > 0

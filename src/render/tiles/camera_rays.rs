@@ -26,7 +26,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// Overwrites the pixels by those of a part of a tile, by their indices in the tile.
+    /// Overwrites the pixels by the pixels of a part of a tile, by their indices in the tile.
     pub(super) fn fill_group(&mut self, tile: &Tile, group: &Tile) {
         match self.group {
             Some([tile_before, before])

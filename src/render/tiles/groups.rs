@@ -2,13 +2,20 @@
 //! pixels get their shares of its time.
 
 use super::TileRenderer;
-use super::stopwatch::{LONG_NS, Stopwatch, ThreadTimer};
+use super::stopwatch::{SPIKE, Stopwatch, ThreadTimer};
 use super::stream::StreamRenderer;
 use super::view::View;
 use super::wave_times::{ByStage, StageColumns};
 use crate::film::{PixelTime, Rendered};
 use crate::schedule::Tile;
 use tracer::cost::{BounceCounts, Clock, Counters, CpuWait};
+
+/// Disturbed groups that take longer are not rendered again.
+const LONG_NS: f32 = 2e5;
+
+/// The part of a thread's time in which doubtful groups are rendered again: some take longer than
+/// expected each time.
+const MOST_AGAIN: f64 = 0.01;
 
 /// Renders tiles group by group, and times each.
 pub(super) struct GroupRenderer<'a> {
@@ -32,6 +39,9 @@ pub(super) struct GroupRenderer<'a> {
     uncounted: (Counters, BounceCounts),
     /// Whether the thread has rendered a group.
     is_warm: bool,
+    /// The nanoseconds in which groups were rendered, and those in which some were again.
+    total_ns: f64,
+    again_ns: f64,
     /// The nanoseconds of each pixel of the last tile outside of groups: buffers are cleared.
     rest_ns: f32,
     /// The number of pixels that the thread has stored in the film, and in how many nanoseconds.
@@ -54,6 +64,8 @@ impl<'a> GroupRenderer<'a> {
             n_rejected: Vec::new(),
             uncounted: (Counters::default(), BounceCounts::new(view.counts_bounces)),
             is_warm: false,
+            total_ns: 0.0,
+            again_ns: 0.0,
             rest_ns: 0.0,
             stored: (0.0, 0.0),
         }
@@ -98,6 +110,7 @@ impl<'a> GroupRenderer<'a> {
             stages_ns,
             counts,
             sums,
+            usual,
             ..
         } = self;
         let n_pixels = tile.n_pixels();
@@ -120,15 +133,21 @@ impl<'a> GroupRenderer<'a> {
         let in_groups: f64 = times.iter().map(|time| f64::from(time.ns)).sum();
         self.rest_ns = ((whole_ns - in_groups).max(0.0) / n_pixels as f64) as f32;
         stream.count_stages(tile, groups, counts, sums);
-        let work = |i: usize| sums[i].iter().sum::<f32>().max(1.0);
+        self.total_ns += in_groups;
+        let may_doubt = self.again_ns <= MOST_AGAIN * self.total_ns;
+        let is_doubtful = |times: &[PixelTime], i: usize| {
+            let expected_ns = dot(&sums[i], usual);
+            may_doubt && expected_ns > 0.0 && times[i].ns > SPIKE * expected_ns
+        };
         stream.exchange_counters(&mut self.uncounted, false);
         let again_ns = stopwatch.time(|stopwatch| {
-            stopwatch.time_again(&mut times[..n_done], work, |i| {
+            stopwatch.time_again(&mut times[..n_done], LONG_NS, is_doubtful, |i| {
                 stream.begin(n_pixels);
                 stages_ns[i] = stream.render_group(tile, &groups[i]);
             });
         });
         stream.exchange_counters(&mut self.uncounted, true);
+        self.again_ns += again_ns;
         warm_up_ns + again_ns
     }
 
@@ -147,9 +166,7 @@ impl<'a> GroupRenderer<'a> {
                     }
                 }
             }
-            let terms = sums.iter().zip(self.usual);
-            let modeled_ns: f32 = terms.map(|(n, ns)| n * ns).sum();
-            let scale = time.ns / modeled_ns.max(1.0);
+            let scale = time.ns / dot(sums, &self.usual).max(1.0);
             let ns_per_count = self.usual.map(|ns| ns * scale);
             let is_rejected = time.is_rejected && time.ns < LONG_NS;
             for row in tile.rows_of(group) {
@@ -165,6 +182,11 @@ impl<'a> GroupRenderer<'a> {
         }
         self.time_ns.iter_mut().for_each(|ns| *ns = ns.max(1.0));
     }
+}
+
+/// The nanoseconds of these counts.
+fn dot(counts: &ByStage, ns_per_count: &ByStage) -> f32 {
+    counts.iter().zip(ns_per_count).map(|(n, ns)| n * ns).sum()
 }
 
 impl TileRenderer for GroupRenderer<'_> {

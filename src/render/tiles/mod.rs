@@ -137,7 +137,7 @@ trait TileRenderer {
     /// calling thread.
     fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
 
-    /// The film has stored so many pixels in so many nanoseconds.
+    /// The film has stored this number of pixels in this number of nanoseconds.
     fn has_stored(&mut self, _n_pixels: usize, _ns: u64) {}
 }
 

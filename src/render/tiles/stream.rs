@@ -271,14 +271,17 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         if let Some(times) = &mut self.times {
             times.count_misses(self.wave.pixels(), self.points.missed());
         }
-        self.lap(WaveStage::Surfaces);
+        self.lap(WaveStage::Paths);
     }
 
     /// Computes the points of the wave's hits.
     fn find_points(&mut self) {
+        (self.view.tracer).group_hits(&self.hits, &mut self.points);
+        self.lap(WaveStage::Paths);
         let Self { wave, hits, .. } = self;
         let tracer = &self.view.tracer;
         tracer.surface_points(wave.lengths(), &wave.rays, hits, &mut self.points);
+        self.lap(WaveStage::Surfaces);
     }
 
     /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.
@@ -304,8 +307,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Shades the points; the reflected rays become the wave.
     fn shade(&mut self) {
         self.shader.weaken(&mut self.wave, &self.hits);
+        let (wave, points) = (&self.wave, &self.points);
+        self.shader.add_background(wave, points, &mut self.colors);
+        self.lap(WaveStage::Paths);
         self.shader.begin(&self.wave, &self.points);
-        self.lap(WaveStage::Surfaces);
         self.count_shadow_steps();
         for sample in 0..self.shader.n_light_samples(self.wave.depth) {
             self.light(sample);
@@ -321,7 +326,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.bounces.add(pixel as usize, self.next.depth, 1);
         }
         std::mem::swap(&mut self.wave, &mut self.next);
-        self.lap(WaveStage::Paths);
+        self.lap(WaveStage::Surfaces);
     }
 
     /// Adds the light of one sample of the lights at all points.

@@ -56,7 +56,7 @@ pub(super) fn time_hottest_again(film: &mut Film, view: View, meter: &Meter, pla
     }
 }
 
-/// Times the groups of these pixels once, those of a part of a tile together.
+/// Times the groups of these pixels once, all groups of a part of a tile together.
 fn time_groups(
     renderer: &mut GroupRenderer,
     plan: &TilePlan,
@@ -84,16 +84,14 @@ fn time_groups(
 
 fn again(film: &mut Film, time_pixels: TimePixels) {
     let mut wait = CpuWait::of_this_thread();
-    // The first of these are timed, and take their places among the rest.
-    let mut pixels = film.hottest(Metric::TIME, N_ROUNDS * N_PIXELS);
     let mut timed: Vec<(u32, u32)> = Vec::new();
     for _ in 0..N_ROUNDS {
+        let hottest = film.hottest(Metric::TIME, N_PIXELS);
         let is_timed = |pixel: &HotPixel| timed.contains(&pixel.place);
-        if stop::is_requested() || pixels.first().is_none_or(is_timed) {
+        if stop::is_requested() || hottest.first().is_none_or(is_timed) {
             return;
         }
-        let hottest = pixels.iter().take(N_PIXELS);
-        let new = hottest.filter(|pixel| !is_timed(pixel));
+        let new = hottest.into_iter().filter(|pixel| !is_timed(pixel));
         let new: Vec<(u32, u32)> = new.map(|pixel| pixel.place).collect();
         let mut times = vec![Vec::new(); new.len()];
         for _ in 0..N_TIMES {
@@ -105,12 +103,7 @@ fn again(film: &mut Film, time_pixels: TimePixels) {
             let [median_ns, mad_ns] = median_and_deviation(&mut times);
             let has_spread = film.n_repeats > 1;
             film.set_time(place, [median_ns, if has_spread { mad_ns } else { 0.0 }]);
-            let mut pixels = pixels.iter_mut();
-            if let Some(pixel) = pixels.find(|pixel| pixel.place == place) {
-                pixel.value = median_ns.into();
-            }
         }
-        pixels.sort_by(|a, b| b.value.total_cmp(&a.value));
         timed.extend(new);
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::stopwatch::{Stopwatch, ThreadTimer};
+use super::stopwatch::{Stopwatch, ThreadTimer, is_spike};
 use super::view::View;
 use super::{SampleSums, TileRenderer};
 use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
@@ -23,6 +23,9 @@ const N_WARM_UP: usize = 4;
 
 /// Columns and rows of the pixels that warm up a thread.
 const SPREAD: u32 = 8;
+
+/// Disturbed pixels that take longer are not rendered again.
+const LONG_NS: f32 = 1e6;
 
 /// Paths for which there is room before any is traced.
 const PATHS: usize = 256;
@@ -154,7 +157,7 @@ impl<'a> SingleRayRenderer<'a> {
         let n_done = stopwatch.time_each(times, &mut render);
         let times = &mut times[..n_done];
         let again_ns =
-            stopwatch.time(|stopwatch| stopwatch.time_again(times, |_| 1.0, &mut render));
+            stopwatch.time(|stopwatch| stopwatch.time_again(times, LONG_NS, is_spike, &mut render));
         (n_done, warm_up_ns + again_ns)
     }
 }

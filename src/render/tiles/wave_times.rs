@@ -15,11 +15,11 @@ use tracer::cost::{Clock, Counter, Counters, Instant};
 pub(super) enum WaveStage {
     /// The hierarchy is searched for the nearest hits; by node visits and primitive tests.
     Hierarchy,
-    /// The surfaces at the hits are found, shaded and lit; by hits.
+    /// The surfaces at the hits are found, shaded and lit, and paths go on from them; by hits.
     Surfaces,
     /// Shadow rays are traced; by their node visits and primitive tests.
     ShadowRays,
-    /// Paths start, go on or end, and become pixels; by rays, without those of shadows.
+    /// Paths start, leave the scene, and become pixels; by rays, without shadow rays.
     Paths,
 }
 
@@ -34,7 +34,7 @@ pub(super) type StageColumns = [Vec<f32>; N_STAGES];
 /// The steps of a traversal.
 const STEPS: [Counter; 2] = [Counter::NodeVisits, Counter::PrimitiveTests];
 
-/// The rays of paths; those of samples are counted where pixels differ in them.
+/// The rays of paths; camera rays are counted where pixels differ in samples.
 const PATH_RAYS: [Counter; 4] = [
     Counter::Samples,
     Counter::ReflectionRays,

@@ -195,8 +195,25 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Adds the radiance of the points, and the background that the other rays see,
-    /// to `colors`, by slot. Overwrites `next` with the rays that continue the paths.
+    /// Adds the background that the rays without a point see to `colors`, by slot; called before
+    /// [`end`](Self::end).
+    pub fn add_background(&mut self, wave: &PathWave, points: &Points, colors: &mut VectorColumn) {
+        let colors = if self.scene.splits_paths() {
+            self.split.added.reset(wave.rays.len());
+            &mut self.split.added
+        } else {
+            colors
+        };
+        self.simd.run(AddBackground {
+            scene: self.scene,
+            missed: points.missed(),
+            wave,
+            colors,
+        });
+    }
+
+    /// Adds the radiance of the points to `colors`, by slot. Overwrites `next` with the rays that
+    /// continue the paths.
     pub fn end(
         &mut self,
         starts: PathStarts,
@@ -212,7 +229,6 @@ impl<'a> WaveShader<'a> {
         // Several rays of a path add to its color: in an order that depends on the path
         // alone, not on the other paths of the wave.
         let mut split = std::mem::take(&mut self.split);
-        split.added.reset(wave.rays.len());
         split.unsorted.restart(wave.depth + 1);
         self.end_paths(starts, wave, points, &mut split.unsorted, &mut split.added);
         for (ray, &slot) in wave.slots().iter().enumerate() {
@@ -231,12 +247,6 @@ impl<'a> WaveShader<'a> {
         next: &mut PathWave,
         colors: &mut VectorColumn,
     ) {
-        self.simd.run(AddBackground {
-            scene: self.scene,
-            missed: points.missed(),
-            wave,
-            colors,
-        });
         by_model!(self.scene, |model| self.simd.run(EndPoints {
             model,
             scene: self.scene,

@@ -127,7 +127,13 @@ impl<'a> Tracer<'a> {
         self.accel.simd()
     }
 
-    /// Overwrites `points` with the surface points of the hits of these rays. `lengths`
+    /// Divides these hits into groups of points, which [`surface_points`](Self::surface_points)
+    /// computes.
+    pub fn group_hits(&self, hits: &[Option<Hit>], points: &mut Points) {
+        points.group(self.scene, hits);
+    }
+
+    /// Computes the surface points of the hits of these rays, which are grouped. `lengths`
     /// are those of the paths before them, in a scene with a [`cone`](Scene::cone).
     pub fn surface_points(
         &self,
@@ -136,7 +142,6 @@ impl<'a> Tracer<'a> {
         hits: &[Option<Hit>],
         points: &mut Points,
     ) {
-        points.group(self.scene, hits);
         self.simd().run(FindPoints {
             scene: self.scene,
             lengths,

@@ -50,6 +50,7 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("thread-time", Results::thread_time),
     ("trace", Results::trace),
     ("cache", Results::cache),
+    ("waves", Results::waves),
 ];
 
 /// The files of `docs/results` by their stems; texts as JSON strings.
@@ -103,6 +104,27 @@ impl Results {
             Some(format!("{median:.0} % [{low:.0}, {high:.0}] for `{name}`"))
         };
         Some(listed(&of_mode.map(scene).collect::<Option<Vec<_>>>()?))
+    }
+
+    /// A table of the clock of waves.
+    fn waves(&self) -> Option<String> {
+        let row = |row: &Value| {
+            let windows = row["window_over_map"].as_array()?;
+            let agrees = |ratio: &&Value| ratio.as_f64().is_some_and(|it| (it - 1.0).abs() <= 0.1);
+            let ratio = |key: &str| row[key].as_f64().map(|ratio| format!("{ratio:.2}"));
+            Some(format!(
+                "| `{}` | {} | {} | {} of {} |\n",
+                row["scene"].as_str()?,
+                ratio("time_over_counters")?,
+                ratio("sum_over_thread_time")?,
+                windows.iter().filter(agrees).count(),
+                windows.len(),
+            ))
+        };
+        let rows = self.list("waves", "rows")?.iter().map(row);
+        let head = "\n\n| scene | `time` over `counters` | sum over tiles | windows that agree |\n\
+                    |---|--:|--:|--:|\n";
+        Some(format!("{head}{}\n", rows.collect::<Option<String>>()?))
     }
 
     fn counters_instructions(&self) -> Option<String> {

@@ -68,7 +68,11 @@ fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {
 }
 
 /// Writes the film's layers.
-fn write(rendering: &RenderingView, run: RunId, out: &mut (impl Write + Seek)) -> io::Result<()> {
+pub(super) fn write(
+    rendering: &RenderingView,
+    run: RunId,
+    out: &mut (impl Write + Seek),
+) -> io::Result<()> {
     let film = rendering.film;
     let channels = channels(film, rendering.image_plane());
     let headers = Headers::from_elem(header(rendering, &channels, run), 1);

@@ -7,14 +7,9 @@ use tracer::cost::{Clock, CpuWait, Instant};
 /// How often a disturbed pixel is rendered again at most.
 const N_TRIES: usize = 3;
 
-/// A time is doubtful that is so many times as long as those of the pixels before and after:
-/// an interrupt that returns to the thread is not reported, nor is a pause of the virtual
-/// machine, nor are cold caches.
-const SPIKE: f32 = 2.0;
-
-/// A disturbed time that is longer is not measured again: its CPU time is right, as cold caches
-/// are a small part of it, and the next one would be interrupted as well.
-pub(super) const LONG_NS: f32 = 1e6;
+/// A time is doubtful if it is this many times as long as expected: an interrupt that returns to
+/// the thread is not reported, nor is a pause of the virtual machine, nor are cold caches.
+pub(super) const SPIKE: f32 = 2.0;
 
 /// The clocks of a thread.
 pub(super) trait Timer {
@@ -109,18 +104,21 @@ impl<T: Timer> Stopwatch<T> {
     }
 
     /// Renders those pixels of [`time_each`](Self::time_each) again whose times were disturbed
-    /// or, for their `work`, are doubtful, each after the pixel before it, as the first time. A disturbed time is
-    /// replaced by the first one that is not, or else by the median of the CPU times, and
-    /// remains rejected; of a doubtful time and another one the smaller is right.
+    /// for less than `longest_ns`, or are doubtful, each after the pixel before it, as the first
+    /// time. A disturbed time is replaced by the first one that is not, or else by the median of
+    /// the CPU times, and remains rejected; of a doubtful time and another one the smaller is
+    /// right. The CPU time of a longer one is right, as cold caches are a small part of it, and
+    /// the next one would be interrupted as well.
     pub(super) fn time_again(
         &mut self,
         times: &mut [PixelTime],
-        work: impl Fn(usize) -> f32,
+        longest_ns: f32,
+        is_doubtful: impl Fn(&[PixelTime], usize) -> bool,
         mut render: impl FnMut(usize),
     ) {
         for i in 0..times.len() {
-            let is_disturbed = times[i].is_rejected && times[i].ns < LONG_NS;
-            if !is_disturbed && !is_spike(times, &work, i) {
+            let is_disturbed = times[i].is_rejected && times[i].ns < longest_ns;
+            if !is_disturbed && !is_doubtful(times, i) {
                 continue;
             }
             let mut tries = [f32::MAX; N_TRIES];
@@ -178,15 +176,14 @@ impl<T: Timer> Stopwatch<T> {
     }
 }
 
-/// Whether a pixel took much longer for its work than those before and after it.
-fn is_spike(times: &[PixelTime], work: impl Fn(usize) -> f32, i: usize) -> bool {
-    let ns = |i: usize| times[i].ns / work(i);
-    let before = i.checked_sub(1).map(ns);
-    let after = (i + 1 < times.len()).then(|| ns(i + 1));
+/// Whether a pixel took much longer than those before and after it.
+pub(super) fn is_spike(times: &[PixelTime], i: usize) -> bool {
+    let before = i.checked_sub(1).map(|before| times[before].ns);
+    let after = times.get(i + 1).map(|after| after.ns);
     let neighbors = before.into_iter().chain(after);
     neighbors
         .reduce(f32::max)
-        .is_some_and(|most| ns(i) > SPIKE * most)
+        .is_some_and(|most| times[i].ns > SPIKE * most)
 }
 
 #[cfg(test)]

@@ -1,0 +1,83 @@
+//! `raycost render SCENE -o picture.png`: a picture, and no other file.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use super::RenderArguments;
+use crate::cli::progress::Bars;
+use crate::cli::scene::PictureFormat;
+use crate::cli::{Failure, run_summary, shown};
+use crate::session::{Scope, Session};
+use base::folder::{Replace, target};
+use base::text::numbers::bytes;
+use base::text::{self, Diagnostic};
+use render::ranks::Team;
+use render::tiles::Limits;
+
+/// A file to which a picture is written.
+#[derive(Debug, Clone)]
+pub(super) struct PictureFile {
+    path: PathBuf,
+    /// By the end of its name.
+    pub(super) format: PictureFormat,
+}
+
+impl FromStr for PictureFile {
+    type Err = &'static str;
+
+    fn from_str(path: &str) -> Result<Self, Self::Err> {
+        let path = PathBuf::from(path);
+        let extension = path.extension().unwrap_or_default();
+        let format = match extension.to_ascii_lowercase().to_str() {
+            Some("png") => PictureFormat::Png,
+            Some("exr") => PictureFormat::Exr,
+            _ => return Err("expected a name that ends in .png or .exr"),
+        };
+        Ok(Self { path, format })
+    }
+}
+
+/// Renders a session's picture and writes it to a file.
+pub(super) fn render(
+    arguments: &RenderArguments,
+    session: &Session,
+    file: &PictureFile,
+    team: Option<Team>,
+) -> Result<(), Failure> {
+    target(&file.path, Replace::Marked)?;
+    let bars = Bars::new(arguments.quiet);
+    let on_event = |event| bars.show(event);
+    let limits = Limits {
+        team: team.as_ref(),
+        ..Limits::default()
+    };
+    let scope = Scope {
+        limits,
+        ..Scope::default()
+    };
+    let mut rendering = session.render_within(&arguments.options(&on_event), &scope)?;
+    let written = rendering.write_picture(&file.path)?;
+    if let Some(team) = team {
+        team.ranks.leave();
+    }
+    if !arguments.quiet {
+        let head = run_summary::head(&rendering.view(None), rendering.stages());
+        let (path, length) = (shown(&file.path), bytes(written.bytes));
+        text::print(&format!("{head}wrote   {path} ({length})\n"))?;
+    }
+    Ok(())
+}
+
+impl RenderArguments {
+    /// The only frame of an animation whose picture is wanted.
+    pub(super) fn only_frame(&self) -> Result<u32, Diagnostic> {
+        let range = self.frames.as_ref().map(|frames| &frames.0);
+        match range {
+            Some(range) if range.start() == range.end() => Ok(*range.start()),
+            _ => Err(
+                Diagnostic::new("`--picture` writes one picture, and the scene has frames")
+                    .with_help("choose one of them, such as `--frames 7`"),
+            ),
+        }
+    }
+}
