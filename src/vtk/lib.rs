@@ -1,7 +1,7 @@
 //! VTK's files: data sets → bytes, and bytes → arrays by name. It does not know what the arrays
 //! mean.
 //!
-//! Read [`array`] and [`data_set`], what is written; [`appended::write`], which writes a header
+//! Read [`mod@array`] and [`data_set`], what is written; [`appended::write`], which writes a header
 //! of vtkio's types and behind it the arrays, raw or compressed a few blocks at a time, from
 //! their memory, so that no second copy exists (vtkio's own writer would hold the file as
 //! base64, and loses data beyond 2 GiB); and [`read::VtkReader`]. [`parallel`] lists the pieces

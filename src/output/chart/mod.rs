@@ -1,6 +1,6 @@
 //! The per-pixel cost map as a picture with title, subtitle, map, color bar and footer.
 //!
-//! [`write`] takes one value per pixel and writes a PNG. Cost spans decades, so that the
+//! [`write()`] takes one value per pixel and writes a PNG. Cost spans decades, so that the
 //! colors (Inferno, perceptually uniform) follow the logarithm. `range` chooses the range of the
 //! colors such that one interrupted pixel does not compress the rest; the footer and the tips of the
 //! color bar show what is clipped. Changes of cost have a diverging scale around zero.

@@ -66,7 +66,7 @@ impl PackedCounters {
         [bytemuck::bytes_of(&self.present), &self.planes]
     }
 
-    /// Upper bound of the bytes that [`append_to`](Self::append_to) appends for `n_pixels`
+    /// Upper bound of the bytes that `append_to` appends for `n_pixels`
     /// pixels in any number of parts.
     pub fn max_bytes(n_pixels: usize) -> usize {
         let per_pixel = Counter::ALL.len() * N_PLANES as usize;
