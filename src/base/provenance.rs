@@ -1,9 +1,9 @@
 //! The ID of a run and the checksums of its files.
 //!
-//! Each file contains the ID of the run that wrote it: VTK files in the attribute
-//! `raycost_run` of their root, PNGs in a text chunk, states, pages and profiles in an
-//! XML comment, JSON files in a key. CSV has no place for it that all readers ignore:
-//! only the checksum in `summary.json`, which lists every file, identifies a table.
+//! Each file contains the ID of the run that wrote it: VTK files in the attribute `raycost_run` of
+//! their root, PNGs in a text chunk, states, pages and profiles in an XML comment, JSON files in a
+//! key. CSV has no place that all readers ignore: a table is identified only by its checksum in
+//! `summary.json`, which lists every file.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,7 +14,7 @@ use twox_hash::XxHash3_128;
 /// The key, attribute or keyword of a run's ID.
 pub const KEY: &str = "raycost_run";
 
-/// A program with its version and its commit.
+/// Formats a program's name with its version and its commit.
 pub fn program(version: &str, commit: Option<&str>) -> String {
     match commit {
         Some(commit) => format!("raycost {version} ({commit})"),
@@ -27,7 +27,7 @@ pub fn program(version: &str, commit: Option<&str>) -> String {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunId(u128);
 
-/// A checksum of a file: XXH3 of 128 bits, as `xxh128sum` prints it.
+/// A 128-bit XXH3 checksum of a file, as `xxh128sum` prints it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Checksum(u128);
 
@@ -36,7 +36,7 @@ pub fn checksum(bytes: &[u8]) -> Checksum {
     Checksum(XxHash3_128::oneshot(bytes))
 }
 
-/// Computes a checksum of bytes that arrive in parts.
+/// Computes a checksum incrementally.
 #[derive(Clone, Default)]
 pub struct Hasher(XxHash3_128);
 
@@ -59,7 +59,7 @@ impl fmt::Debug for Hasher {
 }
 
 impl Checksum {
-    /// Its 128 bits.
+    /// Returns the 128 bits.
     pub fn bits(self) -> u128 {
         self.0
     }
@@ -72,7 +72,7 @@ impl From<Checksum> for RunId {
 }
 
 impl RunId {
-    /// The ID as an XML comment, a line of its own.
+    /// Returns the ID as an XML comment on a separate line.
     pub fn comment(self) -> String {
         format!("<!-- {KEY}={self} -->\n")
     }
@@ -80,7 +80,7 @@ impl RunId {
 
 /// Returns an XML text with the run's ID in a comment before its root.
 pub fn stamped(xml: &str, run: RunId) -> String {
-    // A declaration has to come first.
+    // A declaration must come first.
     let begin = if xml.starts_with("<?xml") {
         xml.find("?>\n").map_or(0, |at| at + 3)
     } else {
@@ -89,8 +89,8 @@ pub fn stamped(xml: &str, run: RunId) -> String {
     format!("{}{}{}", &xml[..begin], run.comment(), &xml[begin..])
 }
 
-/// The first difference between two provenances, such as "another machine"; `None` if `before`
-/// has all values of `now`.
+/// Returns the first difference between two provenances, such as "another machine"; `None` if
+/// `before` has all values of `now`.
 pub fn difference(before: &Value, now: &Value) -> Option<String> {
     let (key, before, now) = first_different(before, now)?;
     Some(match key {
@@ -108,7 +108,7 @@ pub fn difference(before: &Value, now: &Value) -> Option<String> {
     })
 }
 
-/// The first key of `now` whose value differs, with that before and now.
+/// Returns the first key of `now` whose value differs, with the values before and now.
 fn first_different<'a>(
     before: &'a Value,
     now: &'a Value,
@@ -119,7 +119,7 @@ fn first_different<'a>(
     })
 }
 
-/// Makes a type print as 32 hexadecimal digits, and be read from them.
+/// Makes a type print as, and parse from, 32 hexadecimal digits.
 macro_rules! as_digits {
     ($kind:ident) => {
         impl fmt::Display for $kind {

@@ -1,11 +1,10 @@
-//! Requests to end, as flags that long work looks at: signals ask the whole
-//! program, a [`Cancellation`] the threads of one rendering.
+//! Requests to stop, as flags that long work polls: signals stop the whole program, a
+//! [`Cancellation`] the threads of one rendering.
 //!
-//! SIGINT, SIGTERM and SIGHUP only set the flag. Loops return early if
-//! [`is_requested`], and the command line discards their results: it calls [`check`]
-//! between its steps, so that destructors run and remove temporary files. SIGXFSZ,
-//! which would end the program when a file reaches its size limit, is ignored: the
-//! write fails with an error instead.
+//! SIGINT, SIGTERM and SIGHUP only set the flag. Loops return early if [`is_requested`], and the
+//! command line discards their results: it calls [`check`] between its steps, so that destructors
+//! run and remove temporary files. SIGXFSZ, which would end the program when a file reaches its
+//! size limit, is ignored: the write fails with an error instead.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -31,8 +30,8 @@ pub enum Stopped {
 }
 
 impl Stopped {
-    /// The exit code of a program that was stopped: 128 plus the number of the
-    /// signal, as shells have it, or that of SIGTERM.
+    /// Returns the exit code of a stopped program: 128 plus the signal number, by the convention of
+    /// shells, or SIGTERM's for a cancellation.
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Signal(number) => (128 + number) as u8,
@@ -55,17 +54,17 @@ impl fmt::Display for Stopped {
 pub struct Cancellation(Arc<AtomicBool>);
 
 impl Cancellation {
-    /// Asks the work to end, from any thread. It ends soon, at the next pixel.
+    /// Asks the work to end, from any thread. It ends at the next pixel.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether [`cancel`](Self::cancel) was called.
+    /// Returns true if [`cancel`](Self::cancel) was called.
     pub fn is_canceled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Stops the work on this thread, too, when it is canceled.
+    /// Makes the work on this thread stop too when this is canceled.
     pub fn watch_on_this_thread(&self) {
         CANCELLATION.set(Some(self.clone()));
     }
@@ -76,7 +75,7 @@ impl std::error::Error for Stopped {}
 /// Installs the signal handlers.
 ///
 /// # Errors
-/// An error of the system.
+/// An error of the operating system.
 pub fn listen() -> io::Result<()> {
     let flag = REQUESTED.get_or_init(Arc::default);
     for signal in ENDING {
@@ -103,10 +102,10 @@ pub fn request() {
     flag.store(signal_hook::consts::SIGTERM as usize, Ordering::Relaxed);
 }
 
-/// Does `work`, and `action` as soon as a signal arrives meanwhile.
+/// Runs `work`, and `action` as soon as a signal arrives meanwhile.
 ///
 /// # Errors
-/// An error of the system, if signals cannot be watched; then `work` is not done.
+/// The operating system cannot watch signals; then `work` is not run.
 #[cfg(unix)]
 pub fn watching<T>(action: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Result<T> {
     let mut signals = signal_hook::iterator::Signals::new(ENDING)?;
@@ -124,14 +123,14 @@ pub fn watching<T>(action: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io
     }))
 }
 
-/// Does `work`: signals end the program here.
+/// Runs `work`; on this system, signals end the program.
 #[cfg(not(unix))]
 pub fn watching<T>(_: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Result<T> {
     Ok(work())
 }
 
-/// Whether the work on this thread should end: the program was asked to, or the
-/// thread's [`Cancellation`] was. Cheap enough to ask for each pixel.
+/// Returns true if the work on this thread should end: the program or the thread's [`Cancellation`]
+/// was asked to. Cheap enough to call for each pixel.
 #[inline]
 pub fn is_requested() -> bool {
     check().is_err()
@@ -140,7 +139,7 @@ pub fn is_requested() -> bool {
 /// Returns an error if [`is_requested`].
 ///
 /// # Errors
-/// Why the work should end.
+/// The reason to end.
 #[inline]
 pub fn check() -> Result<(), Stopped> {
     match REQUESTED.get().map(|flag| flag.load(Ordering::Relaxed)) {

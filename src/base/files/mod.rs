@@ -1,9 +1,9 @@
-//! Paths of the files that are read → their bytes. All files of a scene and of an output folder
-//! are opened here, and only [regular](open) ones are.
+//! Reads files: path → bytes. Every file of a scene and of an output folder is opened here, and
+//! only [regular](open) files are.
 //!
-//! A process alone reads its files from disk as it needs them. Several ranks [`share`] them:
-//! one of them, the leader, reads each file whole and broadcasts it, so that only the leader
-//! needs the files, and a file system serves one reader.
+//! A single process reads its files from disk as it needs them. Ranks [`share`] theirs: the leader
+//! reads each file whole and broadcasts it, so that only the leader needs the files, and the file
+//! system serves one reader.
 
 mod regular;
 mod shared;
@@ -20,9 +20,9 @@ pub use shared::{Broadcast, SharedFiles, share};
 /// An open file.
 #[derive(Debug)]
 pub enum InputFile {
-    /// One that is read as it is needed.
+    /// A file on disk, read on demand.
     OnDisk(File),
-    /// One of the leader, whole.
+    /// The whole file in memory, as the leader broadcast it.
     InMemory(Cursor<Vec<u8>>),
 }
 
@@ -30,8 +30,8 @@ impl InputFile {
     /// Opens a file.
     ///
     /// # Errors
-    /// The errors of the system, and that it is not a regular file; of a shared file also that it
-    /// cannot be read to its end, or that it is longer than the free memory.
+    /// An I/O error, or not a regular file. A shared file also fails if the leader cannot read it
+    /// to its end, or if it is longer than the free memory.
     pub fn open(path: &Path) -> io::Result<Self> {
         if !shared::is_active() {
             return Ok(Self::OnDisk(open(path)?));
@@ -40,10 +40,10 @@ impl InputFile {
         Ok(Self::InMemory(Cursor::new(bytes)))
     }
 
-    /// Its length in bytes.
+    /// Returns the length in bytes.
     ///
     /// # Errors
-    /// The errors of the system.
+    /// An I/O error.
     pub fn length(&self) -> io::Result<u64> {
         match self {
             Self::OnDisk(file) => file.metadata().map(|metadata| metadata.len()),
@@ -70,10 +70,10 @@ impl Seek for InputFile {
     }
 }
 
-/// The length of a regular file in bytes; `None` for a folder, a device and the like.
+/// Returns the length of a regular file in bytes; `None` for a folder, a device and the like.
 ///
 /// # Errors
-/// There is nothing at the path, or the system refuses to say what.
+/// The path does not exist, or cannot be inspected.
 pub fn length_of(path: &Path) -> io::Result<Option<u64>> {
     shared::found(path, |path| {
         let metadata = path.metadata()?;
@@ -81,15 +81,15 @@ pub fn length_of(path: &Path) -> io::Result<Option<u64>> {
     })
 }
 
-/// Whether there is a regular file at a path.
+/// Returns true if the path is a regular file.
 pub fn is_file(path: &Path) -> bool {
     matches!(length_of(path), Ok(Some(_)))
 }
 
-/// The one path of a file that may have several.
+/// Returns the canonical path of a file, without symbolic links.
 ///
 /// # Errors
-/// There is nothing at the path, or the system refuses to say where.
+/// The path does not exist, or cannot be resolved.
 pub fn canonical(path: &Path) -> io::Result<PathBuf> {
     let text = shared::found(path, |path| {
         let canonical = path.canonicalize()?;

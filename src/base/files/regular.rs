@@ -1,5 +1,4 @@
-//! Opening of regular files only: a FIFO would make whoever opens it wait for its writer, and
-//! a device may have no end.
+//! Opens regular files only: opening a FIFO would wait for its writer, and a device may be endless.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
@@ -10,21 +9,21 @@ use crate::text::numbers;
 /// Opens a regular file for reading.
 ///
 /// # Errors
-/// The errors of the system, and that it is not a regular file.
+/// An I/O error, or not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
     open_with(OpenOptions::new().read(true), path)
 }
 
-/// Opens a regular file as the options say, which may create it.
+/// Opens a regular file with these options, which may create it.
 ///
 /// # Errors
-/// The errors of [`open`].
+/// As [`open`].
 pub fn open_with(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
-    // Before it is opened: that alone has effects on some devices.
+    // Check first: merely opening some devices has side effects.
     if let Ok(found) = path.metadata() {
         check(&found)?;
     }
-    // What takes its place meanwhile is opened without waiting.
+    // Do not block if something else has replaced the file meanwhile.
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
@@ -35,16 +34,16 @@ pub fn open_with(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// All bytes of a regular file.
+/// Reads a regular file.
 ///
 /// # Errors
-/// The errors of [`open`], and that it is longer than `max_bytes`.
+/// As [`open`], or the file is longer than `max_bytes`.
 pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let n_bytes = file.metadata()?.len();
     let mut bytes = Vec::new();
     if n_bytes <= max_bytes {
-        // It may grow while it is read.
+        // The file may grow while it is read.
         file.take(max_bytes.saturating_add(1))
             .read_to_end(&mut bytes)?;
     }
@@ -55,10 +54,10 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a regular file.
+/// Reads a regular file as text.
 ///
 /// # Errors
-/// The errors of [`read`], and that it is not UTF-8.
+/// As [`read`], or the file is not UTF-8.
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
     String::from_utf8(read(path, max_bytes)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))

@@ -1,8 +1,8 @@
-//! Files that one of several processes reads for all.
+//! Shares files among processes: one of them reads each file for all.
 //!
-//! All read the same scene, so they ask for the same paths in the same order. The leader's
-//! answer to each question is one message: a head of two lengths, what it has found, as
-//! JSON, and the contents of the file. A head of two zeros ends them.
+//! All processes read the same scene, so they ask for the same paths in the same order. The leader
+//! answers each request with one message: a head of two lengths, what it found, as JSON, and the
+//! contents of the file. A head of two zeros ends the sharing.
 
 use std::cell::{Cell, RefCell};
 use std::io::{self, Read};
@@ -16,25 +16,26 @@ use super::regular;
 use crate::host::available_memory;
 use crate::stop;
 
-/// Bytes that are broadcast at a time: the counts of MPI have 32 bits.
+/// Bytes per broadcast: MPI counts have 32 bits.
 const CHUNK: usize = 1 << 24;
-/// Bytes of memory that are taken without a check, which opens several files in `/proc`.
+/// Bytes that are allocated without a check: reading the available memory opens several files in
+/// `/proc`.
 const WORTH_A_CHECK: u64 = 1 << 20;
 
-/// The way from the leader to all others.
+/// A broadcast from the leader to all other processes.
 pub trait Broadcast {
-    /// Whether this process is the leader.
+    /// Returns true if this process is the leader.
     fn is_leader(&self) -> bool;
 
-    /// Gives all others the leader's bytes. All processes must pass the same length; the others
-    /// may have to wait long for the leader.
+    /// Sends the leader's bytes to all other processes. All processes must pass the same length;
+    /// the others may have to wait long for the leader.
     fn broadcast(&self, bytes: &mut [u8]);
 }
 
-/// How a thread shares the files that it opens.
+/// The sharing of the files that one thread opens.
 struct Sharing {
     with: Box<dyn Broadcast>,
-    /// Whether the leader has sent its last message.
+    /// True if the leader has sent its last message.
     has_ended: Cell<bool>,
 }
 
@@ -43,8 +44,8 @@ thread_local! {
     static SHARING: RefCell<Option<Sharing>> = const { RefCell::new(None) };
 }
 
-/// Shares the files that this thread opens with other processes until the result is dropped,
-/// all of which open the same files in the same order.
+/// Shares the files that this thread opens with other processes, which must open the same files in
+/// the same order, until the returned guard is dropped.
 #[must_use]
 pub fn share(broadcast: Box<dyn Broadcast>) -> SharedFiles {
     SHARING.set(Some(Sharing {
@@ -54,14 +55,14 @@ pub fn share(broadcast: Box<dyn Broadcast>) -> SharedFiles {
     SharedFiles(PhantomData)
 }
 
-/// Files are shared as long as it lives. A leader that drops it without [`end`](Self::end)
-/// has failed, and has to end the others. Another process that drops it, having failed or not,
-/// takes part until the leader ends, so that the leader never waits for it.
+/// Guard of a sharing: files are shared while it lives. A leader that drops it without
+/// [`end`](Self::end) has failed, and must end the other processes. Another process that drops it,
+/// failed or not, takes part until the leader ends, so that the leader never waits for it.
 #[derive(Debug)]
 pub struct SharedFiles(PhantomData<*const ()>);
 
 impl SharedFiles {
-    /// Ends the sharing: all files have been opened.
+    /// Ends the sharing; all files have been opened.
     pub fn end(self) {
         SHARING.with_borrow(|sharing| {
             if let Some(sharing) = sharing.as_ref().filter(|one| one.with.is_leader()) {
@@ -82,20 +83,20 @@ impl Drop for SharedFiles {
     }
 }
 
-/// Whether this thread shares its files.
+/// Returns true if this thread shares its files.
 pub(super) fn is_active() -> bool {
     SHARING.with_borrow(Option::is_some)
 }
 
-/// The bytes of a shared file.
+/// Returns the bytes of a shared file.
 ///
 /// # Errors
-/// The errors of the leader, or they do not fit into memory.
+/// The leader failed to read the file, or it does not fit into memory.
 pub(super) fn contents(path: &Path) -> io::Result<Vec<u8>> {
     answer(path, |path| Ok(((), read_whole(path)?))).map(|((), contents)| contents)
 }
 
-/// What is found at a path: by the leader, if files are shared.
+/// Runs `find` on the path, at the leader if files are shared.
 ///
 /// # Errors
 /// The errors of `find`.
@@ -109,14 +110,14 @@ pub(super) fn found<T: Serialize + DeserializeOwned>(
     answer(path, |path| Ok((find(path)?, Vec::new()))).map(|(found, _)| found)
 }
 
-/// The leader's answer to a question about a path.
+/// The leader's answer to a request for a path.
 #[derive(Debug, Serialize, Deserialize)]
 struct Finding<T> {
     path: String,
     found: Result<T, String>,
 }
 
-/// Finds something and the contents of a file at the leader, for all.
+/// Runs `find` and reads the file at the leader, for all processes.
 fn answer<T: Serialize + DeserializeOwned>(
     path: &Path,
     find: impl FnOnce(&Path) -> io::Result<(T, Vec<u8>)>,
@@ -159,7 +160,7 @@ fn send(others: &dyn Broadcast, finding: &mut [u8], contents: &mut [u8]) {
     }
 }
 
-/// The lengths of a finding and of the contents of a file.
+/// Receives the lengths of a finding and of the contents of a file.
 fn receive_head(leader: &dyn Broadcast) -> [u64; 2] {
     let mut head = [[0; 8]; 2];
     leader.broadcast(head.as_flattened_mut());
@@ -167,7 +168,7 @@ fn receive_head(leader: &dyn Broadcast) -> [u64; 2] {
 }
 
 impl Sharing {
-    /// The next finding and the contents of its file.
+    /// Receives the next finding and the contents of its file.
     ///
     /// # Errors
     /// The leader has ended. The contents are an error if they do not fit into memory.
@@ -201,7 +202,7 @@ fn receive_bytes(leader: &dyn Broadcast, n: u64) -> Vec<u8> {
     bytes
 }
 
-/// Takes part in the next message without keeping it; returns whether there was one.
+/// Takes part in the next message and discards it; returns false if it was the last one.
 fn skip(leader: &dyn Broadcast) -> bool {
     let lengths = receive_head(leader);
     lengths.iter().for_each(|&n| skip_bytes(leader, n));
@@ -218,13 +219,13 @@ fn skip_bytes(leader: &dyn Broadcast, n: u64) {
     }
 }
 
-/// All bytes of a regular file.
+/// Reads a whole regular file.
 fn read_whole(path: &Path) -> io::Result<Vec<u8>> {
     let file = regular::open(path)?;
     let length = file.metadata()?.len();
     check_room(length)?;
     let mut bytes = Vec::with_capacity(length as usize);
-    // In parts, for a signal.
+    // Block by block, so that a signal can interrupt.
     loop {
         stop::check().map_err(io::Error::other)?;
         if (&file).take(CHUNK as u64).read_to_end(&mut bytes)? == 0 {
@@ -233,7 +234,7 @@ fn read_whole(path: &Path) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Checks that a file fits into memory.
+/// Returns an error if a file does not fit into memory.
 fn check_room(n_bytes: u64) -> io::Result<()> {
     if n_bytes > WORTH_A_CHECK && n_bytes > available_memory() {
         return Err(io::Error::other("it is longer than the free memory"));

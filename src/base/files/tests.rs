@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use super::*;
 
-/// A broadcast to one other: the leader never waits for it.
+/// A broadcast to a single receiver: the leader never waits for it.
 enum Queue {
     Leader(Sender<Vec<u8>>),
     Other(Mutex<VecDeque<Vec<u8>>>),
@@ -32,7 +32,7 @@ impl Broadcast for Queue {
     }
 }
 
-/// Does the work of the leader, removes its folder, and returns what it has sent.
+/// Runs `work` as the leader, removes its folder, and returns the messages that were sent.
 fn sent_by(work: impl FnOnce(&Path)) -> (PathBuf, Queue) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a"), b"first").unwrap();

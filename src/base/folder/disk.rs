@@ -1,5 +1,5 @@
-//! All calls of a commit that change the disk. Tests make each of them fail, and
-//! kill the process at each of them.
+//! All system calls of a commit that change the disk. Tests make each of them fail, and kill the
+//! process at each of them.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -31,8 +31,8 @@ pub(super) fn write(mut file: &File, bytes: &[u8]) -> io::Result<usize> {
     file.write(bytes)
 }
 
-/// Reserves space for a file of this length, which stays as it is. An error means that
-/// the file system does not know how, or will show when the file is written.
+/// Reserves space for a file of this length; the file does not change. Errors are ignored: either
+/// the file system cannot reserve, or the write will fail too.
 #[cfg(target_os = "linux")]
 pub(super) fn reserve(file: &File, n_bytes: u64) {
     use rustix::fs::{FallocateFlags, fallocate};
@@ -86,7 +86,7 @@ pub(super) fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Copies owner and group of a folder to another.
+/// Copies owner and group of one folder to another.
 #[cfg(unix)]
 pub(super) fn set_owner(path: &Path, as_of: &fs::Metadata) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, chown};
@@ -135,8 +135,8 @@ pub(super) mod faults {
         static N_CALLS: Cell<usize> = const { Cell::new(0) };
     }
 
-    /// Does work in which the call with this number has the fault; also returns the
-    /// number of calls.
+    /// Runs `work` and injects the fault into the call with this number; also returns the number of
+    /// calls.
     pub(in crate::folder) fn with<T>(
         number: usize,
         fault: DiskFault,

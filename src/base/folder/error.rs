@@ -18,7 +18,7 @@ pub struct WriteError {
 pub(super) const LOCKED: &str = "another run is writing to this folder";
 
 impl WriteError {
-    /// The failure of an operation on this file.
+    /// Creates the error of a failed operation on this file.
     pub fn new(path: impl Into<PathBuf>, error: io::Error) -> Self {
         Self {
             path: path.into(),
@@ -27,7 +27,8 @@ impl WriteError {
         }
     }
 
-    /// The path holds something that raycost did not write, or may not replace.
+    /// Creates the error of a path that holds something that raycost did not write, or may not
+    /// replace.
     pub fn refused(path: impl Into<PathBuf>, why: &'static str, help: &'static str) -> Self {
         Self {
             path: path.into(),
@@ -36,12 +37,12 @@ impl WriteError {
         }
     }
 
-    /// Whether another run has locked the folder.
+    /// Returns true if another run has locked the folder.
     pub(super) fn is_locked(&self) -> bool {
         self.help.is_some() && self.error.to_string() == LOCKED
     }
 
-    /// Advice on how to correct it.
+    /// Returns advice on how to correct it.
     pub fn help(&self) -> &'static str {
         if let Some(help) = self.help {
             return help;
@@ -65,7 +66,7 @@ impl fmt::Display for WriteError {
     }
 }
 
-/// The message with its advice, behind the word `Error:` of a `main` that returns it.
+/// The message with its advice, as `main` prints it after `Error:`.
 impl fmt::Debug for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let diagnostic = Diagnostic::new(self.to_string()).with_help(self.help());

@@ -1,8 +1,8 @@
-//! The atomic commit: the folder of new files and the output folder exchange their
-//! names (`renameat2` with `RENAME_EXCHANGE`).
+//! Commits atomically: the folder of new files and the output folder exchange their names
+//! (`renameat2` with `RENAME_EXCHANGE`).
 //!
-//! Before that, the new folder gets a hard link to each file of others, so that none
-//! is ever missing. Where that is impossible, the [`journal`](super::journal) commits.
+//! Before that, the new folder gets a hard link to each foreign file, so that none is ever missing.
+//! Where that is impossible, the [`journal`](super::journal) commits.
 
 use std::fs::{self, File};
 use std::io;
@@ -12,22 +12,22 @@ use super::disk;
 use super::lock::is_same;
 use super::workspace::{CommitPlan, Workspace};
 
-/// Most files of others that are linked.
+/// Maximum number of foreign files that are linked.
 const MAX_KEPT: usize = 1000;
 
-/// Returns the parent of this folder if it is in the same file system: the two
-/// folders can then be exchanged.
+/// Returns the parent of this folder if it is on the same file system: the two folders can then be
+/// exchanged.
 pub(super) fn parent_of(folder: &Path) -> Option<PathBuf> {
     let parent = folder.parent()?;
     let is_one_system = device(folder).ok()? == device(parent).ok()?;
     (is_one_system && !is_mount_point(folder)).then(|| parent.to_owned())
 }
 
-/// Exchanges the folder with the workspace's new files. Returns `false` if that is
-/// impossible; then, and after an error, the folder is unchanged.
+/// Exchanges the folder with the workspace's new files. Returns `false` if that is impossible;
+/// then, and after an error, the folder is unchanged.
 ///
 /// # Errors
-/// An error of the system.
+/// An I/O error.
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
@@ -57,7 +57,7 @@ pub(super) fn commit(
     Ok(true)
 }
 
-/// Returns the names of all files of others; `None` if one cannot be linked.
+/// Hard-links all foreign files and returns their names; `None` if one cannot be linked.
 fn kept(folder: &Path, old: &[String]) -> io::Result<Option<Vec<String>>> {
     let mut kept = Vec::new();
     if has_attributes(folder) {
@@ -80,8 +80,7 @@ fn kept(folder: &Path, old: &[String]) -> io::Result<Option<Vec<String>>> {
     Ok(Some(kept))
 }
 
-/// Whether the folder has access control lists or other attributes that a new
-/// folder lacks.
+/// Returns true if the folder has access control lists or other attributes that a new folder lacks.
 #[cfg(any(target_os = "linux", target_vendor = "apple"))]
 fn has_attributes(folder: &Path) -> bool {
     let mut names = [0_u8; 4096];
@@ -99,7 +98,7 @@ fn has_attributes(_: &Path) -> bool {
     false
 }
 
-/// Whether the folder is the current directory of a process, which would end up in a
+/// Returns true if the folder is the current directory of a process, which would end up in a
 /// deleted folder. Only Linux reports it, for the user's own processes.
 fn is_in_use(folder: &Path) -> bool {
     let Ok(folder) = folder.metadata() else {
@@ -113,7 +112,7 @@ fn is_in_use(folder: &Path) -> bool {
         || fs::metadata(".").is_ok_and(|own| is_same(&own, &folder))
 }
 
-/// Whether the folder is a mount point, as far as Linux reports it.
+/// Returns true if the folder is a mount point, as far as Linux reports it.
 fn is_mount_point(folder: &Path) -> bool {
     let Ok(mounts) = File::open("/proc/self/mountinfo").and_then(io::read_to_string) else {
         return false;

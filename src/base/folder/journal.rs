@@ -1,10 +1,9 @@
-//! The commit file by file, which can be rolled back at any time.
+//! Commits file by file, with a rollback at any time.
 //!
-//! The workspace is renamed to `.raycost-journal` in the output folder. Then each old
-//! file is moved to its `old/`, and each new file to its final name. The commit is
-//! done when the journal is renamed back to the workspace. A journal in a folder that
-//! no run has locked belongs to a killed run: its old files are moved back. A rollback
-//! that is interrupted can be repeated.
+//! The workspace is renamed to `.raycost-journal` in the output folder. Then each old file is moved
+//! to the journal's `old/`, and each new file to its final name. The commit is done when the
+//! journal is renamed back to the workspace. A journal in a folder that is not locked belongs to a
+//! killed run: its old files are moved back. An interrupted rollback can be repeated.
 
 use std::io;
 use std::path::Path;
@@ -18,11 +17,11 @@ const NAME: &str = ".raycost-journal";
 /// The name of the journal after a rollback.
 const TAKEN_BACK: &str = ".raycost-taken-back";
 
-/// Moves all new files of the workspace into the folder, and removes the old files
-/// that no new file replaces.
+/// Moves all new files of the workspace into the folder, and removes the old files that no new file
+/// replaces.
 ///
 /// # Errors
-/// An error of the system; then the folder is unchanged.
+/// An I/O error; then the folder is unchanged.
 pub(super) fn commit(
     folder: &Path,
     workspace: &Workspace,
@@ -39,7 +38,7 @@ pub(super) fn commit(
     let moved = move_files(folder, &journal, plan, sync)
         .and_then(|()| disk::rename(&journal, &workspace.path));
     if let Err(error) = moved {
-        // If this also fails, the next command does it.
+        // If this fails too, the next command rolls back.
         let _ = roll_back(folder);
         return Err(error);
     }
@@ -64,7 +63,7 @@ fn move_files(folder: &Path, journal: &Path, plan: &CommitPlan, sync: bool) -> i
     Ok(())
 }
 
-/// Whether the folder has an unfinished commit.
+/// Returns true if the folder has an unfinished commit.
 pub(super) fn is_in(folder: &Path) -> bool {
     folder.join(NAME).symlink_metadata().is_ok()
 }
@@ -72,7 +71,7 @@ pub(super) fn is_in(folder: &Path) -> bool {
 /// Rolls back an unfinished commit, if there is one. The folder must be locked.
 ///
 /// # Errors
-/// An error of the system, or a journal that cannot be read.
+/// An I/O error, or an unreadable journal.
 pub(super) fn roll_back(folder: &Path) -> Result<(), WriteError> {
     let journal = folder.join(NAME);
     if !is_in(folder) {

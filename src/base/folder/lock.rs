@@ -1,21 +1,20 @@
-//! The lock of a folder, which one run at a time holds.
+//! The lock of a folder, held by one run at a time.
 //!
-//! It is an advisory lock (`flock`) on the folder itself: it leaves no file behind,
-//! and ends with the process that holds it. A commit may give the folder's name to
-//! another folder, which the same run has locked before: a lock is valid only if the
-//! name still belongs to the locked folder.
+//! It is an advisory lock (`flock`) on the folder itself: it leaves no file behind, and ends with
+//! the process that holds it. A commit may give the folder's name to another folder, which the same
+//! run has already locked: a lock is valid only if the name still belongs to the locked folder.
 
 use std::fs::{self, File, Metadata, TryLockError};
 use std::io;
 use std::path::Path;
 
-/// Most attempts to lock a folder that is exchanged meanwhile.
+/// Maximum number of attempts to lock a folder that is being exchanged.
 const N_TRIES: usize = 100;
 
-/// Locks a folder; `None` if another run has locked it.
+/// Locks a folder; returns `None` if another run holds the lock.
 ///
 /// # Errors
-/// An error of the system.
+/// An I/O error.
 pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
     for _ in 0..N_TRIES {
         let file = open(folder)?;
@@ -45,7 +44,7 @@ fn open(folder: &Path) -> io::Result<File> {
     File::create(folder.join(".raycost-lock"))
 }
 
-/// Whether both belong to the same file or folder.
+/// Returns true if both are the same file or folder.
 #[cfg(unix)]
 pub(super) fn is_same(one: &Metadata, other: &Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;

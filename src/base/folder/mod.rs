@@ -1,25 +1,24 @@
-//! The output folder. A run replaces all of its files, or none.
+//! The output folder: a run replaces all of its files, or none.
 //!
 //! A run takes these steps, and may be killed between any two of them:
 //!
-//! 1. It locks the folder (`lock`). A second run is refused.
-//! 2. It rolls back the commit of a killed run (`journal`), and removes its
-//!    temporary files (`workspace`).
-//! 3. It checks that each file that it will write or remove was written by raycost
-//!    (`own`). A file of another program is refused before the first ray.
+//! 1. It locks the folder (`lock`); a second run is refused.
+//! 2. It rolls back the commit of a killed run (`journal`), and removes its temporary files
+//!    (`workspace`).
+//! 3. It checks that each file that it will write or remove was written by raycost (`own`). A file
+//!    of another program is refused before the first ray.
 //! 4. It writes all files into a workspace (`staged`), each with its checksum.
-//! 5. It commits them. If the system supports it, the folder of new files and the
-//!    output folder exchange their names (`exchange`): a reader sees either all old
-//!    files or all new ones. Otherwise, or if the output folder contains folders of
-//!    others, is a mount point or the current directory of a process, the run moves
-//!    the files one by one with a `journal`. If it is interrupted, the next command
-//!    rolls it back. Commands that read wait for a journal, or roll it back.
-//! 6. It removes the old files last, because freeing a large file may take long.
+//! 5. It commits them. If the system supports it, the folder of new files and the output folder
+//!    exchange their names (`exchange`): a reader sees either all old files or all new ones.
+//!    Otherwise, or if the output folder contains foreign folders, is a mount point or the current
+//!    directory of a process, the run moves the files one by one with a `journal`. If it is
+//!    interrupted, the next command rolls it back. Commands that read wait for a journal, or roll
+//!    it back.
+//! 6. It removes the old files last, because freeing a large file can be slow.
 //!
-//! Files of others remain, and so do the permissions of the folder and of replaced
-//! files. Without `sync`, a power cut may lose the newest files or parts of them;
-//! lengths, run IDs and checksums reveal that (see
-//! [`provenance`](crate::provenance)).
+//! Foreign files remain, and so do the permissions of the folder and of replaced files. Without
+//! `sync`, a power cut may lose the newest files or parts of them; lengths, run IDs and checksums
+//! reveal that (see [`provenance`](crate::provenance)).
 
 mod disk;
 mod error;
@@ -53,20 +52,20 @@ use workspace::Workspace;
 use crate::provenance::Checksum;
 use crate::text::numbers;
 
-/// The name of the file that lists the others of its folder.
+/// The name of the file that lists the other files of its folder.
 pub const SUMMARY: &str = "summary.json";
 
 /// A file that was written.
 #[derive(Debug, Clone)]
 pub struct Written {
-    /// Its name in the folder.
+    /// Name in the folder.
     pub file: String,
-    /// Its length in bytes.
+    /// Length in bytes.
     pub bytes: u64,
-    /// Its checksum.
+    /// Checksum.
     pub checksum: Checksum,
-    /// Wall time from the first byte to the last, in milliseconds; other files were
-    /// written at the same time.
+    /// Wall time from the first byte to the last, in milliseconds; other files were written
+    /// concurrently.
     pub write_ms: f64,
 }
 
@@ -77,23 +76,23 @@ pub struct OutputFolder {
     path: PathBuf,
     /// The canonical path, without symbolic links.
     place: PathBuf,
-    /// Whether files are flushed to the disk.
+    /// True if files are flushed to the disk.
     sync: bool,
-    /// The lock on the folder that has its name.
+    /// The lock on the folder that currently has the name.
     lock: Mutex<Option<File>>,
 }
 
-/// Longest time that a reader waits for a commit of another run.
+/// Longest time that a reader waits for another run's commit.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Longest time that a run waits for its turn to write files.
 const PATIENCE_OF_WRITERS: Duration = Duration::from_secs(60);
 
 impl OutputFolder {
-    /// Creates the folder if it does not exist, locks it, rolls back a killed run, and
-    /// checks that it is writable and that `n_bytes` are free.
+    /// Creates the folder if it does not exist, locks it, rolls back a killed run, and checks that
+    /// it is writable and that `n_bytes` are free.
     ///
     /// # Errors
-    /// The reason why files cannot be written.
+    /// The folder cannot be written, or is not raycost's to write.
     pub fn create(path: &Path, n_bytes: u64) -> Result<Self, WriteError> {
         let fail = |error| WriteError::new(path, error);
         let place = created(path)?;
@@ -107,7 +106,7 @@ impl OutputFolder {
             sync: false,
             lock: Mutex::new(Some(lock)),
         };
-        // Creates temporary files as the run will: an error shows now.
+        // Create a temporary file as the run will, so that errors show now.
         this.stage_files()?;
         let free = fs4::available_space(&this.place).map_err(fail)?;
         if free < n_bytes {
@@ -135,7 +134,7 @@ impl OutputFolder {
     /// Checks that a command would not overwrite a file of another program.
     ///
     /// # Errors
-    /// The first such file.
+    /// The first file of another program.
     pub fn refuse_foreign(&self, own: &Own) -> Result<(), WriteError> {
         own.find(&self.place).map(|_| ())
     }
@@ -143,7 +142,7 @@ impl OutputFolder {
     /// Creates a workspace for new files.
     ///
     /// # Errors
-    /// An error of the system.
+    /// An I/O error.
     pub fn stage_files(&self) -> Result<Staging<'_>, WriteError> {
         let name = self.place.file_name().unwrap_or_default();
         let beside = exchange::parent_of(&self.place)
@@ -162,15 +161,15 @@ impl OutputFolder {
     }
 }
 
-/// A temporary folder in a folder, such as for the output of a study's run.
+/// A temporary folder inside another one, such as for the output of a study's run.
 #[derive(Debug)]
 pub struct Scratch(Workspace);
 
 impl Scratch {
-    /// Creates one.
+    /// Creates a scratch folder.
     ///
     /// # Errors
-    /// An error of the system.
+    /// An I/O error.
     pub fn create(folder: &Path) -> Result<Self, WriteError> {
         let workspace = Workspace::create(folder, folder.file_name().unwrap_or_default());
         Ok(Self(
@@ -178,7 +177,7 @@ impl Scratch {
         ))
     }
 
-    /// Its path; the folder is empty at first.
+    /// Returns the path; the folder is initially empty.
     pub fn path(&self) -> PathBuf {
         self.0.new_files()
     }
@@ -221,10 +220,10 @@ fn created(path: &Path) -> Result<PathBuf, WriteError> {
     fs::canonicalize(path).map_err(fail)
 }
 
-/// Checks that a path is not that of the root of the file system.
+/// Refuses the root of the file system as an output folder.
 ///
 /// # Errors
-/// It is.
+/// The path is the root.
 pub fn refuse_root(path: &Path) -> Result<(), WriteError> {
     match fs::canonicalize(path) {
         Ok(place) if place.parent().is_none() => {
@@ -244,11 +243,10 @@ fn lock_of(path: &Path, place: &Path) -> Result<File, WriteError> {
     })
 }
 
-/// Prepares a folder for reading: waits for the commit of another run, and rolls back
-/// that of a killed one.
+/// Prepares a folder for reading: waits for another run's commit, and rolls back a killed one.
 ///
 /// # Errors
-/// A commit that takes too long, or an error of the system.
+/// A commit that takes too long, or an I/O error.
 pub fn settle(folder: &Path) -> Result<(), WriteError> {
     let begin = Instant::now();
     while journal::is_in(folder) {
@@ -269,7 +267,7 @@ pub fn settle(folder: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Checks that ParaView states, which are XML, can hold the path of the folder.
+/// Refuses a path that ParaView states, which are XML, cannot hold.
 fn refuse_unprintable(path: &Path) -> Result<(), WriteError> {
     let path = std::path::absolute(path).map_err(|error| WriteError::new(path, error))?;
     let is_printable = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');

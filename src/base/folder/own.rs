@@ -1,9 +1,8 @@
 //! The files of a folder that raycost may replace.
 //!
-//! A rendering replaces the files that the `summary.json` of an earlier one lists.
-//! Other commands replace files that contain raycost's mark. A file with one of
-//! raycost's names that is neither belongs to another program: raycost writes nothing
-//! to such a folder.
+//! A rendering replaces the files that the `summary.json` of an earlier one lists. Other commands
+//! replace files that contain raycost's mark. A file with one of raycost's names, but neither
+//! listed nor marked, belongs to another program: raycost writes nothing to such a folder.
 
 use std::fs;
 use std::io::{self, Read};
@@ -16,31 +15,29 @@ use super::error::WriteError;
 use crate::files;
 use crate::provenance;
 
-/// The number of bytes at the start of a file that contain the mark.
+/// Length of the start of a file that must contain the mark, in bytes.
 const MARKED: u64 = 1 << 16;
 /// Longest summary that is read, in bytes.
 const MAX_SUMMARY: u64 = 256 << 20;
 
-/// The names of files that a command writes or removes, and how raycost recognizes
-/// those of an earlier run.
+/// The names that a command writes or removes, and how raycost recognizes files of an earlier run.
 #[derive(Debug, Clone)]
 pub enum Own {
-    /// `summary.json` lists them.
+    /// The files listed in `summary.json`.
     Listed {
         /// The names that a rendering may write.
         names: Vec<String>,
-        /// Whether a name is one of any number of files with numbers, of which there may be
-        /// more or fewer in an earlier run.
+        /// True for the names of numbered files, of which an earlier run may have written more or
+        /// fewer.
         is_numbered: fn(&str) -> bool,
     },
-    /// They contain the key of a run's ID.
+    /// Files that contain the key of a run's ID.
     Marked(Vec<&'static str>),
 }
 
 /// The part of `summary.json` that lists files.
 ///
-/// Not the whole summary: this module stands below it, and a
-/// damaged section elsewhere in the file must not turn raycost's own files into
+/// Not the whole summary: a damaged section elsewhere in it must not turn raycost's own files into
 /// foreign ones.
 #[derive(Deserialize)]
 struct Listing {
@@ -95,7 +92,7 @@ impl Own {
     }
 }
 
-/// The error that this path belongs to another program.
+/// Creates the error for a file of another program.
 pub fn foreign(path: &Path) -> WriteError {
     let why = match fs::symlink_metadata(path) {
         Ok(at) if at.is_dir() => "a folder of this name is in the way",
@@ -111,8 +108,8 @@ pub fn foreign(path: &Path) -> WriteError {
     WriteError::refused(path, why, help)
 }
 
-/// Returns the names that the folder's summary lists, and its own; none if raycost
-/// did not write the summary.
+/// Returns the names that the folder's summary lists, and the summary's own; none if raycost did
+/// not write it.
 fn listed(folder: &Path) -> Vec<String> {
     let text = files::read(&folder.join(SUMMARY), MAX_SUMMARY).ok();
     let listing = text.and_then(|text| serde_json::from_slice::<Listing>(&text).ok());
@@ -122,7 +119,7 @@ fn listed(folder: &Path) -> Vec<String> {
     })
 }
 
-/// Whether a file contains raycost's mark.
+/// Returns true if a file contains raycost's mark.
 pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
     let mut begin = Vec::new();
     files::open(path)?.take(MARKED).read_to_end(&mut begin)?;

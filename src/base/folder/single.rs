@@ -14,7 +14,7 @@ use super::{Written, disk};
 /// The existing files that may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replace {
-    /// Those that contain raycost's mark.
+    /// Files that contain raycost's mark.
     Marked,
     /// Any regular file: the caller knows that raycost wrote it.
     Known,
@@ -23,12 +23,12 @@ pub enum Replace {
 /// The name of the file while it is written.
 const STAGED: &str = "file";
 
-/// Checks that a file can be written to this path. Follows symbolic links, and
-/// returns the path of the file itself.
+/// Checks that a file can be written to this path. Follows symbolic links and returns the path of
+/// the file itself.
 ///
 /// # Errors
-/// The path holds something that may not be replaced: a folder, a device, or a file
-/// of another program.
+/// The path holds something that may not be replaced: a folder, a device, or a file of another
+/// program.
 pub fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteError> {
     let fail = |error| WriteError::new(path, error);
     let target = followed(path).map_err(fail)?;
@@ -46,11 +46,10 @@ pub fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteError> {
     Ok(target)
 }
 
-/// Writes a file, then moves it to its place. It keeps the permissions of the file
-/// that it replaces.
+/// Writes a file, then moves it into place. It keeps the permissions of the file that it replaces.
 ///
 /// # Errors
-/// The errors of `write` and of the system; then the old file is unchanged.
+/// The errors of `write`, or an I/O error; then the old file is unchanged.
 pub fn write_file(
     path: &Path,
     replace: Replace,
@@ -61,10 +60,10 @@ pub fn write_file(
     })
 }
 
-/// Writes a file as [`write_file`] does, by a function that creates it.
+/// Writes a file as [`write_file`] does, with a function that creates the file.
 ///
 /// # Errors
-/// The errors of [`write_file`].
+/// As [`write_file`].
 pub fn write_file_at(
     path: &Path,
     replace: Replace,
@@ -98,7 +97,7 @@ fn put(
     Ok(file.written())
 }
 
-/// Returns the end of a chain of symbolic links, which need not exist.
+/// Follows a chain of symbolic links; the last path need not exist.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..40 {

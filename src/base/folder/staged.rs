@@ -19,7 +19,7 @@ pub struct StagedFile {
 }
 
 impl StagedFile {
-    /// Writes a file to a folder in which no file has this name.
+    /// Writes a new file to a folder that has no file of this name.
     pub(super) fn write(
         folder: &Path,
         name: &str,
@@ -37,7 +37,8 @@ impl StagedFile {
         })
     }
 
-    /// Creates a file by a function in a folder in which no file has this name.
+    /// Writes a new file, with a function that creates it, to a folder that has no file of this
+    /// name.
     pub(super) fn write_at(
         folder: &Path,
         name: &str,
@@ -54,12 +55,12 @@ impl StagedFile {
         })
     }
 
-    /// Its name in the folder.
+    /// Returns the name in the folder.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Name, length, checksum and time of writing.
+    /// Returns name, length, checksum and writing time.
     pub fn written(&self) -> Written {
         Written {
             file: self.name.clone(),

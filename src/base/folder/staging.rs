@@ -24,7 +24,7 @@ impl Staging<'_> {
     /// Writes the new file `name`.
     ///
     /// # Errors
-    /// The errors of `write` and of the system.
+    /// The errors of `write`, or an I/O error.
     pub fn stage(
         &self,
         name: impl AsRef<str>,
@@ -35,10 +35,10 @@ impl Staging<'_> {
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
     }
 
-    /// Writes the new file `name` by a function that creates it.
+    /// Writes the new file `name` with a function that creates it.
     ///
     /// # Errors
-    /// The errors of `write` and of the system.
+    /// The errors of `write`, or an I/O error.
     pub fn stage_at(
         &self,
         name: &str,
@@ -48,12 +48,10 @@ impl Staging<'_> {
         staged.map_err(|error| WriteError::new(self.folder.path_of(name), error))
     }
 
-    /// Moves all files into the folder, and removes those of `own` that are not among
-    /// them.
+    /// Moves all files into the folder, and removes the files of `own` that are not among them.
     ///
     /// # Errors
-    /// A file of another program, or an error of the system; then the folder is
-    /// unchanged.
+    /// A file of another program, or an I/O error; then the folder is unchanged.
     pub fn commit(self, files: &[StagedFile], own: &Own) -> Result<(), WriteError> {
         let OutputFolder {
             path, place, sync, ..

@@ -1,9 +1,9 @@
 //! A temporary folder for new files.
 //!
-//! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It
-//! contains `new/` with the new files, a [`CommitPlan`] during a commit, and files of that
-//! commit. The process that creates it locks it: a workspace that is not locked
-//! belongs to a killed process. Only its user may open it.
+//! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It contains
+//! `new/` with the new files and, during a commit, a [`CommitPlan`] and the commit's own files. The
+//! process that creates a workspace locks it: a workspace that is not locked belongs to a killed
+//! process. Only its user may open it.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -25,7 +25,7 @@ const NEW: &str = "new";
 /// The folder of old files, which a rollback restores.
 const OLD: &str = "old";
 const PLAN: &str = "plan.json";
-/// Longest plan that is read, in bytes; it has the names of some thousand files.
+/// Longest plan that is read, in bytes: room for the names of several thousand files.
 const MAX_PLAN: u64 = 64 << 20;
 
 /// The steps of a commit.
@@ -39,7 +39,7 @@ pub(super) struct CommitPlan {
     pub(super) new: Vec<String>,
     /// The names of raycost's old files, which are replaced or removed.
     pub(super) old: Vec<String>,
-    /// The names of files of others, which remain; for an exchange only.
+    /// The names of foreign files, which remain; for an exchange only.
     pub(super) kept: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    /// Creates one in `parent` for the files of a folder with this name.
+    /// Creates a workspace in `parent` for the files of a folder with this name.
     pub(super) fn create(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
         let mut builder = tempfile::Builder::new();
         let prefix = prefix(folder_name);
@@ -66,7 +66,7 @@ impl Workspace {
         Ok(this)
     }
 
-    /// The path of the folder of new files.
+    /// Returns the path of the folder of new files.
     pub(super) fn new_files(&self) -> PathBuf {
         self.path.join(NEW)
     }
@@ -92,13 +92,13 @@ impl Workspace {
         disk::create_dir(&old_files(&self.path))
     }
 
-    /// Whether its folder of new files was exchanged.
+    /// Returns true if the folder of new files was exchanged.
     pub(super) fn was_exchanged(&self) -> bool {
         was_exchanged(&self.path)
     }
 
-    /// Finishes the commit after an exchange, and removes the workspace. The next run
-    /// does what fails here.
+    /// Finishes the commit after an exchange, and removes the workspace. If this fails, the next
+    /// run repeats it.
     pub(super) fn settle(self, folder: &Path) {
         let _ = twice(|| settle(&self.path, folder));
     }
@@ -106,31 +106,31 @@ impl Workspace {
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        // One more file can be opened, which reading the folder needs.
+        // Free a file descriptor, which reading the folder needs.
         self.lock = None;
-        // After an exchange it may contain files of others.
+        // After an exchange it may contain foreign files.
         if !was_exchanged(&self.path) {
             let _ = twice(|| remove(&self.path));
         }
     }
 }
 
-/// Does work once more if it fails, as it may by chance on the file systems of clusters.
+/// Runs `work` again if it fails, as it occasionally does on cluster file systems.
 fn twice(work: impl Fn() -> io::Result<()>) -> io::Result<()> {
     work().or_else(|_| work())
 }
 
-/// The path of a workspace's new files.
+/// Returns the path of a workspace's new files.
 pub(super) fn new_files(workspace: &Path) -> PathBuf {
     workspace.join(NEW)
 }
 
-/// The path of a workspace's old files.
+/// Returns the path of a workspace's old files.
 pub(super) fn old_files(workspace: &Path) -> PathBuf {
     workspace.join(OLD)
 }
 
-/// The plan of a workspace; `None` if it has none or an incomplete one.
+/// Reads the plan of a workspace; `None` if it is missing or incomplete.
 pub(super) fn plan(workspace: &Path) -> Option<CommitPlan> {
     let text = files::read(&workspace.join(PLAN), MAX_PLAN).ok()?;
     serde_json::from_slice(&text).ok()
@@ -181,8 +181,8 @@ fn holds_nothing_else(workspace: &Path) -> bool {
     })
 }
 
-/// Finishes and removes a workspace. After an exchange, files of others that appeared
-/// in the old folder at the last moment are moved to the new one.
+/// Finishes and removes a workspace. Foreign files that appeared in the old folder just before the
+/// exchange move to the new one.
 fn settle(workspace: &Path, folder: &Path) -> io::Result<()> {
     if was_exchanged(workspace)
         && let Some(plan) = plan(workspace)
@@ -200,7 +200,7 @@ fn was_exchanged(workspace: &Path) -> bool {
     }
 }
 
-/// Moves files of others from the old folder to the new one.
+/// Moves foreign files from the old folder to the new one.
 fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
     for entry in fs::read_dir(old)? {
         let entry = entry?;
@@ -222,7 +222,7 @@ fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes a workspace, its plan last because it identifies the rest.
+/// Removes a workspace: its plan last, because it identifies the rest.
 pub(super) fn remove(workspace: &Path) -> io::Result<()> {
     // It may contain the workspace of a run that wrote into it.
     for nested in left_in(workspace, PREFIX) {
@@ -232,7 +232,7 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
         if !files.exists() {
             continue;
         }
-        // An empty folder can be removed where it cannot be read.
+        // An empty folder can be removed even if it cannot be read.
         if let Ok(entries) = fs::read_dir(&files) {
             let paths = entries.map(|entry| Ok(entry?.path()));
             remove_files(&paths.collect::<io::Result<Vec<_>>>()?)?;
@@ -250,8 +250,8 @@ pub(super) fn remove(workspace: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes all files that can be removed: on all threads of a pool if the current one has any,
-/// since the system takes long to free large files.
+/// Removes all removable files, on the current thread pool if there is one, since freeing large
+/// files takes the system long.
 fn remove_files(paths: &[PathBuf]) -> io::Result<()> {
     if rayon::current_thread_index().is_some() {
         let each = paths.par_iter().with_max_len(1);
@@ -268,7 +268,7 @@ fn prefix(folder_name: &OsStr) -> String {
     format!("{PREFIX}{}-", &hash[..16])
 }
 
-/// The inode number of a folder.
+/// Returns the inode number of a folder.
 #[cfg(unix)]
 pub(super) fn number_of(path: &Path) -> io::Result<u64> {
     Ok(std::os::unix::fs::MetadataExt::ino(&path.metadata()?))

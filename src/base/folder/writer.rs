@@ -1,4 +1,4 @@
-//! Writes a new file, and computes its checksum meanwhile.
+//! Writes new files and computes their checksums on the fly.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -9,16 +9,15 @@ use crate::files;
 use crate::provenance::{Checksum, Hasher};
 use crate::stop;
 
-/// Bytes that are written at a time, up to a multiple of it. Linux takes that much memory
-/// from lists of pages that were just in use; larger blocks take 30 % less of its time, but
-/// in a virtual machine up to ten times as much, where the host has to find their memory.
+/// Bytes per write, rounded up to a multiple. Linux serves blocks of this size from lists of
+/// recently freed pages; larger blocks take 30 % less system time natively, but up to ten times as
+/// much in a virtual machine, whose host must find the memory.
 const BUFFER: usize = 1 << 15;
 
-/// Bytes that are read at a time.
+/// Bytes per read.
 const READ_BUFFER: usize = 1 << 18;
 
-/// A buffered writer to a new file. Writes fail after a signal has requested the
-/// program to end.
+/// A buffered writer to a new file. Writes fail once a signal has asked the program to end.
 #[derive(Debug)]
 pub struct FileWriter {
     file: HashedFile,
@@ -34,8 +33,8 @@ impl FileWriter {
         })
     }
 
-    /// Asks the file system for the space of a file with this many bytes, which then
-    /// takes less time to write; does nothing where that is unknown to it.
+    /// Asks the file system to reserve this many bytes, which makes writing faster; does nothing
+    /// where that is not supported.
     pub fn reserve(&self, n_bytes: u64) {
         disk::reserve(&self.file.file, n_bytes);
     }
@@ -94,7 +93,7 @@ struct HashedFile {
     position: u64,
     /// Length of the file in bytes.
     end: u64,
-    /// Whether bytes were overwritten, which makes the checksum wrong.
+    /// True if bytes were overwritten, which makes the checksum wrong.
     was_rewritten: bool,
 }
 
@@ -141,7 +140,7 @@ impl Write for HashedFile {
 /// Computes the checksum of a file.
 ///
 /// # Errors
-/// An error of the system.
+/// An I/O error.
 pub fn checksum_of(path: &Path) -> io::Result<Checksum> {
     let mut file = files::open(path)?;
     let mut hasher = Hasher::default();

@@ -1,4 +1,4 @@
-//! Advice on errors of the system that another file or folder does not solve.
+//! Advice on I/O errors that choosing another file or folder does not solve.
 
 use std::io;
 
@@ -23,14 +23,13 @@ pub fn advice(error: &io::Error) -> Option<&'static str> {
     )
 }
 
-/// Returns the system's number of an error whose message ends with a path: tempfile
-/// keeps only the message.
+/// Returns the error number in a message that ends with a path: tempfile keeps only the message.
 fn code_in(message: &str) -> Option<i32> {
     let (_, behind) = message.split_once("(os error ")?;
     behind.split_once(')')?.0.parse().ok()
 }
 
-/// The numbers of errors that have no stable [`io::ErrorKind`].
+/// Returns advice for error numbers that have no stable [`io::ErrorKind`].
 #[cfg(unix)]
 fn of_code(code: i32) -> Option<&'static str> {
     use nix::errno::Errno;

@@ -1,27 +1,26 @@
 //! An allocator that ends the program with a message if memory is exhausted.
 //!
-//! Rust aborts instead: a signal and exit code 134, which a script interprets as a
-//! crash. (`std::alloc::set_alloc_error_hook` is not stable.)
+//! Rust aborts instead: a signal and exit code 134, which a script interprets as a crash.
+//! (`std::alloc::set_alloc_error_hook` is not stable.)
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::io::Write;
 
-/// The system's allocator. If it has no memory, the program ends with a message and
-/// exit code 1, except within [`may_fail`].
+/// The system's allocator. If it has no memory, the program ends with a message and exit code 1,
+/// except within [`may_fail`].
 ///
 /// A program selects it with `#[global_allocator]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Allocator;
 
 thread_local! {
-    /// Has no destructor and allocates nothing: an allocator may read it at any
-    /// time.
+    /// No destructor and no allocation: an allocator may read it at any time.
     static MAY_FAIL: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does work that handles a failed allocation, such as [`Vec::try_reserve`], which
-/// returns an error only within this function.
+/// Runs `work`, which handles failed allocations itself, as [`Vec::try_reserve`] does: only within
+/// this function does it return an error.
 pub fn may_fail<T>(work: impl FnOnce() -> T) -> T {
     let before = MAY_FAIL.replace(true);
     let done = work();
@@ -54,7 +53,7 @@ unsafe impl GlobalAlloc for Allocator {
     }
 }
 
-/// Returns the block. Ends the program if it is null outside of [`may_fail`].
+/// Returns the block, or ends the program if it is null outside of [`may_fail`].
 #[inline]
 fn granted(block: *mut u8, n_bytes: usize) -> *mut u8 {
     if block.is_null() && !MAY_FAIL.get() {

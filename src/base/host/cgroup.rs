@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// The files of a version: limit, usage, and the line of `memory.stat` that counts
-/// cached file pages, which the system reclaims if needed.
+/// The files of one version: limit, usage, and the key of `memory.stat` that counts cached file
+/// pages, which the system reclaims if needed.
 struct Version {
     /// Folders in which the groups may be mounted.
     folders: [&'static str; 2],
@@ -27,9 +27,9 @@ const V2: Version = Version {
     reclaimable: "inactive_file ",
 };
 
-/// Returns the bytes available within the limits of the process's groups; `None`
-/// without a limit. `root` is the mount point of the groups, `memberships` the text
-/// of `/proc/self/cgroup`: a line `number:controllers:path` for each hierarchy.
+/// Returns the bytes available within the limits of the process's groups; `None` without a limit.
+/// `root` is the mount point of the groups, and `memberships` the text of `/proc/self/cgroup`: a
+/// line `number:controllers:path` per hierarchy.
 pub(super) fn free(root: &Path, memberships: &str) -> Option<u64> {
     let of_line = |line: &str| {
         let mut parts = line.splitn(3, ':').skip(1);
@@ -76,7 +76,7 @@ impl Version {
 mod tests {
     use super::*;
 
-    /// A file system of groups, each with its files and their content.
+    /// Creates a file system of groups, each with its files and their content.
     fn root(groups: &[(&str, &[(&str, &str)])]) -> tempfile::TempDir {
         let root = tempfile::tempdir().unwrap();
         for (group, files) in groups {

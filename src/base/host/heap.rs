@@ -6,24 +6,24 @@ use rayon::prelude::*;
 
 use super::may_fail;
 
-/// How much the heap grows at a time.
+/// Bytes by which the heap grows.
 const GROWTH: usize = 4 << 20;
 
-/// A block of this size is not part of the heap.
+/// Least size of a block that is mapped outside of the heap.
 const LEAST_MAPPED: usize = 32 << 20;
 
-/// How much free memory the heap keeps at its end.
+/// Maximum free memory that the heap keeps at its end.
 const MOST_FREE: usize = 128 << 20;
 
-/// How much memory a thread maps at a time.
+/// Bytes that a thread maps at a time.
 const MAPPED: usize = 4 << 20;
 
-/// Whether the program has called [`configure_heap`].
+/// True once the program has called [`configure_heap`].
 static IS_CONFIGURED: AtomicBool = AtomicBool::new(false);
 
-/// Lets all threads share one heap, which grows by megabytes and keeps large blocks. Otherwise
-/// each thread has a heap that grows by a page at a time, with a system call that locks the
-/// whole process.
+/// Lets all threads share one heap, which grows by megabytes and keeps large blocks. By default
+/// each thread has a heap that grows by a page at a time, with a system call that locks the whole
+/// process.
 pub fn configure_heap() {
     set(libc::M_ARENA_MAX, 1);
     set(libc::M_TOP_PAD, GROWTH);
@@ -32,12 +32,12 @@ pub fn configure_heap() {
     IS_CONFIGURED.store(true, Ordering::Relaxed);
 }
 
-/// Grows the heap by the bytes that will be allocated next, in blocks of any size, and maps its
-/// new pages on all threads of the current rayon pool: to write to pages that are not mapped, one
-/// after the other, takes twice as long on two threads. Does nothing for a few bytes, or if the
-/// program has not called [`configure_heap`].
+/// Grows the heap by the bytes that will be allocated next, in blocks of any size, and maps its new
+/// pages on all threads of the current rayon pool: touching unmapped pages sequentially takes twice
+/// as long on two threads. Does nothing for a few bytes, or if the program has not called
+/// [`configure_heap`].
 pub fn grow_heap(n_bytes: usize) {
-    // Small films, as those of one tile, are made often.
+    // Small films, such as a single tile's, are made often.
     if n_bytes < MAPPED || !IS_CONFIGURED.load(Ordering::Relaxed) {
         return;
     }
@@ -46,12 +46,12 @@ pub fn grow_heap(n_bytes: usize) {
     if n_missing < MAPPED {
         return;
     }
-    // Otherwise the system takes back what is not allocated yet.
+    // Otherwise the system reclaims what is not allocated yet.
     set(libc::M_TRIM_THRESHOLD, n_bytes.saturating_add(MOST_FREE));
     set(libc::M_TOP_PAD, n_missing);
     set(libc::M_MMAP_THRESHOLD, usize::MAX);
     let begin = end_of_heap();
-    // A block for which the heap has no room makes it grow.
+    // A block that does not fit makes the heap grow.
     drop(may_fail(|| {
         let mut block = Vec::<u8>::new();
         block.try_reserve_exact(info.keepcost + 1).map(|()| block)
@@ -66,11 +66,11 @@ pub fn grow_heap(n_bytes: usize) {
     });
 }
 
-/// What the allocator knows of the heap, in bytes: `fordblks` are free, of which `keepcost` are
-/// at its end.
+/// Returns the allocator's statistics in bytes: `fordblks` are free, of which `keepcost` are at the
+/// end of the heap.
 fn info() -> libc::mallinfo2 {
     #[expect(unsafe_code, reason = "a function of the C library")]
-    // SAFETY: it takes nothing and returns numbers.
+    // SAFETY: the call takes nothing and returns numbers.
     unsafe {
         libc::mallinfo2()
     }
@@ -87,7 +87,7 @@ fn set(parameter: libc::c_int, value: usize) {
     }
 }
 
-/// The address behind the heap, at the end of a page.
+/// Returns the address past the heap, at the end of a page.
 fn end_of_heap() -> usize {
     #[expect(unsafe_code, reason = "a function of the C library")]
     // SAFETY: an increment of 0 changes nothing.
@@ -95,24 +95,24 @@ fn end_of_heap() -> usize {
     end.addr()
 }
 
-/// Maps pages of the heap from the start of one.
+/// Maps pages of the heap; `begin` is the start of a page.
 fn map(begin: usize, n_bytes: usize) {
     let begin = std::ptr::without_provenance_mut(begin);
     #[expect(unsafe_code, reason = "a function of the C library")]
-    // SAFETY: this changes no contents, and an error, as of Linux before 5.14, has no effect.
+    // SAFETY: the call changes no contents, and an error, as on Linux before 5.14, has no effect.
     unsafe {
         libc::madvise(begin, n_bytes, libc::MADV_POPULATE_WRITE);
     }
 }
 
-/// The resident bytes that the allocator keeps for later.
+/// Returns the resident bytes that the allocator keeps for later.
 pub fn free_heap() -> u64 {
     let in_use = info().uordblks as u64;
     let maps = std::fs::read_to_string("/proc/self/smaps").unwrap_or_default();
     resident_heap(&maps).saturating_sub(in_use)
 }
 
-/// The resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
+/// Returns the resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
 fn resident_heap(maps: &str) -> u64 {
     let mut lines = maps.lines().skip_while(|line| !line.ends_with("[heap]"));
     let resident = lines.find_map(|line| line.strip_prefix("Rss:"));

@@ -28,8 +28,8 @@ pub use no_gnu_heap::{free_heap, grow_heap};
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();
 
-/// Limits what [`available_memory`] returns from now on, so that the program uses no more
-/// than so many bytes. Only the first limit counts.
+/// Limits what [`available_memory`] returns from now on, so that the program uses at most this many
+/// bytes. Only the first limit counts.
 pub fn limit_memory(n_bytes: u64) {
     let _ = LIMIT.set(n_bytes);
 }
@@ -39,10 +39,10 @@ pub fn memory_limit() -> Option<u64> {
     LIMIT.get().copied()
 }
 
-/// Returns the memory available to the program in bytes: the least of the free memory
-/// of the machine, the rest of the process's limits (`ulimit -v` and `-d`), the rest of
-/// the limits of its control groups, and the rest of [its own](limit_memory). `u64::MAX`
-/// if there is no limit.
+/// Returns the memory available to the program in bytes: the minimum of the free memory of the
+/// machine, the rest of the process's limits (`ulimit -v` and `-d`), the rest of the limits of its
+/// control groups, and the rest of [the user's limit](limit_memory). `u64::MAX` if there is no
+/// limit.
 pub fn available_memory() -> u64 {
     let mut system = System::new();
     system.refresh_memory();
@@ -76,7 +76,7 @@ fn within_limits() -> u64 {
     left.min().unwrap_or(u64::MAX)
 }
 
-/// Returns no limit: other systems have none.
+/// Returns `u64::MAX`: other systems have no such limits.
 #[cfg(not(unix))]
 fn within_limits() -> u64 {
     u64::MAX
@@ -101,8 +101,7 @@ fn bytes_in_use() -> [u64; 2] {
     [size, data + stack]
 }
 
-/// Returns values of the process's status on Linux, in bytes; 0 for those that the system
-/// does not report.
+/// Returns values of `/proc/self/status` in bytes; 0 for values that the system does not report.
 fn bytes_of_status<const N: usize>(keys: [&str; N]) -> [u64; N] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     keys.map(|key| {

@@ -1,4 +1,4 @@
-//! The heap of other C libraries stays as it is.
+//! Stand-ins for other C libraries, whose heap stays as it is.
 
 /// Does nothing.
 pub fn configure_heap() {}
@@ -6,7 +6,7 @@ pub fn configure_heap() {}
 /// Does nothing.
 pub fn grow_heap(_n_bytes: usize) {}
 
-/// 0: it does not say.
+/// Returns 0: unknown.
 pub fn free_heap() -> u64 {
     0
 }

@@ -1,9 +1,9 @@
 //! Text in CSV tables that spreadsheets open.
 //!
-//! A spreadsheet interprets a cell that begins with `=` as a formula, which may run a
-//! program or send the table's content. Text that begins like a formula gets an
-//! apostrophe as a prefix, as OWASP recommends for CSV; so does text that begins with
-//! an apostrophe, so that a reader can remove the prefix. Numbers are not changed.
+//! A spreadsheet interprets a cell that begins with `=` as a formula, which may run a program or
+//! send the table's content. Text that begins like a formula is prefixed with an apostrophe, as
+//! OWASP recommends for CSV; so is text that begins with an apostrophe, so that a reader can remove
+//! the prefix. Numbers are not changed.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Error messages that point at a line of a text.
+//! Error messages that point at a line of text.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,12 +8,12 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::terminal::{one_line, visible};
 
-/// Most characters shown of a message: a value in the text may have any length.
+/// Maximum number of characters of a message: a value in it may have any length.
 const MAX_MESSAGE: usize = 240;
-/// Most characters shown of the label beside the caret and of the remedy, which may list all
+/// Maximum number of characters of the label beside the caret and of the remedy, which may list all
 /// choices.
 const MAX_LIST: usize = 480;
-/// Most characters underlined.
+/// Maximum number of underlined characters.
 const MAX_UNDERLINED: usize = 60;
 
 /// An error message for the user: what is wrong, where, and how to correct it.
@@ -23,7 +23,7 @@ pub struct Diagnostic {
     excerpt: Option<Excerpt>,
     note: Option<String>,
     help: Option<String>,
-    /// Other mistakes, which are shown below it.
+    /// Other mistakes, shown below this one.
     others: Vec<Diagnostic>,
 }
 
@@ -51,7 +51,7 @@ impl Diagnostic {
         }
     }
 
-    /// Adds other mistakes, which are shown below it.
+    /// Adds other mistakes, shown below this one.
     pub fn with_others(mut self, others: Vec<Self>) -> Self {
         self.others = others;
         self
@@ -69,9 +69,9 @@ impl Diagnostic {
         self
     }
 
-    /// Adds an excerpt: the first line of the bytes `span` of `text`, a text
-    /// named `file`, with carets below these bytes and the label beside them.
-    /// Message, label and advice are cut to one line each.
+    /// Adds an excerpt: the first line of the bytes `span` of `text`, which is named `file`, with
+    /// carets below these bytes and the label beside them. Message, label and advice are cut to one
+    /// line each.
     pub fn at(mut self, file: &str, text: &str, span: Range<usize>, label: &str) -> Self {
         let start = span.start.min(text.len());
         let line_start = line_start(text, start);
@@ -139,7 +139,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// The message, behind the word `Error:` of a `main` that returns it.
+/// The message, as `main` prints it after `Error:`.
 impl fmt::Debug for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = self.render(false);

@@ -37,7 +37,7 @@ impl<'de, T: ValueEnum> Visitor<'de> for KeywordVisitor<T> {
     }
 }
 
-/// A keyword by its name alone.
+/// A keyword parsed by its name only.
 struct NamedKeyword<T>(T);
 
 impl<'de, T: ValueEnum> Deserialize<'de> for NamedKeyword<T> {

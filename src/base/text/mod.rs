@@ -1,5 +1,4 @@
-//! Text for people: numbers, error messages, tables, and what is safe on a
-//! terminal.
+//! Text for people: numbers, error messages, tables, and escapes for the terminal.
 
 mod cell;
 mod diagnostic;

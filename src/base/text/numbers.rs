@@ -1,11 +1,11 @@
-//! Numbers as people read them.
+//! Numbers formatted for people, and parsed.
 
 use std::path::Path;
 use std::time::Duration;
 
 use super::terminal::one_line;
 
-/// `1,234,567`
+/// Formats a count: `1,234,567`.
 pub fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut grouped = String::new();
@@ -18,25 +18,25 @@ pub fn count(n: u64) -> String {
     grouped
 }
 
-/// `1 light`, `2 lights`, `10,000 spheres`.
+/// Formats a count with its noun: `1 light`, `2 lights`, `10,000 spheres`.
 pub fn counted(n: u64, noun: &str) -> String {
     let plural = if n == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", count(n))
 }
 
-/// `Primitive tests` for `primitive tests`.
+/// Capitalizes the first letter: `Primitive tests` for `primitive tests`.
 pub fn capitalized(words: &str) -> String {
     let mut chars = words.chars();
     let first = chars.next().map(|first| first.to_ascii_uppercase());
     first.into_iter().chain(chars).collect()
 }
 
-/// `512 B`, `1.5 MB`; powers of ten, as disks are sold.
+/// Formats a size: `512 B`, `1.5 MB`; in powers of ten, as disks are sold.
 pub fn bytes(n: u64) -> String {
     scaled(n as f64, 1e3, &["B", "kB", "MB", "GB", "TB", "PB", "EB"])
 }
 
-/// Two sizes of memory in the largest unit that shows which one is larger: `3.1 GiB` and
+/// Formats two sizes of memory in the largest unit that shows which one is larger: `3.1 GiB` and
 /// `2.9 GiB`, or `20.0 KiB` and `12.5 KiB`.
 pub fn memory_sizes(sizes: [u64; 2]) -> [String; 2] {
     let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter();
@@ -47,7 +47,7 @@ pub fn memory_sizes(sizes: [u64; 2]) -> [String; 2] {
     apart.unwrap_or_else(|| sizes.map(|n| format!("{} bytes", count(n))))
 }
 
-/// `850 ns`, `1.25 ms`, `3.1 s`.
+/// Formats a duration: `850 ns`, `1.25 ms`, `3.1 s`.
 pub fn duration(elapsed: Duration) -> String {
     let seconds = elapsed.as_secs_f64();
     if seconds >= 100.0 {
@@ -80,9 +80,9 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
     duration.ok_or_else(|| "expected a duration such as 90s, 30m or 1.5h".to_owned())
 }
 
-/// Reads a size of memory such as `500M`, `4G` or `1.5 GiB`: a number above 0 and its unit.
-/// `K`, `M`, `G` and `T` are powers of 1024, as those with `iB`; `kB`, `MB`, `GB` and `TB` are
-/// powers of 1000.
+/// Reads a size of memory such as `500M`, `4G` or `1.5 GiB`: a number above 0 and its unit. `K`,
+/// `M`, `G` and `T` are powers of 1024, like `KiB` to `TiB`; `kB`, `MB`, `GB` and `TB` are powers
+/// of 1000.
 ///
 /// # Errors
 /// The expected form.
@@ -114,7 +114,7 @@ pub fn parse_bytes(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "expected a size such as 500M or 4G".to_owned())
 }
 
-/// The path as one word for a shell.
+/// Quotes the path as one word for a shell.
 pub fn shell_word(path: &Path) -> String {
     let text = one_line(&path.to_string_lossy()).into_owned();
     let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
@@ -130,7 +130,7 @@ pub fn milliseconds(elapsed: Duration) -> f64 {
     (elapsed.as_secs_f64() * 1e6).round() / 1e3
 }
 
-/// Three digits and the unit that fits.
+/// Formats three digits and the unit that fits.
 fn scaled(value: f64, step: f64, units: &[&str]) -> String {
     let mut value = value;
     let mut unit = 0;

@@ -44,7 +44,7 @@ pub fn number_meant(written: &str, is_whole: bool) -> Option<String> {
     let comma = if is_whole { "" } else { "." };
     let bare = written.trim_matches(['"', '\'']).replace('_', "");
     let number: f64 = bare.replace(',', comma).parse().ok()?;
-    // A longer one would have to be written with an exponent.
+    // A longer number would need an exponent.
     let is_short = number == 0.0 || (1e-6..=1e9).contains(&number.abs());
     let is_meant = is_short && (!is_whole || number.fract() == 0.0);
     is_meant.then(|| format!("did you mean `{number}`?"))

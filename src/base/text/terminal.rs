@@ -1,25 +1,24 @@
 //! Output to the terminal.
 //!
-//! Names, titles and paths may come from untrusted scenes or outputs. Their control
-//! characters could color, move or delete the terminal's text, and a bidirectional
-//! override could make a path look like another. This module escapes them as
-//! `\u{1b}`. A test checks that no other module writes to standard output or standard
-//! error.
+//! Names, titles and paths may come from untrusted scenes or outputs. Their control characters
+//! could color, move or delete the terminal's text, and a bidirectional override could make a path
+//! look like another. This module escapes them as `\u{1b}`. A test checks that no other module
+//! writes to standard output or standard error.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// Returns the text with invisible characters escaped except line ends and tabs.
+/// Escapes invisible characters except line ends and tabs.
 pub fn visible(text: &str) -> Cow<'_, str> {
     shown(text, |c| !matches!(c, '\n' | '\t') && is_unseen(c))
 }
 
-/// Returns the text with line ends escaped too: for a name, a title or a path.
+/// Escapes invisible characters and line ends: for a name, a title or a path.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     shown(text, is_unseen)
 }
 
-/// Returns JSON with invisible characters of its strings escaped as JSON defines.
+/// Escapes the invisible characters in JSON strings as JSON does.
 pub fn visible_json(json: &str) -> String {
     let mut shown = String::with_capacity(json.len());
     for c in json.chars() {
@@ -37,34 +36,34 @@ pub fn visible_json(json: &str) -> String {
 /// Prints to standard output, with invisible characters escaped.
 ///
 /// # Errors
-/// An error of the system, such as [`io::ErrorKind::BrokenPipe`].
+/// An I/O error, such as [`io::ErrorKind::BrokenPipe`].
 pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(visible(text).as_bytes())?;
     out.flush()
 }
 
-/// Prints styled text to standard output, without styles if that is not a terminal.
-/// Untrusted parts of the text must come from [`one_line`] or [`visible`], because
-/// their styles are indistinguishable from the program's.
+/// Prints styled text to standard output, without styles unless it is a terminal. Untrusted parts
+/// of the text must come from [`one_line`] or [`visible`], because their styles are
+/// indistinguishable from the program's.
 ///
 /// # Errors
-/// An error of the system.
+/// An I/O error.
 pub fn print_styled(text: &str) -> io::Result<()> {
     let mut out = anstream::stdout().lock();
     out.write_all(visible_but_styles(text).as_bytes())?;
     out.flush()
 }
 
-/// Prints styled text and a line end to standard error, as [`print_styled`] does.
-/// Ignores errors, as they cannot be reported.
+/// Prints styled text and a line end to standard error, as [`print_styled`] does. Ignores errors,
+/// which cannot be reported.
 pub fn print_error(text: &str) {
     let _ = writeln!(anstream::stderr(), "{}", visible_but_styles(text));
 }
 
-/// Whether the character is invisible or reorders others: control characters,
-/// Unicode line ends, direction marks and zero-width characters. Joiners are visible
-/// here, because names in some languages require them.
+/// Returns true if the character is invisible or reorders others: control characters, Unicode line
+/// ends, direction marks and zero-width characters. Joiners count as visible, because names in some
+/// languages require them.
 fn is_unseen(c: char) -> bool {
     let is_format = matches!(c,
         '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
@@ -88,8 +87,7 @@ fn shown(text: &str, is_unseen: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Returns the text with invisible characters escaped except sequences that select
-/// a style: ESC, `[`, numbers, `m`.
+/// Escapes invisible characters except sequences that select a style: ESC, `[`, numbers, `m`.
 fn visible_but_styles(text: &str) -> String {
     let mut pieces = text.split('\u{1b}');
     let mut shown = visible(pieces.next().unwrap_or_default()).into_owned();

@@ -8,7 +8,7 @@ use crate::folder::disk::faults::DiskFault;
 const EIO: i32 = 5;
 const ENOSPC: i32 = 28;
 
-/// Injects each fault into each call of a run; returns the number of tries.
+/// Injects each fault into each call of a run; returns the number of attempts.
 fn break_at_every_call(method: CommitMethod) -> usize {
     let faults = [
         DiskFault::Kill,
@@ -64,7 +64,7 @@ fn a_broken_journal_leaves_all_old_files_or_all_new_ones() {
     assert!(break_at_every_call(CommitMethod::Journal) > 100);
 }
 
-/// A rollback that is interrupted at any call is repeated.
+/// A rollback that is interrupted at any call can be repeated.
 #[test]
 fn a_journal_is_taken_back_however_often_that_is_broken_off() {
     let scenario = Scenario::new(CommitMethod::Journal);

@@ -1,4 +1,4 @@
-//! The common parts of the tests of folders.
+//! Common parts of the folder tests.
 
 mod breaking;
 mod others;
@@ -12,14 +12,14 @@ const NAMES: [&str; 5] = ["a.png", "b.vti", "c.png", "d.json", "summary.json"];
 const OLD: [&str; 4] = ["a.png", "b.vti", "c.png", "summary.json"];
 const NEW: [&str; 4] = ["a.png", "b.vti", "d.json", "summary.json"];
 
-/// The method of a commit: a folder of the user prevents the exchange of folders.
+/// The method of a commit; a user's folder prevents the exchange of folders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CommitMethod {
     Exchange,
     Journal,
 }
 
-/// A folder with old files, and with files of others.
+/// A folder with old files and foreign files.
 struct Scenario {
     temporary: tempfile::TempDir,
     method: CommitMethod,
@@ -48,7 +48,7 @@ impl Scenario {
         self.temporary.path().join("out")
     }
 
-    /// Replaces the old files by new ones.
+    /// Replaces the old files with new ones.
     fn run(&self, sync: bool) -> Result<(), WriteError> {
         let folder = OutputFolder::create(&self.folder(), 0)?.synced(sync);
         let staging = folder.stage_files()?;
@@ -60,8 +60,8 @@ impl Scenario {
         staging.commit(&files, &own())
     }
 
-    /// Whether the folder has the new files. Checks that all are old or all are new,
-    /// and that those of others exist.
+    /// Returns true if the folder has the new files. Checks that all are old or all are new, and
+    /// that the foreign files exist.
     fn is_new(&self, what: &str) -> bool {
         let folder = self.folder();
         let read = |name: &str| fs::read_to_string(folder.join(name));

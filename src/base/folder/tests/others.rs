@@ -1,4 +1,4 @@
-//! Files of others remain, and are not overwritten.
+//! Foreign files remain, and are not overwritten.
 
 use std::io::Write;
 
