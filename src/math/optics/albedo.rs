@@ -1,5 +1,6 @@
-//! The light that a rough surface returns, by the direction of the viewer: facets lose the
-//! light that they reflect onto each other. Dividing by it brings that light back.
+//! Directional albedo of rough surfaces: the share of light that a surface returns toward a viewer.
+//! Single scattering loses the light that facets reflect onto each other; dividing by the albedo
+//! restores it.
 //!
 //! Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2019.
 
@@ -9,25 +10,24 @@ use super::fresnel::{Split, split};
 use super::ggx::{Ggx, Masking};
 use crate::simd::{LookupTable, Real, Vector};
 
-/// Two functions of the cosine of the angle between the normal and the direction to the
-/// viewer, as a table.
+/// A table of two functions of the cosine between the normal and the direction to the viewer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Albedo {
-    /// Both functions, and their changes up to the next row, at square roots of the cosine
-    /// with equal steps from 0 to 1.
+    /// Both functions, and their differences to the next row, at equal steps of the square root of
+    /// the cosine from 0 to 1.
     rows: Vec<[f32; 4]>,
 }
 
 /// Number of steps from a cosine of 0 to 1.
 const N_STEPS: usize = 32;
 
-/// The points of each integral.
+/// Number of points of each integral.
 const N_POINTS: u32 = 1 << 12;
 
 impl Albedo {
-    /// Of a mirror of facets: if they reflect all light, and if they reflect the share
-    /// (1 - cos)⁵ of it (Schlick, "An Inexpensive BRDF Model for Physically-Based
-    /// Rendering", 1994).
+    /// Tabulates a mirror of facets: the albedo if they reflect all light, and if they reflect the
+    /// share (1 - cos)⁵ of it (Schlick, "An Inexpensive BRDF Model for Physically-Based Rendering",
+    /// 1994).
     pub fn of_mirror(facets: Ggx) -> Self {
         Self::new(facets, |to_viewer, facet| {
             let to_light = (-to_viewer).reflect(facet);
@@ -39,8 +39,8 @@ impl Albedo {
         })
     }
 
-    /// Of the surface of a clear medium with this index of refraction, whether light is
-    /// reflected or refracted: seen from outside and from inside.
+    /// Tabulates the surface of a clear medium with this index of refraction, reflection and
+    /// refraction together: seen from outside and from inside.
     pub fn of_medium(facets: Ggx, index: f32) -> Self {
         Self::new(facets, |to_viewer, facet| {
             [1.0 / index, index].map(|eta| {
@@ -61,8 +61,9 @@ impl Albedo {
         })
     }
 
-    /// The means over the visible facets of what a viewer sees of one.
+    /// Averages `seen`, the light that a viewer sees of one facet, over the visible facets.
     fn new(facets: Ggx, seen: impl Fn(Vector<f32>, Vector<f32>) -> [f32; 2]) -> Self {
+        // Integrate over the visible facets at each cosine.
         let mean = |step: usize| {
             let cos = (step as f32 / N_STEPS as f32).powi(2);
             let to_viewer = Vector {
@@ -84,6 +85,7 @@ impl Albedo {
             sums.map(|sum| (sum / weights) as f32)
         };
         let means: Vec<[f32; 2]> = (0..=N_STEPS).map(mean).collect();
+        // Store each value with its difference to the next.
         let row = |pair: &[[f32; 2]]| {
             let ([a, b], [next_a, next_b]) = (pair[0], pair[1]);
             [a, b, next_a - a, next_b - b]
@@ -93,7 +95,7 @@ impl Albedo {
         }
     }
 
-    /// Both functions at a cosine from 0 to 1.
+    /// Returns both functions at a cosine from 0 to 1.
     #[inline(always)]
     pub fn at<R: Real>(&self, cos: R) -> [R; 2] {
         let (zero, steps) = (cos.splat(0.0), cos.splat(N_STEPS as f32));
@@ -105,8 +107,8 @@ impl Albedo {
     }
 }
 
-/// The functions of [`Albedo::of_mirror`] for facets of each roughness from 0 to 1, with equal
-/// steps. They are looked up by the cosine and the roughness.
+/// The functions of [`Albedo::of_mirror`] for facets of each roughness from 0 to 1, at equal steps;
+/// looked up by cosine and roughness.
 #[derive(Debug, PartialEq)]
 pub struct AlbedoByRoughness([Albedo; N_ROUGHNESSES]);
 
@@ -114,7 +116,7 @@ pub struct AlbedoByRoughness([Albedo; N_ROUGHNESSES]);
 const N_ROUGHNESSES: usize = 12;
 
 impl AlbedoByRoughness {
-    /// The table, which is made once.
+    /// Returns the table, computed once per masking.
     pub fn of_mirrors(masking: Masking) -> &'static Self {
         static CORRELATED: LazyLock<AlbedoByRoughness> =
             LazyLock::new(|| AlbedoByRoughness::new(Masking::HeightCorrelated));
@@ -145,7 +147,7 @@ impl LookupTable<2, 2> for AlbedoByRoughness {
     }
 }
 
-/// The points of Hammersley's set in the unit square.
+/// Returns the points of Hammersley's set in the unit square.
 fn hammersley(n: u32) -> impl Iterator<Item = [f64; 2]> {
     let scale = 2.0_f64.powi(-32);
     (0..n).map(move |i| {
@@ -154,8 +156,8 @@ fn hammersley(n: u32) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// The share of light that Schlick's approximation adds to the reflectance of facets seen at
-/// an angle with this cosine.
+/// Returns Schlick's (1 - cos)⁵: the share of light that is added to the reflectance of facets seen
+/// at an angle with this cosine.
 #[inline(always)]
 pub fn schlick<R: Real>(cos: R) -> R {
     let one = cos.splat(1.0);
@@ -204,7 +206,7 @@ mod tests {
                     0.5 * (albedo.rows[2 * i][0] + albedo.rows[(2 * i + 2).min(2 * half - 1)][0])
                 };
                 for i in 1..half - 1 {
-                    // The error of a step is a quarter of that of one twice as long.
+                    // The error of a step is a quarter of the error of a step twice as long.
                     let error = 0.25 * (coarse(i) - albedo.rows[2 * i + 1][0]);
                     let tolerance = if alpha < 0.1 { 4e-3 } else { 1e-3 };
                     assert!(error.abs() < tolerance, "{alpha}, row {i}: {error}");

@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use crate::simd::{Real, Vector};
 
-/// The reflectance of a metal in vacuum, by the cosine of the angle of incidence, from 0
-/// to 1; `index` and `extinction` are the parts of its complex index of refraction in each
-/// channel.
+/// Returns the reflectance of a metal in vacuum at this cosine of the angle of incidence, from 0 to
+/// 1; `index` and `extinction` are the real and imaginary part of the complex index of refraction
+/// in each channel.
 #[inline(always)]
 pub fn reflectance_of_metal<R: Real>(index: Vec3, extinction: Vec3, cos: R) -> Vector<R> {
     Vector {
@@ -16,11 +16,11 @@ pub fn reflectance_of_metal<R: Real>(index: Vec3, extinction: Vec3, cos: R) -> V
     }
 }
 
-/// The reflectance of a metal in vacuum for unpolarized light, by the cosine of the angle
+/// Returns the reflectance of a metal in vacuum for unpolarized light at this cosine of the angle
 /// of incidence.
 ///
-/// Fresnel's equations with a complex index: Born and Wolf, "Principles of Optics", 14.2,
-/// in the form of Lagarde, "Memo on Fresnel Equations", 2013.
+/// Fresnel's equations with a complex index: Born and Wolf, "Principles of Optics", 14.2, in the
+/// form of Lagarde, "Memo on Fresnel Equations", 2013.
 #[inline(always)]
 fn reflectance<R: Real>(cos: R, index: f32, extinction: f32) -> R {
     let (zero, half) = (cos.splat(0.0), cos.splat(0.5));
@@ -37,8 +37,8 @@ fn reflectance<R: Real>(cos: R, index: f32, extinction: f32) -> R {
     half * (perpendicular + parallel)
 }
 
-/// A ratio of at most 1, also of two zeros: a medium like the vacuum that light grazes, and one
-/// without index and extinction that it meets straight on.
+/// Returns a ratio of at most 1, and 1 for two zeros: a medium like vacuum at grazing incidence, or
+/// one without index and extinction at normal incidence.
 #[inline(always)]
 fn ratio<R: Real>(part: R, whole: R) -> R {
     let least = whole.splat(f32::MIN_POSITIVE);
@@ -50,16 +50,16 @@ fn ratio<R: Real>(part: R, whole: R) -> R {
 pub struct Split<R> {
     /// The fraction of the light that is reflected, 0 to 1; the rest is refracted.
     pub reflectance: R,
-    /// The direction of the refracted ray, a unit vector, where there is one.
+    /// The direction of the refracted ray, a unit vector; without meaning if there is none.
     pub refracted: Vector<R>,
 }
 
-/// Splits a ray in `direction` at a surface with this normal on its side; both are unit
-/// vectors. `eta` is the index of refraction before the surface over that behind it.
+/// Splits a ray in `direction` at a surface with this normal on its side; both are unit vectors.
+/// `eta` is the ratio of the indices of refraction before and past the surface.
 ///
-/// The reflectance is that of unpolarized light by Fresnel's equations, 1 beyond the
-/// critical angle; the refracted direction is that of Snell's law: Pharr, Jakob and
-/// Humphreys, "Physically Based Rendering", 4th edition, section 9.3.
+/// The reflectance follows Fresnel's equations for unpolarized light, 1 beyond the critical angle;
+/// the refracted direction follows Snell's law: Pharr, Jakob and Humphreys, "Physically Based
+/// Rendering", 4th edition, section 9.3.
 #[inline(always)]
 pub fn split<R: Real>(direction: Vector<R>, normal: Vector<R>, eta: R) -> Split<R> {
     let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
@@ -83,7 +83,7 @@ mod tests {
 
     use super::*;
 
-    /// The split of a ray at this angle of incidence, in the plane of x and y.
+    /// Splits a ray at this angle of incidence, in the xy plane.
     fn split_of(angle: f64, eta: f32) -> Split<f32> {
         let direction = Vec3::new(angle.sin() as f32, -angle.cos() as f32, 0.0);
         split(direction.into(), Vec3::Y.into(), eta)
@@ -176,7 +176,7 @@ mod tests {
     fn special_angles_are_those_of_the_textbooks() {
         let straight = split_of(0.0, 1.0 / 1.5);
         assert!((straight.reflectance - 0.04).abs() < 1e-7);
-        // At Brewster's angle only light that is polarized perpendicularly is reflected.
+        // At Brewster's angle only light polarized perpendicularly is reflected.
         let brewster = split_of(1.5_f64.atan(), 1.0 / 1.5);
         assert!((brewster.reflectance - 0.5 * (5.0_f32 / 13.0).powi(2)).abs() < 1e-6);
         let same_medium = split_of(0.7, 1.0);

@@ -1,8 +1,7 @@
-//! Rough surfaces of microscopic facets, by the distribution GGX.
+//! Rough surfaces of microscopic facets with the GGX distribution.
 //!
-//! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007.
-//! All directions are in the space of the surface, whose normal is z, and point away from
-//! the surface.
+//! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007. All
+//! directions are in the space of the surface, whose normal is z, and point away from the surface.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -13,24 +12,24 @@ use crate::sampling::disk;
 use crate::simd::{Real, Vector};
 use base::text;
 
-/// The facets of a surface.
+/// The microfacets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx<R = f32> {
     /// The width of the distribution, greater than 0.
     pub alpha: R,
-    /// Which of the facets hide each other.
+    /// The masking-shadowing function.
     pub masking: Masking,
 }
 
-/// How the facets that the viewer does not see depend on those that light does not reach, both
-/// by Smith's function.
+/// How masking (facets that the viewer does not see) correlates with shadowing (facets that light
+/// does not reach), both by Smith's function.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Masking {
-    /// Facets in hollows are hidden from both: as in pbrt and Blender's Cycles.
+    /// Facets in hollows are both masked and shadowed: as in pbrt and Blender's Cycles.
     #[default]
     HeightCorrelated,
-    /// Not at all, which is darker: as in Mitsuba.
+    /// Uncorrelated, which is darker: as in Mitsuba.
     Separable,
 }
 
@@ -44,20 +43,20 @@ impl<'de> Deserialize<'de> for Masking {
 pub struct Facets<R> {
     /// The cosine of the angle between a direction and the facets that reflect it.
     pub cos: R,
-    /// The reflected light of white light of radiance 1 from a steradian, times pi, if the
-    /// facets reflect all.
+    /// Pi times the reflected radiance for white light of radiance 1 from one steradian, if the
+    /// facets reflect all light.
     pub value: R,
-    /// The density of the direction among those that [`Ggx::facet`] leads to.
+    /// The probability density of the direction when [`Ggx::facet`] is sampled.
     pub density: R,
 }
 
 impl Ggx {
-    /// The least width: narrower distributions exceed the range of numbers.
+    /// The least width: narrower distributions exceed the range of `f32`.
     pub const MIN_ALPHA: f32 = 1e-4;
 
-    /// The facets of a surface of this roughness, from 0 to 1, which looks evenly spaced:
-    /// Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None` for a smooth
-    /// one.
+    /// Returns the facets of a surface of this roughness, from 0 to 1, whose square is the width so
+    /// that steps look even: Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None`
+    /// for a smooth surface.
     pub fn of_roughness(roughness: f32, masking: Masking) -> Option<Self> {
         let alpha = roughness * roughness;
         (alpha >= Self::MIN_ALPHA).then_some(Self { alpha, masking })
@@ -65,7 +64,7 @@ impl Ggx {
 }
 
 impl<R: Real> Ggx<R> {
-    /// The facets of a surface of this roughness, which are never quite smooth.
+    /// Returns the facets of a surface of this roughness, at least [`Ggx::MIN_ALPHA`] wide.
     #[inline(always)]
     pub fn never_smooth(roughness: R, masking: Masking) -> Self {
         let alpha = roughness * roughness;
@@ -75,7 +74,7 @@ impl<R: Real> Ggx<R> {
         }
     }
 
-    /// Reflection between two directions above the surface.
+    /// Evaluates reflection between two directions above the surface.
     #[inline(always)]
     pub fn reflection(self, to_viewer: Vector<R>, to_light: Vector<R>) -> Facets<R> {
         let (zero, one, least) = (
@@ -96,9 +95,9 @@ impl<R: Real> Ggx<R> {
         }
     }
 
-    /// The density, among the directions below the surface that [`facet`](Self::facet) leads
-    /// to, of the one to which this facet refracts light from above; `eta` is the index of
-    /// refraction above the surface over that below.
+    /// Returns the probability density of the direction `below` to which the sampled
+    /// [`facet`](Self::facet) refracts light from `above`; `eta` is the ratio of the indices of
+    /// refraction above and below the surface.
     #[inline(always)]
     pub fn refraction(self, [above, below]: [Vector<R>; 2], facet: Vector<R>, eta: R) -> R {
         let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
@@ -110,7 +109,7 @@ impl<R: Real> Ggx<R> {
         of_facet * cos_below / (root * root).max(one.splat(f32::MIN_POSITIVE))
     }
 
-    /// A facet that is visible from a direction, by its normal; two numbers choose it.
+    /// Samples a facet visible from a direction with two numbers in [0, 1), and returns its normal.
     ///
     /// Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018.
     #[inline(always)]
@@ -121,18 +120,20 @@ impl<R: Real> Ggx<R> {
             to_viewer.z.splat(0.5),
         );
         let alpha = self.alpha;
+        // Stretch the surface so that its facets form a hemisphere.
         let stretched = Vector {
             x: alpha * to_viewer.x,
             y: alpha * to_viewer.y,
             z: to_viewer.z.max(one.splat(1e-6)),
         }
         .normalize();
+        // Sample the part of the disk that is visible from there.
         let [x, y] = disk(numbers);
         let height = (one - x * x).max(zero).sqrt();
         let share = half * (one + stretched.z);
         let y = (one - share) * height + share * y;
         let z = (one - x * x - y * y).max(zero).sqrt();
-        // Perpendicular to the normal: the lower half of the disk is hidden.
+        // Build a basis around the stretched direction to the viewer.
         let across2 = stretched.x * stretched.x + stretched.y * stretched.y;
         let across = across2.max(one.splat(1e-20)).sqrt();
         let is_steep = across2.lt(one.splat(1e-12));
@@ -142,6 +143,7 @@ impl<R: Real> Ggx<R> {
             z: zero,
         };
         let second = stretched.cross(first);
+        // Project the point onto the hemisphere, and unstretch it.
         let hemisphere = first * x + second * y + stretched * z;
         Vector {
             x: alpha * hemisphere.x,
@@ -151,8 +153,8 @@ impl<R: Real> Ggx<R> {
         .normalize()
     }
 
-    /// The fraction of light that facets behind the first ones let pass, from a visible
-    /// facet toward `to_light`.
+    /// Returns the fraction of light that other facets let pass from a visible facet toward
+    /// `to_light`.
     #[inline(always)]
     pub fn visibility(self, to_viewer: Vector<R>, to_light: Vector<R>) -> R {
         let one = to_viewer.z.splat(1.0);
@@ -161,8 +163,8 @@ impl<R: Real> Ggx<R> {
         (one + of_viewer) / self.hidden(of_viewer, of_light)
     }
 
-    /// The reciprocal of the share of facets that two directions see, by their
-    /// [`lambda`](Self::lambda).
+    /// Returns the reciprocal of the share of facets that are visible from both directions, given
+    /// their [`lambda`](Self::lambda).
     #[inline(always)]
     fn hidden(self, of_viewer: R, of_light: R) -> R {
         let one = of_viewer.splat(1.0);
@@ -172,17 +174,17 @@ impl<R: Real> Ggx<R> {
         }
     }
 
-    /// The density of normals of facets, per steradian.
+    /// Returns the density of facet normals, per steradian.
     #[inline(always)]
     fn distribution(self, facet: Vector<R>) -> R {
         let alpha2 = self.alpha * self.alpha;
-        // sin² by x and y: without cancellation near the normal.
+        // sin² from x and y, which avoids cancellation near the normal.
         let sin2 = facet.x * facet.x + facet.y * facet.y;
         let root = sin2 + facet.z * facet.z * alpha2;
         alpha2 * alpha2.splat(FRAC_1_PI) / (root * root)
     }
 
-    /// Smith's auxiliary function of the cosine of a direction's angle.
+    /// Returns Smith's auxiliary function of the cosine of a direction's angle.
     #[inline(always)]
     fn lambda(self, cos: R) -> R {
         let (one, half) = (cos.splat(1.0), cos.splat(0.5));

@@ -1,5 +1,5 @@
-//! Light at surfaces, without any geometry but two directions: Fresnel's equations, and
-//! rough surfaces of microscopic facets.
+//! Light at surfaces, without geometry beyond two directions: Fresnel's equations, and rough
+//! surfaces of microscopic facets.
 
 mod fresnel;
 mod ggx;

@@ -1,24 +1,23 @@
-//! The choice of one of many things with given probabilities.
+//! Sampling of discrete distributions.
 
 use crate::simd::Real;
 
-/// Chooses indices with probabilities proportional to weights, in constant time.
+/// Samples indices with probabilities proportional to their weights, in constant time.
 ///
 /// Walker, "An Efficient Method for Generating Discrete Random Variables with General
 /// Distributions", ACM TOMS 3(3), 1977, built as by Vose, 1991.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AliasTable {
-    /// For each index: the share of its bin that is its own, and the index that has the
-    /// rest.
+    /// For each bin: the share of its own index, and the index that gets the rest.
     bins: Vec<[f32; 2]>,
     probabilities: Vec<[f32; 1]>,
 }
 
-/// Most indices of a table: from there on, they are not exact as `f32`.
+/// Maximum number of bins: above it, indices are not exact as `f32`.
 pub const MAX_BINS: usize = 1 << 24;
 
 impl AliasTable {
-    /// A table of these weights, at most [`MAX_BINS`]; `None` unless their sum is greater
+    /// Creates a table of these weights, at most [`MAX_BINS`]; `None` unless their sum is greater
     /// than 0 and finite.
     pub fn new(weights: &[f64]) -> Option<Self> {
         let sum: f64 = weights.iter().sum();
@@ -26,7 +25,7 @@ impl AliasTable {
             return None;
         }
         let probability = |weight: &f64| weight / sum;
-        // In units of a bin.
+        // The weight left to assign to each index, in units of a bin.
         let mut left: Vec<f64> = weights
             .iter()
             .map(|weight| probability(weight) * weights.len() as f64)
@@ -34,6 +33,7 @@ impl AliasTable {
         let mut bins: Vec<[f32; 2]> = (0..weights.len()).map(|i| [1.0, i as f32]).collect();
         let (mut small, mut large): (Vec<usize>, Vec<usize>) =
             (0..weights.len()).partition(|&i| left[i] < 1.0);
+        // Fill the rest of each small bin from a large one.
         while let (Some(&to), Some(from)) = (large.last(), small.pop()) {
             bins[from] = [left[from] as f32, to as f32];
             left[to] -= 1.0 - left[from];
@@ -51,7 +51,7 @@ impl AliasTable {
         })
     }
 
-    /// The index that a number in [0, 1) chooses, or of one per lane, as a whole number.
+    /// Samples one index, or one per lane, with a number in [0, 1).
     #[inline(always)]
     pub fn choose<R: Real>(&self, number: R) -> R {
         if let [_] = self.bins[..] {
@@ -65,7 +65,7 @@ impl AliasTable {
         R::select((scaled - bin).lt(own_share), bin, other)
     }
 
-    /// The probability of an index, or of one per lane.
+    /// Returns the probability of one index, or one per lane.
     #[inline(always)]
     pub fn probability<R: Real>(&self, index: R) -> R {
         let [probability] = R::look_up(&self.probabilities[..], [index]);

@@ -1,29 +1,28 @@
-//! Directions with a density that is given by a map of all of them.
+//! Directions with a density given by an equirectangular map.
 //!
-//! Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, 12.5.2 and
-//! A.5.
+//! Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, 12.5.2 and A.5.
 
 use crate::simd::{LookupTable, Real};
 
-/// A density of directions that is bilinear between the centers of the texels of a map,
-/// whose columns are at equal steps of longitude, and rows of latitude. Between two rows it is
-/// linear in the sine of the latitude; from the first and the last row to the poles it does
-/// not change.
+/// A density of directions that is bilinear between the texel centers of a map, whose columns are
+/// equal steps of longitude, and rows of latitude. Between two rows it is linear in the sine of the
+/// latitude; from the first and the last row to the poles it is constant.
 ///
-/// Two numbers in [0, 1) choose a direction: the second one its latitude, the first one its
-/// longitude, by the inverse of the cumulative distributions. So numbers that are well
-/// distributed give such directions.
+/// Two numbers in [0, 1) sample a direction by inversion of the cumulative distributions: the
+/// second one its latitude, then the first one its longitude. So well-distributed numbers give
+/// well-distributed directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EquirectangularDistribution {
     n_columns: usize,
-    /// The densities at the centers of texels, row by row, per steradian.
+    /// The densities at texel centers, per steradian, row by row.
     texels: Vec<f32>,
-    /// The sums of the rows.
+    /// The sum of each row.
     sums: Vec<f32>,
-    /// The cumulative shares of each row up to the center of each column, from that of the
-    /// first column on around all directions: from 0 to 1, row by row.
+    /// The cumulative distribution of each row at the column centers, from the first column around
+    /// to itself: from 0 to 1, row by row.
     columns: Vec<f32>,
-    /// The cumulative shares of the bands between two rows or a row and a pole: from 0 to 1.
+    /// The cumulative distribution of the bands between two rows, or between a row and a pole: from
+    /// 0 to 1.
     bands: Vec<f32>,
     /// The sines of the latitudes at the edges of the bands, from 1 to -1.
     heights: Vec<f32>,
@@ -31,27 +30,28 @@ pub struct EquirectangularDistribution {
 
 /// The density along a line between two rows.
 struct BetweenRows<'a> {
-    /// The densities of the rows above and below, at the centers of texels.
+    /// The densities of the rows above and below, at texel centers.
     texels: [&'a [f32]; 2],
-    /// How far it is from the upper to the lower one, from 0 to 1.
+    /// The position between them: 0 at the upper row, 1 at the lower one.
     down: f32,
 }
 
-/// The cumulative density along a line between two rows, not divided by its sum.
+/// The cumulative density along a line between two rows, unnormalized.
 struct Cumulative<'a> {
-    /// The cumulative shares of the rows above and below.
+    /// The cumulative distributions of the rows above and below.
     columns: [&'a [f32]; 2],
-    /// The factors of both.
+    /// The weights of the two rows.
     weights: [f32; 2],
 }
 
 impl EquirectangularDistribution {
-    /// The distribution with densities in proportion to these numbers, row by row, row 0
-    /// on top; `None` unless their sum is greater than 0 and finite.
+    /// Creates a distribution with densities proportional to these numbers, row by row, row 0 on
+    /// top; `None` unless their sum is greater than 0 and finite.
     pub fn new(n_columns: usize, texels: &[f32]) -> Option<Self> {
         let n_rows = texels.len() / n_columns.max(1);
         let mut columns = Vec::with_capacity(n_rows * (n_columns + 1));
         let mut sums = Vec::with_capacity(n_rows);
+        // Integrate each row between its column centers.
         for row in texels.chunks_exact(n_columns.max(1)) {
             let next = row.iter().cycle().skip(1);
             let steps = row
@@ -60,6 +60,7 @@ impl EquirectangularDistribution {
                 .map(|(a, b)| 0.5 * (f64::from(*a) + f64::from(*b)));
             sums.push(push_cumulative(steps, &mut columns));
         }
+        // Integrate the bands between the rows.
         let heights = heights(n_rows);
         let band = |i: usize| {
             let [above, below] = around(i, n_rows).map(|row| sums[row]);
@@ -68,6 +69,7 @@ impl EquirectangularDistribution {
         let mut bands = Vec::with_capacity(n_rows + 2);
         let n_bands = if n_rows == 0 { 0 } else { n_rows + 1 };
         let sum = push_cumulative((0..n_bands).map(band), &mut bands);
+        // Normalize the density to an integral of 1 over the sphere.
         let scale = n_columns as f64 / (std::f64::consts::TAU * sum);
         (sum > 0.0 && sum.is_finite()).then(|| Self {
             n_columns,
@@ -82,7 +84,7 @@ impl EquirectangularDistribution {
         })
     }
 
-    /// The density along a line of a band.
+    /// Returns the density along a line at position `down` of a band.
     #[inline(always)]
     fn between_rows(&self, [above, below]: [usize; 2], down: f32) -> BetweenRows<'_> {
         let n = self.n_columns;
@@ -95,7 +97,7 @@ impl EquirectangularDistribution {
         }
     }
 
-    /// The cumulative density along a line of a band.
+    /// Returns the cumulative density along a line at position `down` of a band.
     #[inline(always)]
     fn cumulative(&self, [above, below]: [usize; 2], down: f32) -> Cumulative<'_> {
         let n = self.n_columns + 1;
@@ -110,7 +112,7 @@ impl EquirectangularDistribution {
 }
 
 impl BetweenRows<'_> {
-    /// The density above or below the center of a column.
+    /// Returns the density on the line at the center of a column.
     #[inline(always)]
     fn at_center(&self, column: usize) -> f32 {
         let [above, below] = self.texels;
@@ -121,18 +123,19 @@ impl BetweenRows<'_> {
 }
 
 impl Cumulative<'_> {
-    /// The cumulative density from the center of the first column to that of another one.
+    /// Returns the cumulative density from the center of the first column to the center of another
+    /// one.
     #[inline(always)]
     fn up_to_center(&self, column: usize) -> f32 {
         let ([above, below], [of_above, of_below]) = (self.columns, self.weights);
         above[column] * of_above + below[column] * of_below
     }
 
-    /// The column in which the cumulative density reaches a target.
+    /// Returns the column in which the cumulative density reaches a target.
     #[inline(always)]
     fn column(&self, target: f32) -> usize {
         let (mut first, mut n) = (0, self.columns[0].len() - 1);
-        // Without a branch that depends on the target.
+        // A binary search without branches that depend on the target.
         while n > 1 {
             let half = n / 2;
             let is_behind = self.up_to_center(first + half) <= target;
@@ -143,7 +146,7 @@ impl Cumulative<'_> {
     }
 }
 
-/// The sines of the latitudes of the poles and the centers of the rows, from 1 to -1.
+/// Returns the sines of the latitudes of the poles and the centers of the rows, from 1 to -1.
 fn heights(n_rows: usize) -> Vec<f64> {
     let center = |row: usize| {
         let turns = 0.5 - (row as f64 + 0.5) / n_rows as f64;
@@ -153,20 +156,21 @@ fn heights(n_rows: usize) -> Vec<f64> {
     top.chain((0..n_rows).map(center)).chain(bottom).collect()
 }
 
-/// The rows above and below a band.
+/// Returns the rows above and below a band.
 #[inline(always)]
 fn around(band: usize, n_rows: usize) -> [usize; 2] {
     [band.saturating_sub(1), band.min(n_rows - 1)]
 }
 
-/// Appends the cumulative shares of weights, one more than there are; returns their sum.
+/// Appends the cumulative distribution of the weights, one number more than weights; returns their
+/// sum.
 fn push_cumulative(weights: impl Iterator<Item = f64> + Clone, to: &mut Vec<f32>) -> f64 {
     let sum: f64 = weights.clone().sum();
     let mut before = 0.0;
     to.push(0.0);
     for weight in weights {
         before += weight;
-        // Without a weight nothing is chosen.
+        // Without any weight, the band is never sampled.
         to.push(if sum > 0.0 {
             (before / sum) as f32
         } else {
@@ -176,15 +180,16 @@ fn push_cumulative(weights: impl Iterator<Item = f64> + Clone, to: &mut Vec<f32>
     sum
 }
 
-/// The direction that two numbers choose: its longitude, as the fraction of the map's
-/// width, which may be greater than 1, the sine of its latitude, and the density there, per
-/// steradian.
+/// Samples a direction with two numbers. Returns its longitude as a fraction of the map's width,
+/// possibly greater than 1, the sine of its latitude, and the density, per steradian.
 impl LookupTable<2, 3> for EquirectangularDistribution {
     #[inline]
     fn values_at(&self, [u, v]: [f32; 2]) -> [f32; 3] {
+        // Sample the latitude: the band, then the position in it.
         let (band, share) = inverse(&self.bands, v);
         let rows = around(band, self.sums.len());
         let down = linear([self.sums[rows[0]], self.sums[rows[1]]], share);
+        // Sample the longitude along that line.
         let cumulative = self.cumulative(rows, down);
         let target = u * cumulative.up_to_center(self.n_columns);
         let column = cumulative.column(target);
@@ -199,6 +204,7 @@ impl LookupTable<2, 3> for EquirectangularDistribution {
         let (left, right) = (texels.at_center(column), texels.at_center(column + 1));
         let across = linear([left, right], share.clamp(0.0, 1.0));
         let [upper, lower] = [self.heights[band], self.heights[band + 1]];
+        // Return longitude, sine of the latitude, and density.
         [
             (column as f32 + 0.5 + across) / self.n_columns as f32,
             upper + (lower - upper) * down,
@@ -207,8 +213,9 @@ impl LookupTable<2, 3> for EquirectangularDistribution {
     }
 }
 
-/// The density at a place: the fraction of the map's width, or that and a whole number, that
-/// of its height from the lower edge, and the sine of the latitude.
+/// Returns the density at a direction: its longitude as a fraction of the map's width, plus any
+/// whole number, its latitude as a fraction of the map's height from the lower edge, and the sine
+/// of its latitude.
 impl LookupTable<3, 1> for EquirectangularDistribution {
     #[inline]
     fn values_at(&self, [u, v, height]: [f32; 3]) -> [f32; 1] {
@@ -225,8 +232,8 @@ impl LookupTable<3, 1> for EquirectangularDistribution {
     }
 }
 
-/// The cell that a number in [0, 1) chooses by cumulative shares, and how far it is in it,
-/// from 0 to 1.
+/// Inverts a cumulative distribution at a number in [0, 1): returns the cell and the position in
+/// it, from 0 to 1.
 #[inline(always)]
 fn inverse(cumulative: &[f32], number: f32) -> (usize, f32) {
     let n_up_to = cumulative.partition_point(|share| *share <= number);
@@ -235,8 +242,8 @@ fn inverse(cumulative: &[f32], number: f32) -> (usize, f32) {
     (cell, (number - from) / (to - from))
 }
 
-/// The place from 0 to 1 up to which a share of the density lies that is linear between its
-/// values at both ends.
+/// Inverts a density that is linear between its values at 0 and 1: returns the position up to which
+/// it has this share.
 #[inline(always)]
 fn linear([from, to]: [f32; 2], share: f32) -> f32 {
     let root = (from * from + (to * to - from * from) * share)
@@ -257,8 +264,8 @@ mod tests {
 
     use super::*;
 
-    /// The direction that numbers choose, as its longitude and the sine of its latitude, and
-    /// its density.
+    /// Returns the sampled direction, as its longitude and the sine of its latitude, and its
+    /// density.
     fn chosen(of: &EquirectangularDistribution, numbers: [f32; 2]) -> ([f32; 2], f32) {
         let [u, height, density] = f32::look_up(of, numbers);
         ([u, height], density)

@@ -1,8 +1,8 @@
-//! Pixel filters, by importance sampling: positions of samples are distributed as the
-//! filter, so that all samples have the same weight and pixels stay independent.
+//! Pixel filters by importance sampling: sample positions are distributed as the filter, so that
+//! all samples have the same weight and pixels stay independent.
 //!
-//! After Ernst, Stamminger and Greiner, "Filter Importance Sampling", IEEE Symposium on
-//! Interactive Ray Tracing, 2006.
+//! After Ernst, Stamminger and Greiner, "Filter Importance Sampling", IEEE Symposium on Interactive
+//! Ray Tracing, 2006.
 
 use std::f64::consts::PI;
 
@@ -32,7 +32,7 @@ impl<'de> Deserialize<'de> for PixelFilter {
 }
 
 impl PixelFilter {
-    /// Its usual radius in pixels.
+    /// Returns the usual radius in pixels.
     pub fn usual_radius(self) -> f32 {
         match self {
             Self::Box => 0.5,
@@ -42,7 +42,7 @@ impl PixelFilter {
     }
 }
 
-/// Steps of a table.
+/// Number of steps of the table.
 const N_STEPS: usize = 64;
 
 /// The terms of the window of Blackman and Harris: `sum of a_k cos(k pi x)` from -1 to 1
@@ -53,16 +53,16 @@ const TERMS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 #[derive(Debug, Clone, Copy)]
 pub struct FilterSampler {
     filter: PixelFilter,
-    /// In pixels.
+    /// Radius in pixels.
     radius: f32,
-    /// For the window of Blackman and Harris: the distance from the center, from 1 to 0,
-    /// outside of which there is the share `q^4` of the light, at equal steps of `q`. The
-    /// fourth root makes the tail, which is nearly flat, as accurate as the rest.
+    /// For the window of Blackman and Harris: the distance from the center, from 1 to 0, beyond
+    /// which the share `q^4` of the light lies, at equal steps of `q`. The fourth root makes the
+    /// nearly flat tail as accurate as the rest.
     distances: [f32; N_STEPS + 1],
 }
 
 impl FilterSampler {
-    /// A sampler of a filter with this radius in pixels.
+    /// Creates a sampler of a filter with this radius in pixels.
     pub fn new(filter: PixelFilter, radius: f32) -> Self {
         let distance = |step: usize| {
             let outside = (step as f64 / N_STEPS as f64).powi(4);
@@ -79,8 +79,8 @@ impl FilterSampler {
         }
     }
 
-    /// The position in pixels, relative to the pixel's center, of a sample whose
-    /// position in an evenly sampled pixel is `even`, in [-0.5, 0.5) in x and y.
+    /// Maps the position of an evenly distributed sample, in [-0.5, 0.5) in x and y, to a filtered
+    /// position in pixels, relative to the pixel's center.
     #[inline(always)]
     pub fn position<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
         [self.coordinate(x), self.coordinate(y)]
@@ -105,7 +105,7 @@ impl FilterSampler {
         (radius * distance).flip_sign_by(even)
     }
 
-    /// The distance at a value of `q`, from 0 to 1, between two of the table.
+    /// Interpolates the distance at a value of `q` from 0 to 1.
     #[inline(always)]
     fn distance(&self, root: f64) -> f64 {
         let step = root * N_STEPS as f64;
@@ -115,8 +115,7 @@ impl FilterSampler {
     }
 }
 
-/// The share of the light of the window of Blackman and Harris at most this far from the
-/// center.
+/// Returns the share of the window's light within this distance from the center.
 fn inside(distance: f64) -> f64 {
     let [mean, waves @ ..] = TERMS;
     let wave = |(term, k): (f64, f64)| term * libm::sin(k * PI * distance) / (k * PI);
@@ -124,10 +123,10 @@ fn inside(distance: f64) -> f64 {
     distance + waves / mean
 }
 
-/// The distance with this share of the light inside of it, by bisection.
+/// Finds the distance within which this share of the light lies, by bisection.
 fn distance_with_inside(share: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
-    // As many steps as an f32 has bits, and some more.
+    // A few more steps than an f32 has bits.
     for _ in 0..30 {
         let middle = 0.5 * (low + high);
         if inside(middle) < share {
@@ -150,7 +149,7 @@ mod tests {
         (0..N).map(|i| (i as f32 + 0.5) / N as f32 - 0.5)
     }
 
-    /// The weight at a distance in radii; their integral from -1 to 1 is 1.
+    /// The filter's weight at a distance in radii; the integral from -1 to 1 is 1.
     fn weight(filter: PixelFilter, x: f64) -> f64 {
         match filter {
             PixelFilter::Box => 0.5,

@@ -2,10 +2,10 @@
 
 use crate::simd::{Integer, Real};
 
-/// Four uniformly distributed numbers in [0, 1) for a key of three integers.
+/// Returns four uniformly distributed numbers in [0, 1) for a key of three integers.
 ///
-/// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU
-/// Rendering", JCGT 9(3), 2020, on both halves of the key.
+/// The hash is pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020,
+/// applied to both halves of the key.
 #[inline]
 pub fn uniform(key: [u64; 3]) -> [f32; 4] {
     let [low, high] = [0, 32].map(|shift| key.map(|word| (word >> shift) as u32));
@@ -13,12 +13,12 @@ pub fn uniform(key: [u64; 3]) -> [f32; 4] {
     hash(low, mixed(high)).map(unit::<f32>)
 }
 
-/// The hash of the upper halves of a key.
+/// Hashes the upper halves of a key.
 pub(super) fn mixed([a, b, c]: [u32; 3]) -> [u32; 4] {
     pcg4d([a, b, c, 0])
 }
 
-/// The hash of the lower halves of a key, for one key or for lanes of keys.
+/// Hashes the lower halves of a key, for one key or for lanes of keys.
 #[inline(always)]
 pub(super) fn hash<N: Integer>([a, b, c]: [N; 3], mixed: [u32; 4]) -> [N; 4] {
     let [mixed_a, mixed_b, mixed_c, mixed_d] = mixed;
@@ -30,7 +30,7 @@ pub(super) fn hash<N: Integer>([a, b, c]: [N; 3], mixed: [u32; 4]) -> [N; 4] {
     ])
 }
 
-/// The number in [0, 1) that has the highest 24 bits of a word.
+/// Returns the number in [0, 1) with the highest 24 bits of a word.
 #[inline(always)]
 pub(super) fn unit<R: Real>(word: R::Integer) -> R {
     let whole = R::from_integer(word.shift_right::<8>());
@@ -44,20 +44,20 @@ fn pcg4d<N: Integer>([x, y, z, w]: [N; 4]) -> [N; 4] {
     [x, y, z, w]
 }
 
-/// The next number of a linear congruential generator.
+/// Advances a linear congruential generator.
 #[inline(always)]
 fn congruent<N: Integer>(word: N) -> N {
     let product = word.times(word.splat(1_664_525));
     product.plus(word.splat(1_013_904_223))
 }
 
-/// A word whose upper bits change its lower ones.
+/// Mixes the upper bits of a word into its lower bits.
 #[inline(always)]
 fn folded<N: Integer>(word: N) -> N {
     word.xor(word.shift_right::<16>())
 }
 
-/// A round of pcg4d.
+/// Applies a round of pcg4d.
 #[inline(always)]
 fn round<N: Integer>(x: N, y: N, z: N, w: N) -> (N, N, N, N) {
     let x = x.plus(y.times(w));

@@ -1,8 +1,7 @@
 //! Random and quasi-random numbers that depend only on their key.
 //!
-//! They are hashes instead of the output of a generator with a state: a sample
-//! of a pixel or a sphere of a cloud is the same in whatever order and on
-//! whatever thread it is computed. Samples of pixels are generic over
+//! They are hashes, not the output of a generator with state: a sample of a pixel or a sphere of a
+//! cloud is the same in any order and on any thread. Pixel samples are generic over
 //! [`Real`](crate::simd::Real): for one pixel, or for one per lane.
 
 mod alias;

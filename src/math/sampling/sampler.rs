@@ -8,7 +8,7 @@ use super::stratified::Strata;
 use crate::simd::{Integer, Real};
 use base::text;
 
-/// A pattern of the samples' positions in a pixel. Each contains the pixel's center.
+/// A pattern of the samples' positions in a pixel. Each pattern contains the pixel's center.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
@@ -26,39 +26,40 @@ impl<'de> Deserialize<'de> for PixelPattern {
     }
 }
 
-/// What two numbers of a sample decide.
+/// The decision that two numbers of a sample are used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dimension(pub u32);
 
 impl Dimension {
     /// The position in the pixel.
     const PIXEL: Self = Self(0);
-    /// The point of the lens.
+    /// The point on the lens.
     pub const LENS: Self = Self(1);
 
-    /// A choice, less than 2^20, that is made after this number of bounces, up to 255.
+    /// Returns the dimension of choice `choice`, less than 2^20, after this number of bounces, up
+    /// to 255.
     #[inline]
     pub const fn after_bounces(depth: u32, choice: u32) -> Self {
         Self(2 + (depth << 20 | choice))
     }
 }
 
-/// The numbers that choose the rays of a picture's samples.
+/// Generates the numbers of a picture's samples.
 ///
-/// They depend on the seed, the pixel, the sample and the [`Dimension`] alone. Pixels and
-/// dimensions are decorrelated by hashes.
+/// They depend only on the seed, the pixel, the sample and the [`Dimension`]. Hashes decorrelate
+/// pixels and dimensions.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampler {
     /// `None` for Sobol' points.
     strata: Option<Strata>,
     /// The lower half of the seed.
     seed: u32,
-    /// The hash of its upper half.
+    /// The hash of the upper half of the seed.
     mixed: [u32; 4],
 }
 
 impl Sampler {
-    /// A sampler of `n_samples` per pixel, at least 1.
+    /// Creates a sampler of `n_samples` per pixel, at least 1.
     pub fn new(pattern: PixelPattern, n_samples: u32, seed: u64) -> Self {
         Self {
             strata: match pattern {
@@ -66,19 +67,19 @@ impl Sampler {
                 PixelPattern::Sobol => None,
             },
             seed: seed as u32,
-            // Other than in the keys of strata.
+            // Distinct from the keys of the strata.
             mixed: mixed([(seed >> 32) as u32, 0, 1]),
         }
     }
 
-    /// The index of the sample in the pixel's center.
+    /// Returns the index of the sample at the pixel's center.
     #[inline]
     pub fn center(&self) -> u32 {
         self.strata.as_ref().map_or(0, Strata::center)
     }
 
-    /// The position of a sample of this pixel, or of one per lane: both coordinates are
-    /// in [-0.5, 0.5), relative to the pixel's center. Pixels are numbered row by row.
+    /// Returns the position of a sample in one pixel, or one per lane: both coordinates in [-0.5,
+    /// 0.5), relative to the pixel's center. Pixels are numbered row by row.
     #[inline(always)]
     pub fn position<R: Real>(&self, pixel: R::Integer, sample: u32) -> [R; 2] {
         if let Some(strata) = &self.strata {
@@ -91,8 +92,8 @@ impl Sampler {
         [x - half, y - half]
     }
 
-    /// Two numbers in [0, 1) of one sample, or of one per lane, in any pattern
-    /// Owen-scrambled Sobol' points.
+    /// Returns two numbers in [0, 1) for one sample, or one per lane: Owen-scrambled Sobol' points,
+    /// whatever the pattern.
     #[inline(always)]
     pub fn pair<R: Real>(
         &self,
@@ -105,7 +106,7 @@ impl Sampler {
         [unit::<R>(x), unit::<R>(y)]
     }
 
-    /// The seeds of a pixel in a dimension.
+    /// Returns the seeds of a pixel in a dimension.
     #[inline(always)]
     fn seeds<N: Integer>(&self, pixel: N, dimension: Dimension) -> [N; 4] {
         let key = [pixel.splat(self.seed), pixel, pixel.splat(dimension.0)];

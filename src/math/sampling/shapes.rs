@@ -1,10 +1,9 @@
-//! Numbers in the unit square → points in shapes of the plane, with uniform density, and
-//! directions.
+//! Warps the unit square to shapes of the plane, with uniform density, and to directions.
 
 use crate::simd::{Real, cos_sin, cos_sin_of_eighths};
 
-/// A point in the disk of radius 1, by the concentric map of Shirley and Chiu, "A Low
-/// Distortion Map Between Disk and Square", JGT 2(3), 1997.
+/// Maps to the disk of radius 1, by the concentric map of Shirley and Chiu, "A Low Distortion Map
+/// Between Disk and Square", JGT 2(3), 1997.
 #[inline(always)]
 pub fn disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     let (one, two) = (u.splat(1.0), u.splat(2.0));
@@ -20,8 +19,8 @@ pub fn disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     ]
 }
 
-/// A unit vector above the plane of x and y, with a density in proportion to the cosine of
-/// its angle with the z axis, by Malley's method.
+/// Maps to a unit vector above the xy plane, with a density proportional to the cosine of its angle
+/// with the z axis, by Malley's method.
 #[inline(always)]
 pub fn hemisphere<R: Real>(numbers: [R; 2]) -> [R; 3] {
     let [x, y] = disk(numbers);
@@ -40,8 +39,8 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// A polygon of `n` corners, at least 3, of which the first one is at this angle in
-    /// turns, counterclockwise from the x axis.
+    /// Creates a polygon of `n` corners, at least 3; the first one is at this angle in turns,
+    /// counterclockwise from the x axis.
     pub fn new(n: u32, first: f32) -> Self {
         Self {
             n: n as f32,
@@ -50,7 +49,7 @@ impl Polygon {
         }
     }
 
-    /// A point in the polygon: `u` chooses one of the triangles around the center.
+    /// Maps to the polygon: `u` selects one of the triangles around the center.
     #[inline(always)]
     pub fn point<R: Real>(&self, [u, v]: [R; 2]) -> [R; 2] {
         let scaled = u * u.splat(self.n);
@@ -79,8 +78,8 @@ mod tests {
         (0..n).flat_map(move |i| (0..n).map(move |j| [at(i), at(j)]))
     }
 
-    /// The shares of points of a shape of this area in 20 x 20 cells that lie inside of it
-    /// as a whole are those of the cells' areas.
+    /// Checks that, in each of 20 x 20 cells entirely inside a shape of this area, the share of
+    /// points equals the cell's share of the area.
     fn check_density(points: &[[f32; 2]], area: f32, is_inside: impl Fn([f32; 2]) -> bool) {
         let mut counts = [[0; 20]; 20];
         for &[x, y] in points {

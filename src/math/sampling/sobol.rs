@@ -1,15 +1,14 @@
 //! Sobol' points with Owen's scrambling, by hashing.
 //!
-//! After Burley, "Practical Hash-based Owen Scrambling", JCGT 10(4), 2020. Of Sobol's
-//! sequence only the first two dimensions are used: as a (0, 2)-sequence, any `2^k` of
-//! its points from a multiple of `2^k` on have one point in each elementary interval of
-//! area `2^-k`. Further dimensions are the same two in another order and with another
-//! scrambling, which both keep that property.
+//! After Burley, "Practical Hash-based Owen Scrambling", JCGT 10(4), 2020. Only the first two
+//! dimensions of Sobol's sequence are used: as a (0, 2)-sequence, any `2^k` of its points from a
+//! multiple of `2^k` on have one point in each elementary interval of area `2^-k`. Further
+//! dimensions are the same two, reordered and scrambled differently, which keeps that property.
 
 use crate::simd::Integer;
 
-/// Point `index` of the sequence, scrambled by these seeds: 32 binary digits of each
-/// coordinate, or of one per lane.
+/// Returns point `index` of the sequence, scrambled with these seeds: 32 binary digits of each
+/// coordinate, for one index or one per lane.
 #[inline(always)]
 pub(super) fn point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
     let [x, y] = reversed_point(index);
@@ -20,8 +19,8 @@ pub(super) fn point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
     ]
 }
 
-/// [`point`], moved by a digital shift, which keeps all elementary intervals, so that
-/// both coordinates of point 0 are one half.
+/// Returns [`point`] with a digital shift, which keeps all elementary intervals and moves both
+/// coordinates of point 0 to one half.
 #[inline(always)]
 pub(super) fn centered_point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
     let zero = index.splat(0);
@@ -31,16 +30,16 @@ pub(super) fn centered_point<N: Integer>(index: N, seeds: [N; 2]) -> [N; 2] {
     [x.xor(zero_x).xor(half), y.xor(zero_y).xor(half)]
 }
 
-/// The index at this position of the sequence in another order, which depends on the
-/// seed: the first `2^k` positions have `2^k` indices from a multiple of `2^k` on.
+/// Permutes the sequence by a seed: returns the index at this position. The first `2^k` positions
+/// have `2^k` consecutive indices from a multiple of `2^k`.
 #[inline(always)]
 pub(super) fn shuffled<N: Integer>(position: N, seed: N) -> N {
     scrambled(position.reverse_bits(), seed).reverse_bits()
 }
 
-/// The coordinates of a point with their binary digits in reverse order. Those of the
-/// first dimension are the index: van der Corput's sequence. The generator matrix of the
-/// second one is Pascal's triangle modulo 2, the product of five sparse matrices.
+/// Returns the coordinates of a point with their binary digits in reverse order. The first
+/// coordinate is the index: van der Corput's sequence. The generator matrix of the second one is
+/// Pascal's triangle modulo 2, the product of five sparse matrices.
 #[inline(always)]
 fn reversed_point<N: Integer>(index: N) -> [N; 2] {
     let y = fold_half::<N, 16>(index, 0x0000_ffff);
@@ -51,15 +50,14 @@ fn reversed_point<N: Integer>(index: N) -> [N; 2] {
     [index, y]
 }
 
-/// Adds the digits that are `SHIFT` above to those of the mask, modulo 2.
+/// XORs into the digits of the mask the digits `SHIFT` above them.
 #[inline(always)]
 fn fold_half<N: Integer, const SHIFT: i32>(word: N, mask: u32) -> N {
     word.xor(word.shift_right::<SHIFT>().and(word.splat(mask)))
 }
 
-/// Scrambles digits in reverse order: whether one flips depends on those before it and
-/// on the seed. The hash is that of Laine and Karras with the constants of Vegdahl,
-/// "Building a Better LK Hash", 2021.
+/// Scrambles digits in reverse order: each flips depending on the digits before it and on the seed.
+/// The hash is Laine and Karras' with the constants of Vegdahl, "Building a Better LK Hash", 2021.
 #[inline(always)]
 fn scrambled<N: Integer>(reversed: N, seed: N) -> N {
     // Odd, so that no digit is lost.
@@ -73,7 +71,7 @@ fn scrambled<N: Integer>(reversed: N, seed: N) -> N {
     multiplied(multiplied(word, 0x0552_6c56), 0x53a2_2864)
 }
 
-/// Adds a multiple of a word to it, modulo 2.
+/// XORs a word with a multiple of itself.
 #[inline(always)]
 fn multiplied<N: Integer>(word: N, factor: u32) -> N {
     word.xor(word.times(word.splat(factor)))
@@ -106,7 +104,7 @@ mod tests {
         }
     }
 
-    /// Checks that each elementary interval has one of these `2^k` points.
+    /// Checks that each elementary interval has exactly one of these `2^k` points.
     fn check_intervals(points: &[[u32; 2]]) {
         let k = points.len().ilog2();
         for k_x in 0..=k {

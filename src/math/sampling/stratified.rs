@@ -3,22 +3,22 @@
 use super::hash::{hash, mixed, unit};
 use crate::simd::{Integer, Real};
 
-/// Points in a pixel: `n` strata of equal area with one jittered point each. The point
-/// of one stratum is the pixel's center.
+/// Points in a pixel: `n` strata of equal area with one jittered point each. One stratum's point is
+/// the pixel's center.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Strata {
     n: u32,
     n_rows: u32,
-    /// The index of the point in the pixel's center.
+    /// The index of the point at the pixel's center.
     center: u32,
     /// The lower half of the seed.
     seed: u32,
-    /// The hash of its upper half.
+    /// The hash of the upper half of the seed.
     mixed: [u32; 4],
 }
 
 impl Strata {
-    /// `n` strata, at least 1.
+    /// Creates `n` strata, at least 1.
     pub(super) fn new(n: u32, seed: u64) -> Self {
         let mut pattern = Self {
             n,
@@ -33,13 +33,13 @@ impl Strata {
         pattern
     }
 
-    /// The index of the point in the pixel's center.
+    /// Returns the index of the point at the pixel's center.
     pub(super) fn center(&self) -> u32 {
         self.center
     }
 
-    /// Point `i` of this pixel, or of one per lane: both coordinates are in [-0.5, 0.5),
-    /// relative to the pixel's center.
+    /// Returns point `i` of one pixel, or one per lane: both coordinates in [-0.5, 0.5), relative
+    /// to the pixel's center.
     #[inline(always)]
     pub(super) fn point<R: Real>(&self, pixel: R::Integer, i: u32) -> [R; 2] {
         let zero = R::from_integer(pixel.splat(0));
@@ -51,8 +51,7 @@ impl Strata {
         let key = [pixel.splat(self.seed), pixel, pixel.splat(i)];
         let words = hash(key, self.mixed);
         let (u, v) = (unit::<R>(words[0]), unit::<R>(words[1]));
-        // The height of a row is proportional to its points: all strata have the
-        // same area.
+        // A row is as high as its number of points demands: all strata have the same area.
         let n_in_row = zero.splat((end - first) as f32);
         let x = (zero.splat((i - first) as f32) + u) / n_in_row;
         let y = (zero.splat(first as f32) + v * n_in_row) / zero.splat(self.n as f32);
@@ -60,8 +59,7 @@ impl Strata {
         [x - half, y - half]
     }
 
-    /// The first point of a row. The numbers of points per row differ by at most
-    /// 1.
+    /// Returns the first point of a row. The numbers of points per row differ by at most 1.
     fn first_of_row(&self, row: u32) -> u32 {
         (u64::from(row) * u64::from(self.n) / u64::from(self.n_rows)) as u32
     }

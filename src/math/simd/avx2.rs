@@ -1,4 +1,4 @@
-//! AVX2: masks are registers.
+//! AVX2: eight lanes, with masks in registers.
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx2::detect`")]
 
 use std::arch::x86_64::*;
@@ -10,12 +10,12 @@ use super::registers::Registers;
 use super::wide::Sixteen;
 use super::x86::Ymm;
 
-/// Proof that the CPU has AVX2, and the bit instructions that come with it.
+/// Proof that the CPU has AVX2 and the bit instructions that come with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Avx2(());
 
 impl Avx2 {
-    /// The proof, if the CPU has the instructions.
+    /// Returns the proof if the CPU has the instructions.
     pub fn detect() -> Option<Self> {
         let is_available = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
@@ -36,8 +36,8 @@ impl Avx2 {
     }
 }
 
-/// One boolean per lane: all bits of the lane, or none. Only comparisons of
-/// lanes make one, so that it proves AVX2 as they do.
+/// One boolean per lane: all bits of the lane set, or none. Made only by comparisons of lanes, so
+/// that it proves AVX2 as they do.
 #[derive(Clone, Copy)]
 pub struct WideMask(__m256);
 
@@ -139,8 +139,7 @@ impl Registers for Avx2 {
     }
 }
 
-/// For each mask the indices of its lanes, one per byte, the first in the lowest
-/// byte.
+/// For each mask, the indices of its lanes, one per byte, the first in the lowest byte.
 static LANES_OF_MASK: [i64; 256] = {
     let mut table = [0; 256];
     let mut mask = 0;

@@ -1,4 +1,4 @@
-//! AVX-512, mostly on 256-bit registers: masks are integers.
+//! AVX-512, mostly on 256-bit registers, with masks as integers.
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx512::detect`")]
 
 use std::arch::x86_64::*;
@@ -16,7 +16,7 @@ use super::zmm::{WideMask16, WideRegisters, Zmm};
 pub struct Avx512(());
 
 impl Avx512 {
-    /// The proof, if the CPU has the instructions.
+    /// Returns the proof if the CPU has the instructions.
     pub fn detect() -> Option<Self> {
         let is_available =
             is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl");
@@ -30,7 +30,7 @@ impl Avx512 {
         fn with_avx512<K: SimdKernel>(set: Avx512, kernel: K) -> K::Output {
             kernel.run(set)
         }
-        // SAFETY: `self` proves what `Avx2` does, AVX-512F and AVX-512VL.
+        // SAFETY: `self` proves the features of `Avx2`, AVX-512F and AVX-512VL.
         unsafe { with_avx512(self, kernel) }
     }
 }

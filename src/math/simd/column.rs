@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::vector::Vector;
 
-/// Vectors as one array per coordinate, with room for whole lanes behind the last.
+/// Vectors as one array per coordinate, padded so that whole lanes fit past the last vector.
 #[derive(Debug, Clone, Default)]
 pub struct VectorColumn {
     x: Vec<f32>,
@@ -14,7 +14,7 @@ pub struct VectorColumn {
 }
 
 impl VectorColumn {
-    /// Makes room for at least `n` vectors; keeps those that it has.
+    /// Makes room for at least `n` vectors; keeps the existing ones.
     #[inline]
     pub fn grow(&mut self, n: usize) {
         for numbers in [&mut self.x, &mut self.y, &mut self.z] {
@@ -31,13 +31,13 @@ impl VectorColumn {
         }
     }
 
-    /// Whether it has room for none.
+    /// Returns true if there is no room for any vector.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.x.is_empty()
     }
 
-    /// The vectors from index `first` on, one per lane.
+    /// Loads consecutive vectors from index `first`, one per lane.
     #[inline(always)]
     pub fn load<I: InstructionSet>(&self, set: I, first: usize) -> Vector<I::Lanes> {
         Vector {
@@ -47,7 +47,7 @@ impl VectorColumn {
         }
     }
 
-    /// The vectors with these indices, one per lane.
+    /// Gathers the vectors with these indices, one per lane.
     #[inline(always)]
     pub fn gather<I: InstructionSet>(&self, set: I, indices: &[u32; N_LANES]) -> Vector<I::Lanes> {
         if are_consecutive(indices) {
@@ -60,7 +60,7 @@ impl VectorColumn {
         set.load_vector(&columns)
     }
 
-    /// Adds to the vectors with these indices, as far as they are among `lanes`.
+    /// Adds to the vectors with these indices, only in the lanes of `lanes`.
     #[inline(always)]
     pub fn add_to<I: InstructionSet>(
         &mut self,
@@ -81,7 +81,7 @@ impl VectorColumn {
         }
     }
 
-    /// Overwrites the vectors from index `first` on, one per lane.
+    /// Overwrites consecutive vectors from index `first`, one per lane.
     #[inline(always)]
     pub fn store<L: Lanes>(&mut self, first: usize, vectors: Vector<L>) {
         *lanes_mut(&mut self.x, first) = vectors.x.to_array();
@@ -89,8 +89,8 @@ impl VectorColumn {
         *lanes_mut(&mut self.z, first) = vectors.z.to_array();
     }
 
-    /// Overwrites the vectors from index `first` on with those of the lanes of `mask`. The
-    /// vectors behind them lose their values: there is room for eight.
+    /// Compresses the lanes of `mask` and writes them from index `first`. Overwrites eight vectors:
+    /// those after the compressed lanes lose their values.
     #[inline(always)]
     pub fn store_lanes<L: Lanes>(&mut self, first: usize, vectors: Vector<L>, mask: L::Mask) {
         let compressed = Vector {
@@ -101,7 +101,7 @@ impl VectorColumn {
         self.store(first, compressed);
     }
 
-    /// The coordinates of eight vectors from index `first` on.
+    /// Returns the coordinates of eight vectors from index `first`.
     #[inline(always)]
     pub fn lanes(&self, first: usize) -> [&[f32; N_LANES]; 3] {
         [
@@ -117,7 +117,7 @@ impl VectorColumn {
         (self.x[i], self.y[i], self.z[i]) = (vector.x, vector.y, vector.z);
     }
 
-    /// Vector `i`.
+    /// Returns vector `i`.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
@@ -132,8 +132,8 @@ impl VectorColumn {
     }
 }
 
-/// Whether each index is one more than that before it: then whole vectors are loaded and
-/// stored, not number by number.
+/// Returns true if the indices are consecutive: then whole vectors are loaded and stored, not
+/// single numbers.
 #[inline(always)]
 fn are_consecutive(indices: &[u32; N_LANES]) -> bool {
     let mut are = true;
@@ -143,8 +143,7 @@ fn are_consecutive(indices: &[u32; N_LANES]) -> bool {
     are
 }
 
-/// Makes room for at least `n` values and a lane for each behind them; keeps those
-/// that there are.
+/// Makes room for at least `n` values plus padding for whole lanes; keeps the existing values.
 #[inline(always)]
 pub fn grow<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
     if values.len() < n + N_LANES {
@@ -159,7 +158,7 @@ fn resize<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
     values.resize(enough, T::default());
 }
 
-/// The eight values from index `first` on.
+/// Returns the eight values from index `first`.
 #[inline(always)]
 pub fn lanes<T>(values: &[T], first: usize) -> &[T; N_LANES] {
     values[first..]
@@ -167,7 +166,7 @@ pub fn lanes<T>(values: &[T], first: usize) -> &[T; N_LANES] {
         .expect("columns hold whole lanes")
 }
 
-/// The eight values from index `first` on.
+/// Returns the eight values from index `first`.
 #[inline(always)]
 pub fn lanes_mut<T>(values: &mut [T], first: usize) -> &mut [T; N_LANES] {
     values[first..]
@@ -175,16 +174,15 @@ pub fn lanes_mut<T>(values: &mut [T], first: usize) -> &mut [T; N_LANES] {
         .expect("columns hold whole lanes")
 }
 
-/// Eight bytes, each 0 or 1, as bits: bit `i` for byte `i`.
+/// Packs eight bytes, each 0 or 1, into bits: bit `i` for byte `i`.
 #[inline(always)]
 pub fn bits_of(bytes: &[u8; N_LANES]) -> u8 {
-    // The product has the sum of the bytes, each shifted by its own number of bits, in its
-    // highest byte.
+    // The highest byte of the product is the sum of the bytes, each shifted to its bit.
     const SHIFTS: u64 = 0x0102_0408_1020_4080;
     (u64::from_le_bytes(*bytes).wrapping_mul(SHIFTS) >> 56) as u8
 }
 
-/// The coordinates x, y and z, lane by lane.
+/// Returns the coordinates x, y and z, lane by lane.
 #[inline(always)]
 pub fn to_arrays<L: Lanes>(vectors: Vector<L>) -> [[f32; N_LANES]; 3] {
     let Vector { x, y, z } = vectors;
@@ -197,7 +195,7 @@ pub fn set_lane([x, y, z]: &mut [[f32; N_LANES]; 3], lane: usize, vector: Vec3) 
     (x[lane], y[lane], z[lane]) = (vector.x, vector.y, vector.z);
 }
 
-/// The vector in one lane of these coordinates x, y and z.
+/// Returns the vector in one lane of these coordinates x, y and z.
 #[inline(always)]
 pub fn lane_of([x, y, z]: &[[f32; N_LANES]; 3], lane: usize) -> Vec3 {
     Vec3::new(x[lane], y[lane], z[lane])

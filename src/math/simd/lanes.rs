@@ -1,4 +1,4 @@
-//! Eight lanes and their masks, which an instruction set gives to kernels.
+//! Eight lanes and their masks, the interface between kernels and instruction sets.
 
 use glam::Vec3;
 
@@ -11,36 +11,35 @@ pub const N_LANES: usize = 8;
 
 /// A computation that is compiled once for each instruction set.
 pub trait SimdKernel {
-    /// Its result.
+    /// The result.
     type Output;
-    /// Runs it. Implementations are `#[inline(always)]`: they must be inlined
-    /// into the function that has the target features.
+    /// Runs the kernel. Implementations are `#[inline(always)]`: they must be inlined into the
+    /// function that has the target features.
     fn run<I: InstructionSet>(self, set: I) -> Self::Output;
 }
 
-/// The source of [`Lanes`]. A value of it is the proof that the CPU has the
-/// instructions.
+/// The source of [`Lanes`]. A value is a proof that the CPU has the instructions.
 pub trait InstructionSet: Copy {
-    /// Its eight lanes.
+    /// The eight lanes.
     type Lanes: Lanes;
-    /// A part of the numbers of a packet.
+    /// The register type for parts of a packet.
     type Wide: Wide;
-    /// The same number in all lanes of a part.
+    /// Returns the same number in all lanes of a part.
     fn splat_wide(self, value: f32) -> Self::Wide;
-    /// This part of the numbers of a packet.
+    /// Loads one part of a packet's numbers.
     fn load_wide(self, numbers: &Sixteen, part: usize) -> Self::Wide;
-    /// The mask of a part with bit `i` for lane `i`.
+    /// Returns the mask of a part with bit `i` for lane `i`.
     fn wide_mask(self, bits: u16) -> <Self::Wide as Arithmetic>::Mask;
-    /// The same number in all lanes.
+    /// Returns the same number in all lanes.
     fn splat(self, value: f32) -> Self::Lanes;
-    /// The same vector in all lanes.
+    /// Returns the same vector in all lanes.
     #[inline(always)]
     fn splat_vector(self, v: Vec3) -> Vector<Self::Lanes> {
         Vector::splat(self.splat(0.0), v)
     }
-    /// One number per lane.
+    /// Loads one number per lane.
     fn load(self, values: &[f32; N_LANES]) -> Self::Lanes;
-    /// One vector per lane, with these coordinates x, y and z.
+    /// Loads one vector per lane, with these coordinates x, y and z.
     #[inline(always)]
     fn load_vector(self, [x, y, z]: &[[f32; N_LANES]; 3]) -> Vector<Self::Lanes> {
         Vector {
@@ -49,18 +48,18 @@ pub trait InstructionSet: Copy {
             z: self.load(z),
         }
     }
-    /// One bit pattern per lane: to be permuted, not to be computed with.
+    /// Loads one bit pattern per lane: for permutations, not for arithmetic.
     fn load_bits(self, bits: &[u32; N_LANES]) -> Self::Lanes;
-    /// The same bit pattern in all lanes.
+    /// Returns the same bit pattern in all lanes.
     fn splat_bits(self, bits: u32) -> Self::Lanes;
-    /// One integer per lane.
+    /// Loads one integer per lane.
     #[inline(always)]
     fn load_integers(self, integers: &[u32; N_LANES]) -> <Self::Lanes as Real>::Integer {
         self.load_bits(integers).to_integer_bits()
     }
-    /// The mask with bit `i` for lane `i`.
+    /// Returns the mask with bit `i` for lane `i`.
     fn mask(self, bits: u8) -> <Self::Lanes as Real>::Mask;
-    /// Adds `n` to those counts whose bits are set.
+    /// Adds `n` to the counts whose bits are set.
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32);
     /// Prefetches the cache line at this address, which need not be valid, into
     /// all levels of the cache.
@@ -69,21 +68,20 @@ pub trait InstructionSet: Copy {
 
 /// Eight numbers.
 pub trait Lanes: Real {
-    /// The numbers, lane by lane.
+    /// Returns the numbers, lane by lane.
     fn to_array(self) -> [f32; N_LANES];
-    /// Other numbers, lane by lane.
+    /// Replaces the numbers, lane by lane.
     fn with_numbers(self, numbers: &[f32; N_LANES]) -> Self;
-    /// The sign bits: bit `i` for lane `i`.
+    /// Returns the sign bits: bit `i` for lane `i`.
     fn signs(self) -> u8;
-    /// The bit patterns, lane by lane.
+    /// Returns the bit patterns, lane by lane.
     fn to_bits(self) -> [u32; N_LANES];
-    /// Lanes 4 to 7, then lanes 0 to 3.
+    /// Returns lanes 4 to 7, then lanes 0 to 3.
     fn swap_halves(self) -> Self;
-    /// Lane `i` of the result is lane `(order[i] >> shift[i]) % 8`; the shifts
-    /// are bit patterns less than 32.
+    /// Permutes lanes: lane `i` of the result is lane `(order[i] >> shift[i]) % 8`; the shifts are
+    /// bit patterns less than 32.
     fn permute(self, order: &[u32; N_LANES], shift: Self) -> Self;
-    /// Moves the lanes of `mask` to the front, in their order. The lanes behind
-    /// them have no meaning.
+    /// Moves the lanes of `mask` to the front, in their order. The remaining lanes have no meaning.
     fn compress(self, mask: Self::Mask) -> Self;
 }
 

@@ -1,13 +1,11 @@
-//! Eight `f32` at a time, or sixteen, with the instruction sets that the CPU has.
+//! Eight or sixteen `f32` at a time, with the instruction sets of the CPU.
 //!
-//! The kernels are generic over `Lanes`, of which there are three kinds:
-//! plain arrays, AVX2 and AVX-512. All do the same IEEE operations in the same
-//! order and never contract a product and a sum into one rounding, so that
+//! The kernels are generic over `Lanes`, which come as plain arrays, AVX2 and AVX-512. All do the
+//! same IEEE operations in the same order and never fuse a multiplication with an addition, so that
 //! hits and counters agree to the last bit on every path.
 //!
-//! [`Simd::available`] detects the instruction sets of the CPU. Each value of a
-//! set is a proof of that detection, lanes carry it along, and the unsafe code
-//! of this folder rests on it.
+//! [`Simd::available`] detects the instruction sets of the CPU. A value of a set proves that
+//! detection, lanes carry it along, and the unsafe code of this folder relies on it.
 
 mod real;
 mod lanes;
@@ -58,7 +56,7 @@ enum DetectedSet {
 }
 
 impl Simd {
-    /// All instruction sets that the CPU has, at least one, the fastest one last.
+    /// Returns all instruction sets that the CPU has, at least one, the fastest last.
     pub fn available() -> Vec<Self> {
         #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
         let mut sets = vec![DetectedSet::Portable(Portable)];
@@ -70,7 +68,7 @@ impl Simd {
         sets.into_iter().map(Self).collect()
     }
 
-    /// The fastest instruction set that the CPU has.
+    /// Returns the fastest instruction set that the CPU has.
     pub fn best() -> Self {
         *Self::available()
             .last()
@@ -109,8 +107,7 @@ mod tests {
     const BITS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
     const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];
 
-    /// The bit patterns of the lanes whose distance is at most 3, from the first
-    /// to the last and the other way round.
+    /// The bit patterns of the lanes whose distance is at most 3, first to last and last to first.
     struct Compress;
 
     impl SimdKernel for Compress {

@@ -1,5 +1,4 @@
-//! Lanes as plain arrays, which the compiler vectorizes for the target: SSE2,
-//! NEON.
+//! Lanes as plain arrays, which the compiler vectorizes for the target: SSE2, NEON.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -7,8 +6,8 @@ use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
 use super::real::{Double, Integer, LookupTable, Mask, Real};
 use super::wide::Sixteen;
 
-/// The values of an expression at the lanes. Loops would do the same, but the compiler's
-/// time grows faster than their number, and `array::map` is not always inlined.
+/// Evaluates an expression for each lane. Loops would do the same, but compile times grow faster
+/// than their number, and `array::map` is not always inlined.
 macro_rules! eight {
     (|$i:ident| $value:expr) => {
         eight!(@ $i $value; 0 1 2 3 4 5 6 7)
@@ -21,7 +20,7 @@ macro_rules! eight {
     };
 }
 
-/// The set that needs no instructions beyond the target's.
+/// The instruction set that every target has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Portable;
 
@@ -77,7 +76,7 @@ impl InstructionSet for Portable {
         }
     }
 
-    /// Left to the hardware prefetcher.
+    /// Does nothing: left to the hardware prefetcher.
     #[inline(always)]
     fn prefetch<T>(self, _: *const T) {}
 }

@@ -1,8 +1,8 @@
-//! Numbers in formulas: one, or one in each lane.
+//! Numbers in formulas: a single one, or one per lane.
 //!
-//! A formula that is generic over [`Real`] is written once. With `f32` it computes
-//! for one ray or point, with lanes for eight, and the results agree to the last
-//! bit: each operation is rounded as IEEE 754 says, and none is fused.
+//! A formula that is generic over [`Real`] is written once. With `f32` it computes for one ray or
+//! point, with lanes for eight, and the results agree to the last bit: each operation is rounded as
+//! IEEE 754 says, and none is fused.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -22,70 +22,70 @@ pub trait Real:
     /// The numbers in double precision.
     type Double: Double;
 
-    /// The same number as often as `self` has numbers.
+    /// Returns the same number in all lanes of `self`.
     fn splat(self, value: f32) -> Self;
-    /// The same boolean as often as `self` has numbers.
+    /// Returns the same boolean in all lanes of `self`.
     #[inline(always)]
     fn splat_mask(self, value: bool) -> Self::Mask {
         let number = self.splat(f32::from(u8::from(value)));
         self.splat(0.0).lt(number)
     }
-    /// `self` where it is less than `other`, else `other`.
+    /// Returns `self` where it is less than `other`, else `other`.
     fn min(self, other: Self) -> Self;
-    /// `self` where it is greater than `other`, else `other`.
+    /// Returns `self` where it is greater than `other`, else `other`.
     fn max(self, other: Self) -> Self;
-    /// The square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
     /// Flips the sign where the sign bit of `other` is set.
     fn flip_sign_by(self, other: Self) -> Self;
-    /// The magnitude.
+    /// Returns the magnitude.
     #[inline(always)]
     fn abs(self) -> Self {
         self.flip_sign_by(self)
     }
-    /// The integer next to it toward negative infinity.
+    /// Rounds toward negative infinity.
     fn floor(self) -> Self;
-    /// The integer next to it toward zero.
+    /// Rounds toward zero.
     fn trunc(self) -> Self;
-    /// `self < other`.
+    /// Returns `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
-    /// `self <= other`.
+    /// Returns `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
-    /// `self == other`.
+    /// Returns `self == other`.
     #[inline(always)]
     fn equals(self, other: Self) -> Self::Mask {
         self.le(other) & other.le(self)
     }
-    /// `this` where `mask` is true, else `other`.
+    /// Returns `this` where `mask` is true, else `other`.
     fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
-    /// The bit pattern.
+    /// Returns the bit pattern.
     fn to_integer_bits(self) -> Self::Integer;
-    /// The integer part, which fits into 32 bits.
+    /// Returns the integer part, which must fit into 32 bits.
     fn to_integer(self) -> Self::Integer;
-    /// The number in double precision.
+    /// Returns the number in double precision.
     fn to_double(self) -> Self::Double;
-    /// The nearest number; the integer is less than 2^31.
+    /// Returns the nearest number; the integer must be less than 2^31.
     fn from_integer(integer: Self::Integer) -> Self;
-    /// The number with this bit pattern.
+    /// Returns the number with this bit pattern.
     fn from_integer_bits(bits: Self::Integer) -> Self;
-    /// The nearest number.
+    /// Returns the nearest number.
     fn from_double(double: Self::Double) -> Self;
-    /// Number `i`.
+    /// Returns number `i`.
     fn lane(self, i: usize) -> f32;
-    /// What a table has at a point, for each number; looked up one by one.
+    /// Looks up the values of a table at a point, number by number.
     fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
         table: &T,
         at: [Self; N],
     ) -> [Self; M];
 }
 
-/// A function of points that is not a formula over lanes, such as a picture.
+/// A function of points that is not a formula over lanes, such as a picture lookup.
 pub trait LookupTable<const N: usize, const M: usize> {
-    /// Its values at a point.
+    /// Returns the values at a point.
     fn values_at(&self, at: [f32; N]) -> [f32; M];
 }
 
-/// Rows by their index.
+/// Looks up rows by index.
 impl<const M: usize> LookupTable<1, M> for [[f32; M]] {
     #[inline(always)]
     fn values_at(&self, [index]: [f32; 1]) -> [f32; M] {
@@ -95,29 +95,29 @@ impl<const M: usize> LookupTable<1, M> for [[f32; M]] {
 
 /// One boolean per number.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// Bit `i` for lane `i`.
+    /// Returns the bits: bit `i` for lane `i`.
     fn bits(self) -> u8;
-    /// Whether all are true.
+    /// Returns true if all are true.
     fn all(self) -> bool;
 }
 
 /// Integers modulo 2^32.
 pub trait Integer: Copy {
-    /// The same integer as often as `self` has integers.
+    /// Returns the same integer in all lanes of `self`.
     fn splat(self, value: u32) -> Self;
-    /// The sum.
+    /// Returns the sum.
     fn plus(self, other: Self) -> Self;
-    /// The lower half of the product.
+    /// Returns the lower half of the product.
     fn times(self, other: Self) -> Self;
-    /// The bits that both have.
+    /// Returns the bitwise AND.
     fn and(self, other: Self) -> Self;
-    /// The bits in which both differ.
+    /// Returns the bitwise XOR.
     fn xor(self, other: Self) -> Self;
-    /// The integer times 2^N.
+    /// Returns the integer times 2^N.
     fn shift_left<const N: i32>(self) -> Self;
-    /// The integer without its lowest `N` bits.
+    /// Returns the integer shifted right by `N` bits.
     fn shift_right<const N: i32>(self) -> Self;
-    /// The bits in reverse order.
+    /// Returns the bits in reverse order.
     #[inline(always)]
     fn reverse_bits(self) -> Self {
         let swapped = swap::<_, 1>(self, 0x5555_5555);
@@ -128,7 +128,7 @@ pub trait Integer: Copy {
     }
 }
 
-/// Swaps groups of `N` bits; `lower` has the bits of every other group.
+/// Swaps groups of `N` bits; `lower` masks every other group.
 #[inline(always)]
 fn swap<I: Integer, const N: i32>(integer: I, lower: u32) -> I {
     let lower = integer.splat(lower);
@@ -138,11 +138,11 @@ fn swap<I: Integer, const N: i32>(integer: I, lower: u32) -> I {
 
 /// Numbers in double precision.
 pub trait Double: Copy + Mul<Output = Self> {
-    /// The same number as often as `self` has numbers.
+    /// Returns the same number in all lanes of `self`.
     fn splat(self, value: f64) -> Self;
-    /// 0 where it is less than `limit`.
+    /// Returns 0 where the number is less than `limit`.
     fn zero_below(self, limit: f64) -> Self;
-    /// Another number for each; computed one by one.
+    /// Applies `f`, number by number.
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
 }
 

@@ -1,5 +1,5 @@
-//! A sum of numbers: reads memory as the kernels do and computes next to nothing,
-//! to measure the bandwidth that they can reach.
+//! Sums numbers: reads memory as the kernels do with next to no arithmetic, to measure the
+//! bandwidth that they can reach.
 
 use super::Simd;
 use super::lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
@@ -8,8 +8,8 @@ use super::lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 const N_SUMS: usize = 8;
 
 impl Simd {
-    /// The sum of the numbers, added in no particular order. Leaves out those
-    /// after the last multiple of 64.
+    /// Returns the sum of the numbers, in unspecified order. Ignores the numbers after the last
+    /// multiple of 64.
     ///
     /// ```
     /// # use math::simd::Simd;

@@ -1,11 +1,10 @@
-//! Angles in turns, their sines and cosines, with the same bits for one number and for
-//! lanes.
+//! Angles in turns with their sines and cosines, bit-identical for single numbers and lanes.
 
 use std::f32::consts::{FRAC_PI_4, TAU};
 
 use super::real::Real;
 
-/// The cosine and the sine of an angle in turns, of magnitude below 2^20, within two units
+/// Returns the cosine and the sine of an angle in turns, of magnitude below 2^20, within two units
 /// in the last place of 1.
 #[inline(always)]
 pub fn cos_sin<R: Real>(turns: R) -> [R; 2] {
@@ -21,21 +20,21 @@ pub fn cos_sin<R: Real>(turns: R) -> [R; 2] {
     [R::select(is_left, -x, x), R::select(is_below, -y, y)]
 }
 
-/// The cosine and the sine of an angle in eighths of a turn, from -1 to 1.
+/// Returns the cosine and the sine of an angle in eighths of a turn, from -1 to 1.
 #[inline(always)]
 pub fn cos_sin_of_eighths<R: Real>(eighths: R) -> [R; 2] {
     polynomials(eighths * eighths.splat(FRAC_PI_4))
 }
 
-/// The angle of a vector (x, y) in turns, counterclockwise from the x axis, from -1/2 to
-/// 1/2, within 1e-7; 0 without a length.
+/// Returns the angle of a vector (x, y) in turns, counterclockwise from the x axis, from -1/2 to
+/// 1/2, within 1e-7; 0 for the zero vector.
 #[inline(always)]
 pub fn turns_of<R: Real>([x, y]: [R; 2]) -> R {
     let (zero, one) = (x.splat(0.0), x.splat(1.0));
     let (width, height) = (x.abs(), y.abs());
     let (least, most) = (width.min(height), width.max(height));
     let slope = R::select(zero.lt(most), least / most, zero);
-    // Above the tangent of a sixteenth of a turn, the rest above an eighth.
+    // Above the tangent of a sixteenth of a turn, reduce by an eighth.
     let is_wide = x.splat(0.414_213_57).lt(slope);
     let rest = R::select(is_wide, (slope - one) / (slope + one), slope);
     let turns = arc_tangent(rest) * x.splat(1.0 / TAU);
@@ -45,7 +44,7 @@ pub fn turns_of<R: Real>([x, y]: [R; 2]) -> R {
     turns.flip_sign_by(y)
 }
 
-/// The angle in radians with this tangent, of magnitude up to 0.42: a polynomial of
+/// Returns the angle in radians with this tangent, of magnitude up to 0.42: a polynomial of
 /// Moshier's Cephes library.
 #[inline(always)]
 fn arc_tangent<R: Real>(x: R) -> R {
@@ -54,7 +53,7 @@ fn arc_tangent<R: Real>(x: R) -> R {
     (higher * square - x.splat(0.333_329_5)) * square * x + x
 }
 
-/// The cosine and the sine of an angle in radians, from -pi/4 to pi/4: the polynomials of
+/// Returns the cosine and the sine of an angle in radians, from -pi/4 to pi/4: the polynomials of
 /// Moshier's Cephes library.
 #[inline(always)]
 fn polynomials<R: Real>(x: R) -> [R; 2] {
@@ -67,7 +66,7 @@ fn polynomials<R: Real>(x: R) -> [R; 2] {
     ]
 }
 
-/// `a x² + b x + c`.
+/// Returns `a x² + b x + c`.
 #[inline(always)]
 fn parabola<R: Real>(x: R, [a, b, c]: [f32; 3]) -> R {
     (x.splat(a) * x + x.splat(b)) * x + x.splat(c)

@@ -1,4 +1,4 @@
-//! Registers for packets: sixteen lanes where there are registers for them, else eight.
+//! Registers for packets: sixteen lanes where the CPU has them, else eight.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
@@ -7,7 +7,7 @@ use super::real::Real;
 /// The numbers of a packet of sixteen rays, in two halves.
 pub type Sixteen = [[f32; 8]; 2];
 
-/// The operations of formulas that packets share with other numbers.
+/// The arithmetic that packets share with other numbers.
 pub trait Arithmetic:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -16,15 +16,15 @@ pub trait Arithmetic:
         + BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;
-    /// The same number as often as `self` has numbers.
+    /// Returns the same number in all lanes of `self`.
     fn splat(self, value: f32) -> Self;
-    /// `self` where it is less than `other`, else `other`.
+    /// Returns `self` where it is less than `other`, else `other`.
     fn min(self, other: Self) -> Self;
-    /// `self` where it is greater than `other`, else `other`.
+    /// Returns `self` where it is greater than `other`, else `other`.
     fn max(self, other: Self) -> Self;
-    /// The magnitude.
+    /// Returns the magnitude.
     fn abs(self) -> Self;
-    /// `self < other`; false for NaN.
+    /// Returns `self < other`; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
 }
 
@@ -32,21 +32,21 @@ pub trait Arithmetic:
 pub trait Wide: Arithmetic {
     /// Number of parts of a packet.
     const N_PARTS: usize;
-    /// `self <= other`; false for NaN.
+    /// Returns `self <= other`; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
-    /// Bit `i` for lane `i`.
+    /// Returns the bits: bit `i` for lane `i`.
     fn bits(mask: Self::Mask) -> u16;
-    /// `this` where `mask` is true, else `other`.
+    /// Returns `this` where `mask` is true, else `other`.
     fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
-    /// The square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// `self` with its sign flipped where `other` is negative.
+    /// Flips the sign of `self` where `other` is negative.
     fn flip_sign_by(self, other: Self) -> Self;
-    /// The next greater number of each; they are finite and not negative.
+    /// Returns the next greater number of each; they must be finite and not negative.
     fn next_up(self) -> Self;
-    /// The numbers; eight fill the first half.
+    /// Returns the numbers; eight fill the first half.
     fn to_arrays(self) -> Sixteen;
-    /// Stores this part of the numbers of a packet.
+    /// Stores this part of a packet's numbers.
     #[inline(always)]
     fn store(self, numbers: &mut Sixteen, part: usize) {
         if Self::N_PARTS == 1 {

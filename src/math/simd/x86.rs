@@ -1,7 +1,7 @@
-//! Eight lanes in one 256-bit register: what AVX2 and AVX-512 have in common.
+//! Eight lanes in one 256-bit register: the code shared by AVX2 and AVX-512.
 //!
-//! All functions here are inlined into the one that has the target features,
-//! the `run` of a set: none of them is ever called.
+//! All functions here are inlined into the one that has the target features, the `run` of a set:
+//! none of them is ever called.
 #![expect(
     unsafe_code,
     reason = "intrinsics; each value proves that the CPU has them"
@@ -16,8 +16,8 @@ use super::registers::Registers;
 use super::wide::{self, Sixteen};
 use super::x86_wide::{YmmDoubles, YmmIntegers};
 
-/// Eight numbers in a register, and the set that made them as the proof that
-/// the CPU has such registers.
+/// Eight numbers in a register, with the set that made them as proof that the CPU has such
+/// registers.
 #[derive(Clone, Copy)]
 pub struct Ymm<R>(__m256, R);
 
@@ -94,7 +94,7 @@ impl<R: Registers> InstructionSet for R {
     }
 }
 
-/// One intrinsic as a method or an operator.
+/// Defines a method or an operator by one intrinsic.
 macro_rules! binary {
     ($(#[$doc:meta])* $method:ident, $intrinsic:ident) => {
         #[inline(always)]

@@ -1,4 +1,4 @@
-//! YmmIntegers and double precision in 256-bit registers.
+//! Integers and double precision in 256-bit registers.
 //!
 //! As in `x86`, all functions are inlined into the one that has the target features.
 #![expect(
@@ -17,7 +17,7 @@ use super::registers::Registers;
 #[derive(Clone, Copy)]
 pub struct YmmIntegers<R>(pub(super) __m256i, pub(super) R);
 
-/// One intrinsic as a method.
+/// Defines a method by one intrinsic.
 macro_rules! binary {
     ($method:ident, $intrinsic:ident) => {
         #[inline(always)]
@@ -53,7 +53,7 @@ impl<R: Registers> Integer for YmmIntegers<R> {
     }
 }
 
-/// Eight numbers in double precision: the first four and the others.
+/// Eight numbers in double precision: the first four and the last four.
 #[derive(Clone, Copy)]
 pub struct YmmDoubles<R>(pub(super) [__m256d; 2], pub(super) R);
 
@@ -70,7 +70,7 @@ impl<R: Registers> Double for YmmDoubles<R> {
         // SAFETY: the set in `self` proves AVX2.
         let kept = unsafe {
             let limit = _mm256_set1_pd(limit);
-            // Not less, so that NaN is kept.
+            // Not-less-than, so that NaN is kept.
             [
                 _mm256_and_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(low, limit), low),
                 _mm256_and_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(high, limit), high),

@@ -9,23 +9,23 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use super::wide::{Arithmetic, Sixteen, Wide};
 
-/// A set that has AVX-512F. A value of it proves that the CPU has the instructions.
+/// A set that has AVX-512F. A value proves that the CPU has the instructions.
 pub(super) trait WideRegisters: Copy {}
 
-/// Sixteen numbers in a register, and the set that made them as the proof that the
-/// CPU has such registers.
+/// Sixteen numbers in a register, with the set that made them as proof that the CPU has such
+/// registers.
 #[derive(Clone, Copy)]
 pub struct Zmm<R>(__m512, R);
 
 impl<R: WideRegisters> Zmm<R> {
-    /// The same number in all lanes.
+    /// Returns the same number in all lanes.
     #[inline(always)]
     pub(super) fn splat(set: R, value: f32) -> Self {
         // SAFETY: `set` proves AVX-512.
         Self(unsafe { _mm512_set1_ps(value) }, set)
     }
 
-    /// One number per lane.
+    /// Loads one number per lane.
     #[inline(always)]
     pub(super) fn load(set: R, numbers: &Sixteen) -> Self {
         // SAFETY: `set` proves AVX-512; the pointer is to sixteen numbers, at any
@@ -38,7 +38,7 @@ impl<R: WideRegisters> Zmm<R> {
 #[derive(Clone, Copy)]
 pub struct WideMask16(pub(super) __mmask16);
 
-/// One intrinsic as a method or an operator.
+/// Defines a method or an operator by one intrinsic.
 macro_rules! binary {
     ($method:ident, $intrinsic:ident) => {
         #[inline(always)]

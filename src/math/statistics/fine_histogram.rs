@@ -1,13 +1,13 @@
 //! Order statistics of more floats than fit into memory.
 
-/// The lower bits of a float that its bin leaves out: bins are at most .05 % wide, and whole
-/// numbers up to 4096 have one each.
+/// The lower bits of a float that its bin ignores: bins are at most .05 % wide, and whole numbers
+/// up to 4096 have one bin each.
 const N_OMITTED: u32 = 12;
 /// Number of bins of positive floats.
 const N_BINS: usize = 1 << (u32::BITS - 1 - N_OMITTED);
 
-/// A histogram of floats that are not negative. Bins are the upper bits of a float, which sort
-/// like positive floats.
+/// A histogram of non-negative floats. A bin is the upper bits of a float, which sort like the
+/// floats themselves.
 #[derive(Debug, Clone)]
 pub struct FineHistogram {
     n_by_bin: Vec<u64>,
@@ -15,7 +15,7 @@ pub struct FineHistogram {
     pub n: u64,
 }
 
-/// The least float of the bin of a float that is not negative.
+/// Returns the least float in the bin of a non-negative float.
 pub fn lower_edge(value: f32) -> f32 {
     f32::from_bits(value.to_bits() >> N_OMITTED << N_OMITTED)
 }
@@ -30,10 +30,10 @@ impl Default for FineHistogram {
 }
 
 impl FineHistogram {
-    /// Its memory.
+    /// Memory in bytes.
     pub const BYTES: u64 = (N_BINS * size_of::<u64>()) as u64;
 
-    /// Counts values, none of them negative or NaN.
+    /// Counts values; none of them may be negative or NaN.
     pub fn add(&mut self, values: impl IntoIterator<Item = f32>) {
         for value in values {
             // Without the sign of -0.
@@ -42,8 +42,8 @@ impl FineHistogram {
         }
     }
 
-    /// The [`lower_edge`] of the value that would have this index if all were sorted; `None` if
-    /// there are not as many.
+    /// Returns the [`lower_edge`] of the value that would have this index after sorting; `None` if
+    /// out of range.
     pub fn at(&self, index: u64) -> Option<f32> {
         let mut n_passed = 0;
         let bin = self.n_by_bin.iter().position(|n| {

@@ -1,18 +1,19 @@
 //! Order statistics of many floats.
 
-/// Number of intervals of floats, those with the same upper 16 bits, and of floats in each.
+/// Number of intervals of floats with the same upper 16 bits, and of floats in each.
 const N_INTERVALS: usize = 1 << 16;
 
-/// The values that would have these indices if all were sorted by
-/// [`f32::total_cmp`]; `None` if there are not as many values.
+/// Returns the values that would have these indices if all were sorted by [`f32::total_cmp`];
+/// `None` if an index is out of range.
 ///
-/// One pass counts the values by their upper bits, another one the values of those
-/// intervals that hold an index by their lower bits: faster than a selection, which would
-/// move all values.
+/// One pass counts the values by their upper bits, and a second one, by their lower bits, the
+/// values of the intervals that hold an index: faster than a selection, which would move all
+/// values.
 pub fn floats_at<const N: usize>(values: &[f32], indices: [usize; N]) -> Option<[f32; N]> {
     if indices.iter().any(|&index| index >= values.len()) {
         return None;
     }
+    // Count the values by their upper bits, and find the intervals that hold an index.
     let mut by_upper = vec![0; N_INTERVALS];
     for &value in values {
         by_upper[ordered(value) >> 16] += 1;
@@ -39,8 +40,8 @@ pub fn floats_at<const N: usize>(values: &[f32], indices: [usize; N]) -> Option<
     }))
 }
 
-/// The interval that holds an index, and the index in that interval, given the number of
-/// values in each.
+/// Returns the interval that holds an index, and the index within it, given the number of values in
+/// each.
 fn place(counts: &[u32], mut index: usize) -> (usize, usize) {
     for (interval, &n) in counts.iter().enumerate() {
         if index < n as usize {
@@ -51,10 +52,10 @@ fn place(counts: &[u32], mut index: usize) -> (usize, usize) {
     (0, 0)
 }
 
-/// The bits of a value, changed so that they have the order of [`f32::total_cmp`].
+/// Maps a value to bits that have the order of [`f32::total_cmp`].
 fn ordered(value: f32) -> usize {
     let bits = value.to_bits();
-    // Negative floats have the opposite order of their bits.
+    // Negative floats sort in the opposite order of their bits.
     let ordered = if value.is_sign_negative() {
         !bits
     } else {
@@ -63,7 +64,7 @@ fn ordered(value: f32) -> usize {
     ordered as usize
 }
 
-/// The value with these bits.
+/// Inverts [`ordered`].
 fn from_ordered(ordered: usize) -> f32 {
     let ordered = ordered as u32;
     let is_negative = ordered >> 31 == 0;

@@ -1,13 +1,13 @@
 //! The fit of a linear model.
 
-/// Most passes over all unknowns.
+/// Maximum number of passes over all unknowns.
 const MAX_PASSES: usize = 10_000;
 
-/// A change of an unknown by less than this part of the largest term counts for nothing.
+/// A relative change of an unknown's term below this counts as converged.
 const PRECISION: f64 = 1e-12;
 
-/// The unknowns, none of them negative, for which the sum of `(row · unknowns - value)²`
-/// over all rows is least. An unknown whose column is zero is zero.
+/// Returns the non-negative unknowns for which the sum of `(row · unknowns - value)²` over all rows
+/// is least. An unknown whose column is zero is zero.
 ///
 /// By coordinate descent on the normal equations: Franc, Hlaváč and Navara, "Sequential
 /// Coordinate-Wise Algorithm for the Non-negative Least Squares Problem", CAIP 2005.
@@ -15,6 +15,7 @@ pub fn non_negative_least_squares<const N: usize>(
     rows: impl Iterator<Item = ([f64; N], f64)>,
 ) -> [f64; N] {
     let (mut products, mut gradient) = ([[0.0; N]; N], [0.0; N]);
+    // Sum the normal equations.
     for (row, value) in rows {
         for i in 0..N {
             gradient[i] -= row[i] * value;
@@ -25,6 +26,7 @@ pub fn non_negative_least_squares<const N: usize>(
     }
     let tolerance = gradient.map(|slope| slope.abs() * PRECISION);
     let mut unknowns = [0.0_f64; N];
+    // Minimize along one coordinate after the other until none changes.
     for _ in 0..MAX_PASSES {
         let mut has_changed = false;
         for i in 0..N {
@@ -53,8 +55,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// The conditions of Karush, Kuhn and Tucker: each unknown is zero where the
-        /// sum would rise with it, else the sum does not change with it.
+        /// The Karush-Kuhn-Tucker conditions: each unknown is zero where the sum would rise with
+        /// it, else the sum is stationary in it.
         #[test]
         fn no_unknown_can_improve_the_fit(
             rows in prop::collection::vec((prop::array::uniform4(0.0..9.0), 0.0..9.0), 4..40)

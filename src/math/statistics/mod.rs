@@ -1,8 +1,8 @@
-//! Statistics of measurements: order statistics, the summary of a sample, the
-//! comparison of two samples, and the fit of a linear model.
+//! Statistics of measurements: order statistics, the summary of a sample, the comparison of two
+//! samples, and the fit of a linear model.
 //!
-//! Comparisons use ranks alone: an interrupted run is one high rank, however
-//! long it took, and no distribution of the noise is assumed.
+//! Comparisons use only ranks: an interrupted run is one high rank, however long it took, and no
+//! distribution of the noise is assumed.
 
 mod fine_histogram;
 mod floats;

@@ -1,9 +1,9 @@
-//! Order statistics of a sample: the median, and the one that is a value of it.
+//! Order statistics of a sample: the median and the upper median.
 
 use std::cmp::Ordering;
 
-/// The median: the middle value or, of an even number of values, the mean of the
-/// two in the middle; `None` without values. Reorders the values.
+/// Returns the median: the middle value, or the mean of the two middle values; `None` without
+/// values. Reorders the values.
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let n = values.len();
     let upper = upper_median(values, f64::total_cmp)?;
@@ -15,15 +15,14 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
     Some((lower + upper) / 2.0)
 }
 
-/// The upper median: the middle value or, of an even number of values, the
-/// greater of the two in the middle. Unlike [`median`], it is always one of the
-/// values; `None` without values. Reorders the values.
+/// Returns the upper median: the middle value, or the greater of the two middle values. Unlike
+/// [`median`], it is always one of the values; `None` without values. Reorders the values.
 pub fn upper_median<T: Copy>(values: &mut [T], order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
     order_statistic(values, values.len() / 2, order)
 }
 
-/// The value that would have this index if the values were sorted; `None` beyond
-/// the last one. Smaller values end up on its left, greater ones on its right.
+/// Returns the value that would have this index after sorting; `None` if out of range. Smaller
+/// values end up on its left, greater ones on its right.
 fn order_statistic<T: Copy>(
     values: &mut [T],
     index: usize,

@@ -1,11 +1,10 @@
 //! The Mann-Whitney U test, and the distribution of the rank sum.
 //!
-//! H. B. Mann, D. R. Whitney: On a test of whether one of two random variables
-//! is stochastically larger than the other, Annals of Mathematical Statistics
-//! 18 (1947). Ties take the mean of their ranks. The exact distribution is the
-//! permutation distribution of these ranks, by the shift algorithm of
-//! B. Streitberg, J. Röhmel: Exact distributions for permutation and rank
-//! tests, Statistical Software Newsletter 12 (1986).
+//! H. B. Mann, D. R. Whitney: On a test of whether one of two random variables is stochastically
+//! larger than the other, Annals of Mathematical Statistics 18 (1947). Ties take the mean of their
+//! ranks. The exact distribution is the permutation distribution of these ranks, by the shift
+//! algorithm of B. Streitberg, J. Röhmel: Exact distributions for permutation and rank tests,
+//! Statistical Software Newsletter 12 (1986).
 
 use std::f64::consts::SQRT_2;
 
@@ -13,12 +12,11 @@ use std::f64::consts::SQRT_2;
 /// approximation is accurate enough: 0.0113 instead of 0.0109.
 const MAX_EXACT: usize = 100;
 
-/// The p-value of the two-sided Mann-Whitney U test: the probability that two samples of the
-/// same distribution differ at least as much as these. Exact up to 100 values in total, ties
-/// included; above that by the normal approximation with corrections for ties and
-/// continuity.
+/// Returns the p-value of the two-sided Mann-Whitney U test: the probability that two samples of
+/// the same distribution differ at least as much as these. Exact up to 100 values in total, ties
+/// included; above that by the normal approximation with corrections for ties and continuity.
 ///
-/// 1 if a sample is empty. The values must not be NaN.
+/// Returns 1 if a sample is empty. The values must not be NaN.
 pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
     let ranks = doubled_ranks(a, b);
     let sum_b = ranks[a.len()..].iter().sum();
@@ -27,8 +25,8 @@ pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
     (2.0 * tails[0].min(tails[1])).min(1.0)
 }
 
-/// Twice the rank, from 1, of each value of `a`, then of `b`, among all values: integers, since
-/// equal values share the mean of their ranks.
+/// Returns twice the rank, from 1, of each value of `a`, then of `b`, among all values: integers,
+/// since equal values share the mean of their ranks.
 fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
     let values = [a, b].concat();
     let mut sorted = values.clone();
@@ -41,17 +39,17 @@ fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
     values.iter().map(rank).collect()
 }
 
-/// The distribution of twice the sum of `n` ranks, where all choices of `n` ranks have the
-/// same probability.
+/// The distribution of twice the sum of `n` ranks, where all choices of `n` ranks are equally
+/// probable.
 pub(super) enum RankSums {
-    /// The probability of each sum from 0 on.
+    /// The probability of each sum from 0.
     Exact(Vec<f64>),
     /// Mean and standard deviation.
     Normal(f64, f64),
 }
 
 impl RankSums {
-    /// The distribution for `n` of the `doubled` ranks.
+    /// Creates the distribution for `n` of the `doubled` ranks.
     pub(super) fn of(doubled: &[usize], n: usize) -> Self {
         match doubled.len() {
             0..=MAX_EXACT => Self::exact(doubled, n),
@@ -59,14 +57,14 @@ impl RankSums {
         }
     }
 
-    /// The distribution for `n` of `n_a + n` values without ties.
+    /// Creates the distribution for `n` of `n_a + n` values without ties.
     pub(super) fn untied(n_a: usize, n: usize) -> Self {
         let doubled: Vec<usize> = (1..=n_a + n).map(|rank| 2 * rank).collect();
         Self::of(&doubled, n)
     }
 
-    /// Counts the choices of `n` ranks by their sum, rank by rank: the choices with a rank are
-    /// those of one rank fewer, shifted by it.
+    /// Counts the choices of `n` ranks by their sum, rank by rank: choices that include a rank are
+    /// choices of one rank fewer, shifted by it.
     fn exact(doubled: &[usize], n: usize) -> Self {
         let n_sums = doubled.iter().sum::<usize>() + 1;
         let mut n_choices = vec![vec![0.0; n_sums]; n + 1];
@@ -96,7 +94,7 @@ impl RankSums {
         Self::Normal(n * mean, of_sum.sqrt())
     }
 
-    /// The probability of a sum of `sum` or less.
+    /// Returns the probability of a sum of `sum` or less.
     pub(super) fn at_most(&self, sum: usize) -> f64 {
         match self {
             Self::Exact(probabilities) => probabilities.iter().take(sum + 1).sum(),
@@ -104,7 +102,7 @@ impl RankSums {
         }
     }
 
-    /// The probability of a sum of `sum` or more.
+    /// Returns the probability of a sum of `sum` or more.
     fn at_least(&self, sum: usize) -> f64 {
         match self {
             Self::Exact(probabilities) => probabilities.iter().skip(sum).sum(),
@@ -113,8 +111,8 @@ impl RankSums {
     }
 }
 
-/// The probability that a standard normal variable exceeds `z`; 1 for NaN, which a standard
-/// deviation of 0 gives.
+/// Returns the probability that a standard normal variable exceeds `z`; 1 for NaN, the result of a
+/// standard deviation of 0.
 fn upper_tail(z: f64) -> f64 {
     if z.is_nan() {
         return 1.0;
@@ -128,8 +126,8 @@ mod tests {
 
     use super::*;
 
-    /// The test by its definition: U is the number of pairs in which `b` is greater, ties
-    /// counting half, over all permutations of the values.
+    /// The test by its definition: U is the number of pairs in which `b` is greater, ties counting
+    /// half, over all permutations of the values.
     fn by_definition(a: &[f64], b: &[f64]) -> f64 {
         let wins = |a: &[f64], b: &[f64]| {
             let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y)));

@@ -17,13 +17,13 @@ pub const CONFIDENCE: f64 = 0.95;
 pub struct Ratio {
     /// The Hodges-Lehmann estimate: the median of b / a over all pairs.
     pub estimate: f64,
-    /// The confidence interval, of level [`CONFIDENCE`], by inversion of the Mann-Whitney
-    /// test; `None` for samples that are too small: 4 values each are enough.
+    /// The confidence interval, of level [`CONFIDENCE`], by inversion of the Mann-Whitney test;
+    /// `None` if the samples are too small: 4 values each are enough.
     pub interval: Option<[f64; 2]>,
 }
 
 impl Ratio {
-    /// The ratio of two samples of positive numbers; `None` if one is empty.
+    /// Estimates the ratio of two samples of positive numbers; `None` if one is empty.
     pub fn of(a: &[f64], b: &[f64]) -> Option<Self> {
         let pairs = a.iter().flat_map(|a| b.iter().map(move |b| b / a));
         let mut ratios: Vec<f64> = pairs.collect();
@@ -32,16 +32,16 @@ impl Ratio {
         let [below, above] = [*ratios.get(n.checked_sub(1)? / 2)?, *ratios.get(n / 2)?];
         let cut = n_cut(a.len(), b.len());
         Some(Self {
-            // The geometric mean of the two in the middle.
+            // The geometric mean of the two middle ratios.
             estimate: (below * (above / below).sqrt()).clamp(below, above),
             interval: cut.map(|cut| [ratios[cut - 1], ratios[n - cut]]),
         })
     }
 }
 
-/// The position, from 1, of the pair at the end of the interval, counted from either end of
-/// the sorted ratios: the number of values of the U statistic that are significant on one
-/// side. `None` if none is.
+/// Returns the position, from 1, of the pair at the end of the interval, counted from either end of
+/// the sorted ratios: the number of values of the U statistic that are significant on one side.
+/// `None` if none is.
 fn n_cut(n_a: usize, n_b: usize) -> Option<usize> {
     let rank_sums = RankSums::untied(n_a, n_b);
     let least_sum = n_b * (n_b + 1) / 2;

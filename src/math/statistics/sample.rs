@@ -7,7 +7,7 @@ use crate::sampling::uniform;
 
 /// Number of bootstrap resamples.
 const N_RESAMPLES: u64 = 2000;
-/// Share of the resamples' medians outside the confidence interval.
+/// Share of the resamples' medians outside of the confidence interval.
 const LEFT_OUT: f64 = 0.05;
 /// Standard deviations per median absolute deviation of a normal distribution.
 const MAD_TO_SIGMA: f64 = 1.4826;
@@ -69,13 +69,13 @@ impl SampleStatistics {
         })
     }
 
-    /// Whether a value is an outlier: whether its modified z-score is above 3.5.
+    /// Returns true if a value is an outlier: if its modified z-score is above 3.5.
     pub fn is_outlier(&self, value: f64) -> bool {
         is_outlier(value, self.median, self.mad)
     }
 }
 
-/// The median absolute deviation from the `center`.
+/// Returns the median absolute deviation from `center`.
 fn mad(values: &[f64], center: f64) -> Option<f64> {
     let mut deviations: Vec<f64> = values.iter().map(|value| (value - center).abs()).collect();
     median(&mut deviations)
@@ -85,9 +85,8 @@ fn is_outlier(value: f64, median: f64, mad: f64) -> bool {
     mad > 0.0 && (value - median).abs() > OUTLIER * MAD_TO_SIGMA * mad
 }
 
-/// The percentile interval of the median's bootstrap distribution: of at least one
-/// value. The resamples are those of fixed random numbers, so that the same values
-/// give the same interval.
+/// Returns the percentile interval of the median's bootstrap distribution, for at least one value.
+/// The resamples use fixed random numbers, so that equal values give equal intervals.
 fn confidence_interval(values: &[f64]) -> [f64; 2] {
     let n = values.len() as u64;
     let resample = |resample: u64| {
@@ -135,9 +134,9 @@ mod tests {
         assert_eq!(statistics.max, 30.0);
     }
 
-    /// The interval of a normal sample covers the true median about as often as it claims: for
-    /// 15 values it ends at the fourth or the fifth from each side, which cover it in 96 and
-    /// 88 of 100 cases.
+    /// The interval of a normal sample covers the true median about as often as claimed: for 15
+    /// values it ends at the fourth or fifth value from each side, which cover it in 96 and 88 of
+    /// 100 cases.
     #[test]
     fn the_interval_covers() {
         let normal = |study: u64, i: u64| {
