@@ -10,14 +10,14 @@ use crate::data_set::DataSet;
 use crate::encoding::Encoding;
 use crate::header::{LabeledDataSet, Offsets};
 
-/// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the
-/// last one up to the opening tag of the arrays. With expat 2.6, or an
-/// older one with its security fixes, many versions of VTK also feed it the next block
-/// and fail, since that is not XML (VTK issue 19258), such as ParaView 5.12.0 and the
-/// ParaView of Debian 12 and of Ubuntu 22.04 to 24.04. Blanks are accepted.
+/// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the last one up to the
+/// opening tag of the arrays. With expat 2.6, or an older one with its security fixes, many
+/// versions of VTK also feed it the next block and fail, since that is not XML (VTK issue 19258):
+/// among them ParaView 5.12.0 and the ParaView of Debian 12 and of Ubuntu 22.04 to 24.04. Blanks
+/// are accepted.
 const N_BLANKS: usize = 2 * 4096;
 
-/// Writes a whole file to `out`, which is empty.
+/// Writes a whole file to `out`, which must be empty.
 ///
 /// # Errors
 /// An array has the wrong length, or `out` fails.
@@ -43,8 +43,8 @@ fn write_raw(labeled: &LabeledDataSet, out: &mut impl Write) -> io::Result<()> {
     write_tail(out)
 }
 
-/// The offset of an array is known only after the arrays before it are compressed, so
-/// that the header is written again at the end, with the same length.
+/// Writes compressed arrays. The offset of an array is known only after the arrays before it are
+/// compressed, so the header is written again at the end, with the same length.
 fn write_compressed(
     labeled: &LabeledDataSet,
     compressor: &dyn Compressor,

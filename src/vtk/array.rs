@@ -6,7 +6,7 @@ use std::ops::Range;
 use bytemuck::NoUninit;
 use vtkio::model::{CellType, ScalarType};
 
-/// Entries that are generated before they are written.
+/// Number of entries that are generated at a time.
 const CHUNK: usize = 1 << 14;
 
 /// A function that writes the bytes of an array.
@@ -16,21 +16,21 @@ pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 
 pub struct Array<'a> {
     /// The name in the file.
     pub name: &'a str,
-    /// The type of its numbers.
+    /// The type of the numbers.
     pub scalar: ScalarType,
     /// Numbers per entry.
     pub n_components: usize,
     /// Bytes of all entries, uncompressed.
     pub n_bytes: u64,
-    /// The unit of its numbers; `None` for colors, ids and flags.
+    /// The unit of the numbers; `None` for colors, ids and flags.
     pub unit: Option<&'static str>,
     /// Writes exactly `n_bytes`, in native byte order.
     pub write: WriteBytes<'a>,
 }
 
-/// The type of an entry of an array: a number, or several components.
+/// The type of an array's entries: a number, or several components.
 pub trait Entry: NoUninit {
-    /// The type of its components.
+    /// The type of the components.
     const SCALAR: ScalarType;
     /// The number of components.
     const N_COMPONENTS: usize = 1;
@@ -55,8 +55,7 @@ where
 }
 
 impl<'a> Array<'a> {
-    /// Creates an array of `n` entries; `entries` is called each time the array is
-    /// written.
+    /// Creates an array of `n` entries; `entries` is called each time the array is written.
     pub fn of<E: Entry, I: Iterator<Item = E>>(
         name: &'a str,
         n: usize,
@@ -83,7 +82,7 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// VTK's name of the type of its numbers.
+    /// Returns VTK's name for the type of the numbers.
     pub(super) fn vtk_type(&self) -> &'static str {
         match self.scalar {
             ScalarType::I8 => "Int8",
@@ -99,12 +98,12 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// Its number of entries.
+    /// Returns the number of entries.
     pub fn n_tuples(&self) -> u64 {
         self.n_bytes / (self.scalar.size() * self.n_components) as u64
     }
 
-    /// Sets the unit of its numbers.
+    /// Sets the unit of the numbers.
     pub fn in_unit(self, unit: &'static str) -> Self {
         let unit = Some(unit);
         Self { unit, ..self }
@@ -151,7 +150,7 @@ impl Integers {
         }
     }
 
-    /// Writes the product of `factor` and each of the numbers.
+    /// Writes `factor` times each number.
     pub fn write_multiples(
         self,
         factor: usize,
@@ -175,8 +174,8 @@ impl Integers {
     }
 }
 
-/// Returns the arrays `connectivity` (0, 1, …) and `offsets` (the ends of the cells) of
-/// `n` cells with `n_corners` points each, none of them shared, in the order of the cells.
+/// Returns the arrays `connectivity` (0, 1, …) and `offsets` (the ends of the cells) of `n` cells
+/// with `n_corners` points each, not shared, in the order of the cells.
 pub fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
     let n_points = n_corners * n;
     let ids = Integers::up_to(n_points);

@@ -1,4 +1,4 @@
-//! Writes an array in blocks that are compressed on all threads.
+//! Writes an array in blocks, compressed in parallel.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -7,24 +7,23 @@ use rayon::prelude::*;
 use crate::array::Array;
 use crate::codec::{BLOCK, Compressor};
 
-/// Bytes that are compressed in parallel: enough blocks for many threads, and little
-/// memory compared with a film.
+/// Bytes that are compressed at a time: enough blocks for many threads, and little memory compared
+/// with a film.
 const WINDOW: usize = 16 * BLOCK;
 
-/// Upper bound of the bytes of memory to compress an array: a window of blocks,
-/// and the compressed ones.
+/// Upper bound of the memory to compress an array, in bytes: a window of blocks, and the compressed
+/// blocks.
 pub const BYTES_PER_ARRAY: u64 = 3 * WINDOW as u64;
 
-/// Returns what precedes the lengths of an array's compressed blocks: the number
-/// of blocks, the size of a block, and that of the last one if it is shorter,
-/// else 0.
+/// Returns the numbers before the lengths of an array's compressed blocks: the number of blocks,
+/// the size of a block, and the size of the last block if it is shorter, else 0.
 pub(super) fn table_head(n_bytes: u64) -> [u64; 3] {
     let block = BLOCK as u64;
     [n_bytes.div_ceil(block), block, n_bytes % block]
 }
 
-/// Writes an array at the end of `out`: a table of its blocks' compressed lengths,
-/// then the blocks. The bytes are the same on any number of threads.
+/// Writes an array at the end of `out`: a table of its blocks' compressed lengths, then the blocks.
+/// The bytes do not depend on the number of threads.
 pub(super) fn write(
     array: &Array,
     compressor: &dyn Compressor,
@@ -46,6 +45,7 @@ pub(super) fn write(
     array.write_to(&mut blocks)?;
     blocks.flush_window()?;
 
+    // Go back and fill in the table.
     let lengths = blocks.lengths;
     let end = out.stream_position()?;
     out.seek(SeekFrom::Start(begin + size_of_val(&table_head(0)) as u64))?;

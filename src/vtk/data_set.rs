@@ -6,12 +6,12 @@ use crate::array::Array;
 
 /// A data set with its arrays.
 pub enum DataSet<'a> {
-    /// A regular grid of points with spacing 1, or a piece of one, whose first point is at the
-    /// origin.
+    /// A regular grid of points with spacing 1, or a piece of one; the first point of the grid is
+    /// at the origin.
     Image {
-        /// The points, in the whole grid.
+        /// The location of the points in the whole grid.
         extent: Extent,
-        /// An entry per point, row by row from the bottom.
+        /// One entry per point, row by row from the bottom.
         point_data: Vec<Array<'a>>,
     },
     /// A regular grid of square cells.
@@ -22,7 +22,7 @@ pub enum DataSet<'a> {
         origin: [f64; 2],
         /// The side of a cell.
         spacing: f64,
-        /// An entry per cell, row by row from the bottom.
+        /// One entry per cell, row by row from the bottom.
         cell_data: Vec<Array<'a>>,
     },
     /// Cells of any type; the last array of `cells` is `types`.
@@ -42,7 +42,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// The extent of `width` columns and `height` rows, at least one each.
+    /// Returns the extent of `width` columns and `height` rows, at least one each.
     pub fn of_size([width, height]: [u32; 2]) -> Self {
         Self {
             columns: [0, width - 1],
@@ -51,7 +51,7 @@ impl Extent {
     }
 }
 
-/// As in VTK's files.
+/// Formats as in VTK's files.
 impl fmt::Display for Extent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([left, right], [bottom, top]) = (self.columns, self.rows);
@@ -65,9 +65,9 @@ pub struct CellMesh<'a> {
     pub n_points: usize,
     /// Number of cells.
     pub n_cells: usize,
-    /// Arrays of an entry per point.
+    /// Arrays with one entry per point.
     pub point_data: Vec<Array<'a>>,
-    /// Arrays of an entry per cell.
+    /// Arrays with one entry per cell.
     pub cell_data: Vec<Array<'a>>,
     /// The points' coordinates.
     pub points: Array<'a>,

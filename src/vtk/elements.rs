@@ -86,7 +86,7 @@ pub(super) struct FieldDataElement {
     texts: Vec<TextArray>,
 }
 
-/// An array of numbers. vtkio's has no length, which is that of the points or cells.
+/// An array of numbers with its length, which vtkio's type lacks.
 #[derive(Serialize)]
 struct FieldArray {
     #[serde(rename = "@type")]
@@ -101,7 +101,7 @@ struct FieldArray {
     offset: u64,
 }
 
-/// An array of texts: the numbers of their bytes, each text with a 0 behind it.
+/// An array of texts: their bytes as numbers, each text terminated by 0.
 #[derive(Serialize)]
 struct TextArray {
     #[serde(rename = "@type")]
@@ -117,7 +117,7 @@ struct TextArray {
 }
 
 impl FieldDataElement {
-    /// Returns the element; `None` if there is nothing in it.
+    /// Creates the element; `None` if it would be empty.
     pub(super) fn of<'a>(
         numbers: &[Array],
         texts: impl Iterator<Item = &'a Field>,
@@ -245,7 +245,7 @@ fn lines_piece(mesh: &CellMesh) -> MeshPiece {
 /// The point array that VTK uses as normals.
 const NORMALS: &str = "Normals";
 
-/// The parts that all kinds of meshes have.
+/// Returns the parts that all kinds of meshes have.
 fn mesh_piece(mesh: &CellMesh) -> MeshPiece {
     let normals = mesh.point_data.iter().any(|array| array.name == NORMALS);
     MeshPiece {

@@ -1,13 +1,13 @@
-//! Encoding of a file, for any data set.
+//! The encoding of a file: its codec, the ID of its run and its field data.
 
 use crate::codec::Codec;
 use crate::field::Field;
 use base::provenance::RunId;
 
-/// Encoding of a file, for any data set.
+/// The encoding of a file, for any data set.
 #[derive(Debug, Clone)]
 pub struct Encoding {
-    /// The codec of its arrays.
+    /// The codec of the arrays.
     pub codec: Codec,
     /// The id of the run, for the attribute `raycost_run`; `None` to omit it.
     pub run: Option<RunId>,
@@ -16,7 +16,7 @@ pub struct Encoding {
 }
 
 impl From<Codec> for Encoding {
-    /// An encoding without the id of the run and without field data.
+    /// Creates an encoding without the ID of a run and without field data.
     fn from(codec: Codec) -> Self {
         Self {
             codec,

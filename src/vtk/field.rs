@@ -1,4 +1,4 @@
-//! Field data: what a file says of all of its points and cells.
+//! Field data: values that apply to the whole file.
 
 use crate::array::Array;
 use crate::data_set::DataSet;
@@ -6,28 +6,28 @@ use crate::data_set::DataSet;
 /// The field array that lists the units of the other arrays.
 const UNITS: &str = "units";
 
-/// An array of field data: one value a tuple.
+/// An array of field data: one value per tuple.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its values.
+    /// Values.
     pub values: FieldValues,
 }
 
 /// The values of a [`Field`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldValues {
-    /// Numbers of 64 bits.
+    /// 64-bit numbers.
     Floats(Vec<f64>),
-    /// Numbers of 32 bits.
+    /// 32-bit numbers.
     Integers(Vec<i32>),
     /// Texts.
     Texts(Vec<String>),
 }
 
 impl Field {
-    /// Numbers.
+    /// Creates a field of numbers.
     pub fn floats<F: Into<f64>>(
         name: impl Into<String>,
         numbers: impl IntoIterator<Item = F>,
@@ -36,12 +36,12 @@ impl Field {
         Self::new(name, FieldValues::Floats(numbers))
     }
 
-    /// Whole numbers.
+    /// Creates a field of whole numbers.
     pub fn integers(name: impl Into<String>, numbers: impl Into<Vec<i32>>) -> Self {
         Self::new(name, FieldValues::Integers(numbers.into()))
     }
 
-    /// Texts.
+    /// Creates a field of texts.
     pub fn texts<T: Into<String>>(
         name: impl Into<String>,
         texts: impl IntoIterator<Item = T>,
@@ -55,7 +55,7 @@ impl Field {
         Self { name, values }
     }
 
-    /// The units of a data set's arrays, each as `name: unit`; `None` if no array has one.
+    /// Returns the units of a data set's arrays, each as `name: unit`; `None` if no array has one.
     pub(super) fn units(data_set: &DataSet) -> Option<Self> {
         let arrays = data_set.arrays().into_iter();
         let units = arrays.filter_map(|array| Some(format!("{}: {}", array.name, array.unit?)));
@@ -63,7 +63,7 @@ impl Field {
         (!units.is_empty()).then(|| Self::new(UNITS, FieldValues::Texts(units)))
     }
 
-    /// The array of its numbers; `None` for texts.
+    /// Returns the numbers as an array; `None` for texts.
     pub(super) fn array(&self) -> Option<Array<'_>> {
         match &self.values {
             FieldValues::Floats(numbers) => {

@@ -18,7 +18,7 @@ use base::provenance::RunId;
 pub(crate) struct LabeledDataSet<'a> {
     data_set: &'a DataSet<'a>,
     run: Option<RunId>,
-    /// Field data without numbers.
+    /// Field data of text.
     texts: Vec<&'a Field>,
     /// Field data of numbers.
     numbers: Vec<Array<'a>>,
@@ -27,14 +27,14 @@ pub(crate) struct LabeledDataSet<'a> {
 
 /// The offset of each array after the underscore, in the order of the arrays.
 pub enum Offsets<'a> {
-    /// Of raw arrays.
+    /// For raw arrays.
     OfRaw(Vec<u64>),
-    /// Of compressed arrays, padded so that the header's length does not depend on them.
+    /// For compressed arrays, padded so that the header's length does not depend on them.
     OfCompressed(&'a dyn Compressor, Vec<u64>),
 }
 
 impl<'a> LabeledDataSet<'a> {
-    /// A data set whose field data are those of `encoding`, and units.
+    /// Creates a data set whose field data come from `encoding`, plus the units.
     pub fn new(data_set: &'a DataSet<'a>, encoding: &'a Encoding) -> Self {
         let fields = &encoding.fields;
         let is_text = |field: &&Field| field.array().is_none();
@@ -69,7 +69,7 @@ impl<'a> LabeledDataSet<'a> {
             content,
         };
         let xml = se::to_string(&file).map_err(io::Error::other)?;
-        // vtkio's offsets have 32 bits: replace them by 64-bit offsets.
+        // vtkio's offsets have 32 bits: replace them with 64-bit offsets.
         let mut parts = xml.split(OFFSET);
         let mut text = parts.next().unwrap_or_default().to_owned();
         for (part, attribute) in parts.zip(offsets.attributes()) {
@@ -110,8 +110,8 @@ impl Offsets<'_> {
 /// The attribute that vtkio writes for each offset.
 const OFFSET: &str = "offset=\"0\"";
 
-/// The root element. vtkio's type has private fields and omits `NumberOfPoints="0"`,
-/// which VTK requires.
+/// The root element. vtkio's type has private fields and omits `NumberOfPoints="0"`, which VTK
+/// requires.
 #[derive(Serialize)]
 #[serde(rename = "VTKFile")]
 struct VtkFile {
@@ -140,7 +140,7 @@ fn native_byte_order() -> ByteOrder {
     }
 }
 
-/// The order of the bytes of a number on this machine, as VTK names it.
+/// Returns this machine's byte order, as VTK names it.
 pub(super) fn byte_order() -> &'static str {
     match native_byte_order() {
         ByteOrder::LittleEndian => "LittleEndian",

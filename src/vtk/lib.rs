@@ -1,11 +1,11 @@
-//! VTK's files: data sets → bytes, and bytes → arrays by name. It does not know what the arrays
-//! mean.
+//! VTK files: data sets → bytes, and bytes → arrays by name. The meaning of the arrays is up to
+//! other crates.
 //!
-//! Read [`mod@array`] and [`data_set`], what is written; [`appended::write`], which writes a header
-//! of vtkio's types and behind it the arrays, raw or compressed a few blocks at a time, from
-//! their memory, so that no second copy exists (vtkio's own writer would hold the file as
-//! base64, and loses data beyond 2 GiB); and [`read::VtkReader`]. [`parallel`] lists the pieces
-//! of a data set, [`hdf`] writes VTKHDF.
+//! Read first [`mod@array`] and [`data_set`], the input; then [`appended::write`], which writes a
+//! header of vtkio's types followed by the arrays, raw or compressed a few blocks at a time,
+//! straight from their memory, so that no second copy exists (vtkio's own writer would hold the
+//! file as base64, and loses data beyond 2 GiB); then [`read::VtkReader`]. [`parallel`] lists the
+//! pieces of a data set, [`hdf`] writes VTKHDF.
 
 mod codec;
 pub mod array;

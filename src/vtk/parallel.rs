@@ -1,4 +1,4 @@
-//! Files that list the pieces of a data set (`.pvti`, `.pvtu`), each a file of its own.
+//! Files that list the pieces of a data set (`.pvti`, `.pvtu`), each in a separate file.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -8,24 +8,23 @@ use crate::data_set::Extent;
 use crate::header::byte_order;
 use base::provenance::{KEY, RunId};
 
-/// The pieces of a data set, by their files in the same folder.
+/// The pieces of a data set, as files in the same folder.
 pub enum PieceFiles {
-    /// Parts of an image of so many columns and rows, with spacing 1 and the first point at the
-    /// origin.
+    /// Pieces of an image with spacing 1 and the first point at the origin.
     Image {
         /// Columns and rows of the whole image.
         size: [u32; 2],
         /// The name of each file, and its part of the image.
         files: Vec<(String, Extent)>,
     },
-    /// Grids of cells, whose points are 32-bit floats.
+    /// Grids of cells with 32-bit points.
     Grids {
         /// The name of each file.
         files: Vec<String>,
     },
 }
 
-/// Writes the file of pieces that all have these arrays of points.
+/// Writes the file that lists the pieces, which all have these point arrays.
 pub fn write(
     pieces: &PieceFiles,
     arrays: &[Array],

@@ -14,9 +14,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use base::text;
 
-/// Bytes of a block before it is compressed; the last block of an array may be
-/// shorter. Larger blocks do not compress better, and leave fewer blocks for the
-/// threads.
+/// Bytes of a block before compression; the last block of an array may be shorter. Larger blocks do
+/// not compress better, and leave fewer blocks for the threads.
 pub(crate) const BLOCK: usize = 1 << 18;
 
 /// The compression of the arrays in VTK files. All of them are lossless.
@@ -40,7 +39,7 @@ pub enum Codec {
 }
 
 impl Codec {
-    /// Returns its compressor; `None` for raw arrays.
+    /// Returns the compressor; `None` for raw arrays.
     pub fn compressor(self) -> Option<&'static dyn Compressor> {
         match self {
             Self::None => None,
@@ -68,13 +67,13 @@ impl<'de> Deserialize<'de> for Codec {
 
 /// Compresses blocks, each independently of the others.
 pub trait Compressor: Debug + Sync {
-    /// The VTK class that reads the blocks.
+    /// Returns the VTK class that reads the blocks.
     fn vtk_class(&self) -> &'static str;
 
-    /// Its name for people.
+    /// Returns the name for people.
     fn label(&self) -> &'static str;
 
-    /// The largest compression ratio that the format permits.
+    /// Returns the largest compression ratio that the format permits.
     fn max_ratio(&self) -> u64;
 
     /// Compresses a block.
@@ -135,7 +134,7 @@ mod tests {
         }
     }
 
-    /// The space reserved on the disk depends on it.
+    /// The space reserved on the disk relies on it.
     #[test]
     fn no_block_is_smaller_than_the_largest_ratio_permits() {
         for compressor in compressors() {

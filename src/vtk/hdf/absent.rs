@@ -1,4 +1,4 @@
-//! The writer of a program that was built without HDF5.
+//! Stand-in for the HDF5 writer in a program built without HDF5.
 
 use std::io;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use crate::data_set::DataSet;
 use crate::field::Field;
 
-/// There is none.
+/// A writer that cannot exist.
 pub enum NoHdfWriter {}
 
 impl NoHdfWriter {
-    /// Fails.
+    /// Always fails.
     pub fn create(_: &Path, _: Option<&[f64]>) -> io::Result<Self> {
         Err(io::ErrorKind::Unsupported.into())
     }

@@ -16,9 +16,9 @@ pub(super) struct FieldSteps {
 /// An array of field data over time.
 struct FieldOverTime {
     name: String,
-    /// Its values, those of equal steps once.
+    /// Values of all steps; equal steps share them.
     values: Vec<FieldValues>,
-    /// The begin and the number of each step's values among all.
+    /// The start and the number of each step's values among all.
     spans: Vec<[i64; 2]>,
 }
 
@@ -31,7 +31,7 @@ impl FieldSteps {
                 self.arrays.push(FieldOverTime {
                     name: name.clone(),
                     values: Vec::new(),
-                    // The steps before have none.
+                    // The steps before have no values.
                     spans: vec![[0, 0]; self.n_steps],
                 });
                 self.arrays.len() - 1
@@ -44,7 +44,7 @@ impl FieldSteps {
         }
     }
 
-    /// Writes the arrays, and for time steps which part of each is whose.
+    /// Writes the arrays and, for time steps, the range of each step.
     pub(super) fn write(&self, root: &Group, steps: Option<&Group>) -> hdf5_metno::Result<()> {
         let group = root.create_group("FieldData")?;
         for array in &self.arrays {
@@ -106,7 +106,7 @@ impl FieldOverTime {
     }
 }
 
-/// The text with `?` for what is not ASCII: VTK 9.7 crashes where it reads others from HDF5.
+/// Replaces non-ASCII characters by `?`: VTK 9.7 crashes when it reads them from HDF5.
 fn ascii(text: &str) -> Result<VarLenAscii, StringError> {
     let known = |c: char| if c.is_ascii() { c } else { '?' };
     VarLenAscii::from_ascii(&text.chars().map(known).collect::<String>())

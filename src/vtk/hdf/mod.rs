@@ -1,9 +1,9 @@
-//! VTKHDF files: data sets in HDF5, one or one for each time step.
+//! VTKHDF files: data sets in HDF5, a single one or one per time step.
 //!
-//! The format is VTK's ("VTKHDF format specification", docs.vtk.org): version 1.0 for a
-//! single data set, which ParaView 5.11 reads, and 2.0 for steps. All arrays of points and
-//! cells are in chunks, shuffled by bytes and deflated. The library is the system's
-//! libhdf5, behind the cargo feature `hdf5`; without it, [`HdfWriter`] cannot be created.
+//! The format is VTK's ("VTKHDF format specification", docs.vtk.org): version 1.0 for a single data
+//! set, which ParaView 5.11 reads, and 2.0 for steps. All point and cell arrays are chunked,
+//! byte-shuffled and deflated. The library is the system's libhdf5, behind the cargo feature
+//! `hdf5`; without it, [`HdfWriter`] cannot be created.
 
 #[cfg(feature = "hdf5")]
 mod fields;
@@ -27,10 +27,10 @@ pub use writer::HdfWriter;
 use crate::data_set::DataSet;
 use crate::field::Field;
 
-/// Whether this program was built with HDF5.
+/// True if this program was built with HDF5.
 pub const IS_BUILT: bool = cfg!(feature = "hdf5");
 
-/// Writes a data set, an image of points or a grid, to a new file.
+/// Writes a data set, either an image of points or a grid, to a new file.
 ///
 /// # Errors
 /// The errors of HDF5.

@@ -11,28 +11,28 @@ use vtkio::model::ScalarType;
 use crate::array::Array;
 use base::stop;
 
-/// Bytes of a chunk, about: readers of a part inflate whole chunks.
+/// Approximate bytes per chunk: partial readers inflate whole chunks.
 const CHUNK: usize = 1 << 18;
-/// The level of zlib: a fast one.
+/// A fast compression level of zlib.
 const LEVEL: u8 = 2;
 
 /// Longest text of an attribute.
 const TEXT: usize = 32;
 
-/// The place of an array's rows in a dataset.
+/// The location of an array's rows in a dataset.
 pub(super) struct Place {
-    /// The indices before that of the row: the step in images over time.
+    /// The indices before the row's index: the step, in images over time.
     pub(super) before: Vec<usize>,
-    /// The number of its first row.
+    /// The index of the first row.
     pub(super) first_row: usize,
-    /// Entries of a row: one in lists, the columns in images.
+    /// Entries per row: `None` in lists, the columns in images.
     pub(super) row: Option<usize>,
-    /// The size of the dataset's dimensions up to the rows, when the array is written.
+    /// The size of the dataset's dimensions up to the rows once the array is written.
     pub(super) size: Vec<usize>,
 }
 
 impl Place {
-    /// The place of `n` entries in a list, behind `first` others.
+    /// Returns the location of `n` entries in a list, after `first` others.
     pub(super) fn of_list(first: usize, n: usize) -> Self {
         Self {
             before: Vec::new(),
@@ -64,13 +64,14 @@ macro_rules! with_type {
 /// Writes an array as rows of the dataset of this name, which is created or extended.
 ///
 /// # Errors
-/// The array has another length, those of HDF5, or a signal to stop.
+/// The array has another length, an error of HDF5, or a signal to stop.
 pub(super) fn write(group: &Group, name: &str, array: &Array, place: &Place) -> io::Result<()> {
     let row: Vec<usize> = (place.row.into_iter())
         .chain((array.n_components > 1).then_some(array.n_components))
         .collect();
     let row_bytes = row.iter().product::<usize>() * array.scalar.size();
     let rows_per_chunk = (CHUNK / row_bytes).max(1);
+    // Extend the dataset, or create it.
     let dataset = match group.dataset(name) {
         Ok(dataset) => {
             let shape = [&place.size[..], &row].concat();
@@ -82,6 +83,7 @@ pub(super) fn write(group: &Group, name: &str, array: &Array, place: &Place) -> 
             create(group, name, &place.size, &row, rows_per_chunk)
         )?,
     };
+    // Write the rows in chunks while the array generates its bytes.
     let mut rows = HdfRows {
         dataset: &dataset,
         scalar: array.scalar,
@@ -111,7 +113,7 @@ pub(super) fn set_text(at: &Location, name: &str, text: &str) -> hdf5_metno::Res
     attribute.write_scalar(&text)
 }
 
-/// Creates a dataset without times of its creation: equal runs write equal bytes.
+/// Creates a dataset without its creation time, so that equal runs write equal bytes.
 fn create<T: H5Type>(
     group: &Group,
     name: &str,
@@ -124,7 +126,7 @@ fn create<T: H5Type>(
         .map_or((0, size), |(n, before)| (*n, before));
     let is_list = before.is_empty();
     let mut chunk = vec![1; before.len()];
-    // Lists grow; the rows of an image are as many as at first.
+    // Lists grow; the number of rows of an image is fixed.
     chunk.push(if is_list {
         rows_per_chunk
     } else {
@@ -152,12 +154,12 @@ fn create<T: H5Type>(
         .map_err(io::Error::other)
 }
 
-/// Collects rows and writes a chunk of them at a time.
+/// Collects rows and writes them chunk by chunk.
 struct HdfRows<'a> {
     dataset: &'a Dataset,
     scalar: ScalarType,
     place: &'a Place,
-    /// The size of the dimensions behind that of the rows.
+    /// The size of the dimensions after the rows.
     row: Vec<usize>,
     next_row: usize,
     chunk_bytes: usize,

@@ -3,12 +3,12 @@
 use hdf5_metno::{Group, H5Type};
 use ndarray::{ArrayView, Dimension, arr2, aview1};
 
-/// The sizes of a step; an image has none.
+/// The sizes of a step; all zero for an image.
 #[derive(Clone, Copy, Default)]
 pub(super) struct StepSize {
     pub(super) n_points: i64,
     pub(super) n_cells: i64,
-    /// Points of all cells.
+    /// Number of point ids in all cells.
     pub(super) n_ids: i64,
 }
 
@@ -29,7 +29,7 @@ pub(super) fn write_times(root: &Group, times: &[f64]) -> hdf5_metno::Result<Gro
     Ok(group)
 }
 
-/// Writes where the parts of grids begin at each time.
+/// Writes the start of each part of grids at each time.
 pub(super) fn write_offsets(group: &Group, steps: &[StepSize]) -> hdf5_metno::Result<()> {
     let points = begins(steps, |step| step.n_points);
     let cells = begins(steps, |step| step.n_cells);
@@ -41,7 +41,7 @@ pub(super) fn write_offsets(group: &Group, steps: &[StepSize]) -> hdf5_metno::Re
     table(group, "ConnectivityIdOffsets", &columns(&ids))
 }
 
-/// Writes where the values of these point arrays begin at each time.
+/// Writes the start of the values of these point arrays at each time.
 pub(super) fn write_point_offsets(
     group: &Group,
     names: &[String],
@@ -52,7 +52,7 @@ pub(super) fn write_point_offsets(
     names.try_for_each(|name| write_list(&offsets, name, begins))
 }
 
-/// The sum of the sizes of the steps before each.
+/// Returns the sum of the sizes of the steps before each step.
 pub(super) fn begins(steps: &[StepSize], size: impl Fn(&StepSize) -> i64) -> Vec<i64> {
     let begin = |next: &mut i64, step: &StepSize| {
         let begin = *next;
@@ -84,7 +84,7 @@ pub(super) fn table<const N: usize>(
     write_untimed(group, name, arr2(rows).view())
 }
 
-/// Writes a dataset without the time of its creation: equal runs write equal bytes.
+/// Writes a dataset without its creation time, so that equal runs write equal bytes.
 fn write_untimed<T: H5Type, D: Dimension>(
     group: &Group,
     name: &str,

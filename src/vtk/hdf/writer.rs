@@ -1,4 +1,4 @@
-//! Writes data sets to a file, one after the other.
+//! Writes data sets to a file, step by step.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -17,8 +17,7 @@ use crate::field::Field;
 /// The point array that VTK uses as normals.
 const NORMALS: &str = "Normals";
 
-/// A file that is being written: a step for each data set, all of one kind and with the
-/// same arrays.
+/// A file being written: one step per data set, all of one kind and with the same arrays.
 pub struct HdfWriter {
     file: File,
     root: Group,
@@ -33,8 +32,8 @@ pub struct HdfWriter {
 }
 
 impl HdfWriter {
-    /// Creates the file for a step at each of these times, or for a single data set; fails
-    /// if it exists.
+    /// Creates the file, with a step at each of these times or for a single data set; fails if it
+    /// exists.
     pub fn create(path: &Path, times: Option<&[f64]>) -> io::Result<Self> {
         let create = || -> hdf5_metno::Result<Self> {
             let file = File::create_excl(path)?;
@@ -54,10 +53,10 @@ impl HdfWriter {
         create().map_err(io::Error::other)
     }
 
-    /// Adds a data set: an image of points or a grid.
+    /// Appends a data set: an image of points or a grid.
     ///
     /// # Errors
-    /// It is of another kind or has other arrays than the first, or the errors of HDF5.
+    /// Its kind or arrays differ from the first data set's, or an error of HDF5.
     pub fn append(&mut self, data_set: &DataSet, fields: &[Field]) -> io::Result<()> {
         let step = match data_set {
             DataSet::Image { extent, point_data } => {
@@ -82,7 +81,7 @@ impl HdfWriter {
         Ok(())
     }
 
-    /// Takes kind and arrays from the first data set, and checks that others have the same
+    /// Takes kind and arrays from the first data set, and checks that later ones have the same
     /// arrays.
     fn begin(&mut self, data_set: &DataSet, point_data: &[Array]) -> io::Result<()> {
         let names = point_data.iter().map(|array| array.name.to_owned());
@@ -127,7 +126,7 @@ impl HdfWriter {
         finish().map_err(io::Error::other)
     }
 
-    /// Writes what the data sets are, and where an image is.
+    /// Writes the type of the data sets, and the geometry of an image.
     fn write_kind(&self, data_set: &DataSet) -> hdf5_metno::Result<()> {
         let DataSet::Image { extent, .. } = data_set else {
             return rows::set_text(&self.root, "Type", "UnstructuredGrid");
@@ -144,7 +143,7 @@ impl HdfWriter {
     fn append_image(&self, size: [u32; 2], point_data: &[Array]) -> io::Result<()> {
         let [width, height] = size.map(|n| n as usize);
         let step = self.steps.len();
-        // Layers have no dimension: there is one. Steps have one of their own.
+        // The single layer has no dimension; steps have their own.
         let (before, size) = match self.times {
             Some(_) => (vec![step], vec![step + 1, height]),
             None => (vec![], vec![height]),
@@ -179,7 +178,7 @@ impl HdfWriter {
                     write(&self.root, "Connectivity", &wide(array, false), first)?;
                 }
                 "offsets" => {
-                    // Each step has one more than cells: the start of the first.
+                    // Each step has one offset more than cells: the start of the first.
                     let first = lengths(|step| step.n_cells + 1);
                     write(&self.root, "Offsets", &wide(array, true), first)?;
                 }
@@ -194,8 +193,7 @@ impl HdfWriter {
     }
 }
 
-/// Returns the numbers as 64-bit integers, as VTK's ids are; with a 0 before them if
-/// `has_begin`.
+/// Widens the numbers to 64-bit integers, VTK's type of ids; prepends a 0 if `has_begin`.
 fn wide<'a>(array: &'a Array, has_begin: bool) -> Array<'a> {
     let begin: &[i64] = if has_begin { &[0] } else { &[] };
     let is_narrow = array.scalar.size() == size_of::<i32>();
@@ -217,10 +215,10 @@ fn wide<'a>(array: &'a Array, has_begin: bool) -> Array<'a> {
     }
 }
 
-/// Writes integers of 32 bits as such of 64 bits.
+/// Widens 32-bit integers to 64 bits as they are written.
 struct Widening<'a> {
     out: &'a mut dyn Write,
-    /// The first bytes of an integer.
+    /// The first bytes of an incomplete integer.
     rest: Vec<u8>,
 }
 

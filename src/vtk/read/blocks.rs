@@ -6,7 +6,7 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use crate::codec::{BLOCK, Compressor};
 use crate::compressed::table_head;
 
-/// Most bytes of a compressed block: noise grows a little when it is compressed.
+/// Maximum number of bytes of a compressed block: noise grows a little under compression.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
 /// Bytes of a number in a block table.
 const NUMBER_BYTES: u64 = size_of::<u64>() as u64;
@@ -26,9 +26,9 @@ pub(super) struct CompressedBlocks {
 }
 
 impl CompressedBlocks {
-    /// Reads the block table at offset `begin` of an array of `n_bytes`; `None` if
-    /// the table does not fit such an array: the number of blocks is wrong, or the
-    /// compression ratio is impossible.
+    /// Reads the block table at offset `begin` of an array of `n_bytes`; `None` if the table does
+    /// not match such an array: the number of blocks is wrong, or the compression ratio is
+    /// impossible.
     ///
     /// # Errors
     /// The file ends before the table does, or cannot be read.

@@ -10,7 +10,7 @@ use base::text::Diagnostic;
 use base::text::numbers::{self, count};
 
 impl VtkReader {
-    /// Reads an array that the file stores in `n_rows` equal rows, the last row first.
+    /// Reads an array that the file stores in `n_rows` equal rows, bottom row first.
     pub fn read(&self, place: &ArrayLocation, n_rows: usize) -> Result<ArrayValues, Diagnostic> {
         let fill = |values: &mut ArrayValues, from: &mut dyn Read| values.read_rows(n_rows, from);
         self.read_by(place, place.n_numbers, fill)
@@ -27,8 +27,7 @@ impl VtkReader {
         self.read_by(place, selection.n_numbers(), fill)
     }
 
-    /// Allocates `n_numbers` zeros and calls `fill` with them and a reader of the
-    /// array's bytes.
+    /// Allocates `n_numbers` zeros and calls `fill` with them and a reader of the array's bytes.
     fn read_by(
         &self,
         place: &ArrayLocation,
@@ -63,7 +62,7 @@ impl VtkReader {
     fn zeros(&self, place: &ArrayLocation, n_numbers: u64) -> Result<ArrayValues, Diagnostic> {
         let name = &place.name;
         let n_bytes = n_numbers.saturating_mul(place.n_bytes / place.n_numbers.max(1));
-        // The other half of the free memory is for what the caller makes of them.
+        // The other half of the free memory is for the caller's results.
         let n = usize::try_from(n_numbers).ok();
         let n = n.filter(|_| n_bytes <= available_memory() / 2);
         let values = n.map(|n| may_fail(|| ArrayValues::zeros(&place.vtk_type, n)));

@@ -39,7 +39,7 @@ impl VtkReader {
     }
 }
 
-/// The texts of an element: bytes in decimal, each text with a 0 behind it.
+/// Returns the texts of an element: bytes in decimal, each text terminated by 0.
 fn texts(element: &TextElement) -> Option<Vec<String>> {
     let bytes = element.bytes.split_ascii_whitespace().map(str::parse);
     let bytes: Vec<u8> = bytes.collect::<Result<_, _>>().ok()?;

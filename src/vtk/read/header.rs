@@ -4,11 +4,11 @@
 use quick_xml::events::Event;
 use serde::Deserialize;
 
-/// Most elements of a header, and most attributes of one; raycost's headers
-/// have a few dozen elements of at most seven attributes.
+/// Maximum number of elements of a header, and of attributes per element; raycost's headers have a
+/// few dozen elements of at most seven attributes.
 const MAX_ELEMENTS: usize = 512;
 const MAX_ATTRIBUTES: usize = 16;
-/// Most numbers per pixel or point: those of a tensor.
+/// Maximum number of numbers per pixel or point: a 3 x 3 tensor.
 const MAX_COMPONENTS: u32 = 9;
 
 /// The root element, `VTKFile`.
@@ -20,16 +20,16 @@ pub struct VtkHeader {
     /// The type of the lengths before arrays, such as `UInt64`.
     #[serde(rename = "@header_type")]
     pub header_type: Option<String>,
-    /// The VTK class that decompresses the arrays, if they are compressed.
+    /// The VTK class that decompresses the arrays; `None` if they are uncompressed.
     #[serde(rename = "@compressor")]
     pub compressor: Option<String>,
     /// The id of the run that wrote the file.
     #[serde(rename = "@raycost_run")]
     pub run: Option<String>,
-    /// The data set, if it is an image.
+    /// The data set if it is an image.
     #[serde(rename = "ImageData")]
     pub image: Option<ImageDataElement>,
-    /// The data set, if it has cells of any type.
+    /// The data set if it has cells of any type.
     #[serde(rename = "UnstructuredGrid")]
     pub grid: Option<UnstructuredGridElement>,
 }
@@ -46,10 +46,10 @@ pub struct ImageDataElement {
 /// The element `Piece` of an `ImageData`.
 #[derive(Debug, Deserialize)]
 pub struct ImagePieceElement {
-    /// First and last column, row and layer of its points, six numbers.
+    /// First and last column, row and layer of the points: six numbers.
     #[serde(rename = "@Extent")]
     pub extent: String,
-    /// Arrays of an entry per point.
+    /// Arrays with one entry per point.
     #[serde(rename = "PointData", default)]
     pub point_data: DataArraysElement,
 }
@@ -103,7 +103,7 @@ pub(super) struct TextElement {
 /// The element `DataArray`.
 #[derive(Debug, Deserialize)]
 pub struct DataArrayElement {
-    /// VTK's name of the type of its numbers, such as `Float32`.
+    /// VTK's name for the type of the numbers, such as `Float32`.
     #[serde(rename = "@type")]
     pub scalar: String,
     /// The name of the array.
@@ -112,7 +112,7 @@ pub struct DataArrayElement {
     /// Numbers per entry.
     #[serde(rename = "@NumberOfComponents", default = "one")]
     pub n_components: u32,
-    /// Of field data.
+    /// Number of tuples; only in field data.
     #[serde(rename = "@NumberOfTuples")]
     pub(super) n_tuples: Option<u64>,
     /// Bytes from the start of the appended data; `None` for data in the header.
@@ -156,8 +156,8 @@ impl VtkHeader {
     }
 }
 
-/// Checks that the text has no more elements and attributes than a header needs,
-/// before a parser compares or stores any of them.
+/// Checks that the text has no more elements and attributes than a header needs, before a parser
+/// compares or stores any of them.
 fn check_size(xml: &str) -> Result<(), String> {
     let mut reader = quick_xml::Reader::from_str(xml);
     for _ in 0..2 * MAX_ELEMENTS {
@@ -180,20 +180,19 @@ fn check_size(xml: &str) -> Result<(), String> {
 }
 
 impl ImagePieceElement {
-    /// The first and the last column and row; `None` unless the extent is that of an image
-    /// with one layer.
+    /// Returns the first and the last column and row; `None` unless the extent has one layer.
     pub fn extent(&self) -> Option<[u32; 4]> {
         extent_of(&self.extent)
     }
 
-    /// Columns and rows, as [`extent`](Self::extent).
+    /// Returns columns and rows; `None` as for [`extent`](Self::extent).
     pub fn size(&self) -> Option<(u32, u32)> {
         let [width, height] = size_of_extent(self.extent()?);
         Some((width, height))
     }
 }
 
-/// Parses the first and the last column and row of an extent, none of them negative; `None`
+/// Parses the first and the last column and row of an extent, which must not be negative; `None`
 /// unless there is one layer.
 pub fn extent_of(text: &str) -> Option<[u32; 4]> {
     let ends = text.split_ascii_whitespace().map(str::parse);
@@ -205,7 +204,7 @@ pub fn extent_of(text: &str) -> Option<[u32; 4]> {
     is_plane.then_some([x0, x1, y0, y1])
 }
 
-/// Columns and rows of an extent.
+/// Returns the columns and rows of an extent.
 pub fn size_of_extent([x0, x1, y0, y1]: [u32; 4]) -> [u32; 2] {
     [x1 - x0 + 1, y1 - y0 + 1]
 }

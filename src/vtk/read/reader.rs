@@ -12,7 +12,7 @@ use base::files;
 use base::text::Diagnostic;
 use base::text::numbers::count;
 
-/// Most bytes of a header; raycost's headers have a few thousand.
+/// Maximum number of bytes of a header; raycost's headers have a few thousand.
 const MAX_HEADER: u64 = 1 << 16;
 /// The element that holds the arrays.
 const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
@@ -26,11 +26,11 @@ pub struct VtkReader {
     pub path: PathBuf,
     pub(super) file: File,
     n_bytes: u64,
-    /// The position in the file that offsets of arrays are relative to.
+    /// The position in the file that array offsets are relative to.
     begin: u64,
     /// The id of the run that wrote the file, if the file has one.
     pub run: Option<String>,
-    /// The compressor of its arrays; `None` if they are uncompressed.
+    /// The compressor of the arrays; `None` if they are uncompressed.
     compressor: Option<&'static dyn Compressor>,
 }
 
@@ -42,14 +42,14 @@ pub struct ArrayLocation {
     pub(super) n_numbers: u64,
     pub(super) n_bytes: u64,
     pub(super) storage: Storage,
-    /// Its byte range in the file.
+    /// Byte range in the file.
     span: [u64; 2],
 }
 
 /// How the file stores the bytes of an array.
 #[derive(Debug)]
 pub(super) enum Storage {
-    /// Uncompressed after their length, which is at this position.
+    /// Uncompressed, after their length at this position.
     Raw(u64),
     /// In compressed blocks.
     Compressed(CompressedBlocks),
@@ -83,6 +83,7 @@ impl VtkReader {
         if !head.starts_with(b"<?xml") && !head.starts_with(b"<VTKFile") {
             return Err(self.foreign("it does not begin as VTK's XML files do"));
         }
+        // Find the underscore after which the arrays begin.
         let tag = head.windows(APPENDED.len()).position(|at| at == APPENDED);
         let Some(tag) = tag else {
             let why = if self.n_bytes < MAX_HEADER {
@@ -100,6 +101,7 @@ impl VtkReader {
             Some(_) => return Err(self.foreign("there is no `_` before its arrays")),
             None => return Err(self.truncated("its header")),
         }
+        // Parse the header, and check byte order, lengths and compression.
         let header = VtkHeader::read(xml).map_err(|why| self.foreign(&why))?;
         let native = if cfg!(target_endian = "little") {
             "LittleEndian"
@@ -167,8 +169,8 @@ impl VtkReader {
         })
     }
 
-    /// Checks that no two arrays share bytes of the file: otherwise a small file
-    /// could stand for any number of large arrays.
+    /// Checks that no two arrays share bytes of the file: otherwise a small file could claim any
+    /// number of large arrays.
     pub fn check_overlap(&self, places: &[ArrayLocation]) -> Result<(), Diagnostic> {
         let mut spans: Vec<(&[u64; 2], &str)> = places
             .iter()
@@ -207,14 +209,14 @@ impl VtkReader {
         blocks.ok_or_else(foreign)
     }
 
-    /// The error for a file that raycost did not write.
+    /// Returns the error for a file that raycost did not write.
     pub fn foreign(&self, why: &str) -> Diagnostic {
         let shown = self.path.display();
         Diagnostic::new(format!("`{shown}` is not as raycost writes it: {why}"))
             .with_help("render the scene again; files that other programs saved are not read")
     }
 
-    /// The error for a file that ends before `of` does.
+    /// Returns the error for a file that ends before `of` is complete.
     fn truncated(&self, of: &str) -> Diagnostic {
         let shown = self.path.display();
         let n_bytes = count(self.n_bytes);
@@ -224,7 +226,7 @@ impl VtkReader {
         .with_help("copy the file again, or render the scene again")
     }
 
-    /// The error for a block that cannot be decompressed.
+    /// Returns the error for a block that cannot be decompressed.
     pub(super) fn damaged(&self, name: &str) -> Diagnostic {
         let shown = self.path.display();
         Diagnostic::new(format!(
@@ -234,7 +236,7 @@ impl VtkReader {
     }
 }
 
-/// The error for a file that the system cannot read.
+/// Returns the error for a file that the system cannot read.
 pub(super) fn cannot_read(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(format!("cannot read `{}`: {error}", path.display()))
 }

@@ -7,14 +7,14 @@ use vtkio::model::ScalarType;
 
 /// The type of the numbers of an array.
 pub trait Scalar: bytemuck::Pod {
-    /// The numbers, if they have this type.
+    /// Returns the numbers, if they have this type.
     fn of(values: &ArrayValues) -> Option<&[Self]>;
 }
 
 /// Defines [`ArrayValues`] for the number types that raycost writes.
 macro_rules! values {
     ($($kind:ident($number:ty) is $vtk:literal,)*) => {
-        /// The numbers of an array; a variant for each type, named as in Rust.
+        /// The numbers of an array; one variant per type, named as in Rust.
         #[derive(Debug, Clone, PartialEq)]
         #[expect(missing_docs, reason = "each variant is named as its type")]
         pub enum ArrayValues { $($kind(Vec<$number>),)* }
@@ -32,13 +32,12 @@ macro_rules! values {
                 })
             }
 
-            /// No numbers of the same type.
+            /// Returns no numbers, of the same type.
             pub fn none_of_type(&self) -> Self {
                 match self { $(Self::$kind(_) => Self::$kind(Vec::new()),)* }
             }
 
-            /// Appends the numbers of `other` from `first` on; false if they have another
-            /// type.
+            /// Appends the numbers of `other` from `first`; false if the types differ.
             pub fn append(&mut self, other: &Self, first: usize) -> bool {
                 match (self, other) {
                     $((Self::$kind(numbers), Self::$kind(others)) => {
@@ -49,12 +48,12 @@ macro_rules! values {
                 }
             }
 
-            /// The number of numbers.
+            /// Returns the number of numbers.
             pub fn len(&self) -> usize {
                 match self { $(Self::$kind(numbers) => numbers.len(),)* }
             }
 
-            /// The number at `index`; 64-bit integers beyond 2^53 are rounded.
+            /// Returns the number at `index`; 64-bit integers beyond 2^53 are rounded.
             ///
             /// # Panics
             /// If `index` is out of bounds.
@@ -62,7 +61,7 @@ macro_rules! values {
                 match self { $(Self::$kind(numbers) => numbers[index] as f64,)* }
             }
 
-            /// The bytes of the numbers in native order.
+            /// Returns the bytes of the numbers in native order.
             pub fn bytes(&self) -> &[u8] {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice(numbers),)* }
             }
@@ -71,7 +70,7 @@ macro_rules! values {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice_mut(numbers),)* }
             }
 
-            /// The VTK name of their type.
+            /// Returns VTK's name for the type of the numbers.
             pub fn vtk_type(&self) -> &'static str {
                 match self { $(Self::$kind(_) => $vtk,)* }
             }
@@ -86,7 +85,7 @@ macro_rules! values {
             }
         })*
 
-        /// The type of numbers of the VTK type `vtk`; `None` if raycost does not write it.
+        /// Returns the type of numbers for VTK's type `vtk`; `None` if raycost does not write it.
         pub fn scalar_of(vtk: &str) -> Option<ScalarType> {
             match vtk {
                 $($vtk => Some(ScalarType::$kind),)*
@@ -94,8 +93,7 @@ macro_rules! values {
             }
         }
 
-        /// The bytes of a number of the VTK type `vtk`; `None` if raycost does not
-        /// write this type.
+        /// Returns the bytes per number of VTK's type `vtk`; `None` if raycost does not write it.
         pub fn n_bytes(vtk: &str) -> Option<u64> {
             match vtk {
                 $($vtk => Some(size_of::<$number>() as u64),)*
@@ -128,19 +126,19 @@ pub struct Selection<'a> {
 }
 
 impl Selection<'_> {
-    /// The number of selected numbers.
+    /// Returns the number of selected numbers.
     pub fn n_numbers(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64 * self.n_components as u64
     }
 }
 
 impl ArrayValues {
-    /// Whether there are no numbers.
+    /// Returns true if there are no numbers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The numbers, if they have type `T`.
+    /// Returns the numbers, if they have type `T`.
     pub fn as_slice<T: Scalar>(&self) -> Option<&[T]> {
         T::of(self)
     }
@@ -150,7 +148,7 @@ impl ArrayValues {
         (0..self.len()).map(|index| self.at(index))
     }
 
-    /// Reads them from a file that stores `n_rows` equal rows, the last one first.
+    /// Reads the numbers from a file that stores `n_rows` equal rows, bottom row first.
     pub(crate) fn read_rows(&mut self, n_rows: usize, from: &mut dyn Read) -> io::Result<()> {
         let bytes = self.bytes_mut();
         let row_bytes = (bytes.len() / n_rows.max(1)).max(1);
@@ -158,8 +156,8 @@ impl ArrayValues {
         rows.try_for_each(|row| from.read_exact(row))
     }
 
-    /// Reads the selected pixels from a file that stores all rows of the image, the
-    /// last one first; one row is in memory at a time.
+    /// Reads the selected pixels from a file that stores all rows of the image, bottom row first;
+    /// one row is in memory at a time.
     pub fn read_selected(&mut self, selection: &Selection, from: &mut dyn Read) -> io::Result<()> {
         let [n_columns, n_rows] = selection.size;
         let n_selected = selection.columns.len() * selection.rows.len();
