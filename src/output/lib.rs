@@ -1,11 +1,11 @@
-//! A film → pictures, VTK files, ParaView states and the summary; and these read again.
+//! A film → pictures, VTK files, ParaView states and a summary; and the readers of these.
 //!
-//! In: a finished rendering, as a [`RenderingView`](writers::RenderingView). Out: a folder with
-//! all of its files, or none.
+//! In: a finished rendering, as a [`RenderingView`](writers::RenderingView). Out: a folder with all
+//! of its files, or none.
 //!
-//! Read [`writers`], a file each for every file of an output and the list of all; they use
-//! [`chart`], [`paraview`] and [`summary`]. [`results`] reads a folder back. [`memory`] and
-//! [`prediction`] say before a rendering what it will take.
+//! Read [`writers`] first: one file per output file, and the list of all. They use [`chart`],
+//! [`paraview`] and [`summary`]. [`results`] reads a folder back. [`memory`] and [`prediction`]
+//! estimate the resources of a rendering beforehand.
 
 pub mod chart;
 pub mod paraview;

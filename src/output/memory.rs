@@ -1,4 +1,4 @@
-//! Estimates the memory of a rendering before it is allocated.
+//! Bounds the memory of a rendering before it is allocated.
 
 use crate::writers;
 use base::host::memory_limit;
@@ -17,27 +17,26 @@ pub use base::host::{available_memory as available, limit_memory as set_limit};
 /// The memory of one rendering, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The film's arrays, the times of repeated renderings, and the buffers of
-    /// the output.
+    /// The film's arrays, the times of repeated renderings, and the output buffers.
     pub film: u64,
     /// Primitives, the acceleration structure, and the costs attributed to both.
     pub scene: u64,
-    /// Rows of the picture that are in memory at a time, if not all.
+    /// Rows of the picture in memory at a time; `None` for all.
     pub band_rows: Option<u32>,
-    /// Why it has to be in memory as a whole, if that can be changed.
+    /// Why the picture must be in memory as a whole, if that can be changed.
     against_bands: Option<&'static str>,
     n_primitives: usize,
     repeats: Repeats,
 }
 
-/// The part of the available memory that a picture may take by default, in percent.
+/// The percentage of the available memory that a picture may take by default.
 const SHARE: u64 = 75;
-/// Upper bound of the memory of the program before it renders, but for geometries, in bytes.
+/// Upper bound of the program's memory before rendering, without geometries, in bytes.
 const PROGRAM: u64 = 32 << 20;
 
 impl Memory {
-    /// Estimates the memory for a config and its geometries: an upper bound,
-    /// except for a few MiB of program and buffers.
+    /// Estimates the memory for a config and its geometries: an upper bound, except for a few MiB
+    /// of program and buffers.
     pub fn of(config: &Config, geometries: &Geometries) -> Self {
         let of_attribution =
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
@@ -52,9 +51,9 @@ impl Memory {
         }
     }
 
-    /// Estimates the memory of a still picture. One that does not fit into the limit that the
-    /// user has set, by default three quarters of what is available, is rendered into files
-    /// and written in bands of rows, if its outputs allow that.
+    /// Estimates the memory of a still picture. If it exceeds the user's limit, by default three
+    /// quarters of the available memory, the picture is rendered into files and written in bands of
+    /// rows, if its outputs allow it.
     pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
         let whole = Self::of(config, geometries);
         let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
@@ -79,7 +78,7 @@ impl Memory {
         }
     }
 
-    /// Estimates the memory of a part of a picture, whose tiles are in files.
+    /// Estimates the memory of part of a picture, whose tiles are in files.
     pub fn of_part(config: &Config, geometries: &Geometries) -> Self {
         Self {
             film: of_tiles(config),
@@ -92,7 +91,8 @@ impl Memory {
         (Self::per_primitive(config) + size_of::<Instance>()) as u64
     }
 
-    /// Upper bound of the bytes of a primitive and its share of the acceleration structure.
+    /// Returns an upper bound of the bytes of a primitive and its share of the acceleration
+    /// structure.
     fn per_primitive(config: &Config) -> usize {
         size_of::<Primitive>()
             + size_of::<SurfaceClass>()
@@ -120,16 +120,15 @@ impl Memory {
         }
     }
 
-    /// The sum of both.
+    /// Returns the sum of both.
     pub fn total(&self) -> u64 {
         self.film + self.scene
     }
 
-    /// Checks that `available` bytes suffice, and that a hierarchy can hold all
-    /// primitives.
+    /// Checks that `available` bytes suffice, and that a hierarchy can hold all primitives.
     ///
     /// # Errors
-    /// A fault of the section that needs most memory.
+    /// A fault in the section that needs the most memory.
     pub fn check(&self, available: u64) -> Result<(), Fault> {
         if self.n_primitives > Bvh::MAX_PRIMITIVES {
             let most = Bvh::MAX_PRIMITIVES;
@@ -180,8 +179,8 @@ impl Memory {
     }
 }
 
-/// The most bytes of a still picture beside `n_read` bytes of geometries: by the limit that the
-/// user has set, the same each time, whatever the process holds by chance.
+/// Returns the limit in bytes of a still picture beside `n_read` bytes of geometries: with a limit
+/// set by the user, the same each time, whatever else the process holds.
 fn limit_of_still(set: Option<u64>, available: u64, n_read: u64) -> u64 {
     match set {
         Some(limit) => available.min(limit.saturating_sub(PROGRAM + n_read)),
@@ -189,7 +188,7 @@ fn limit_of_still(set: Option<u64>, available: u64, n_read: u64) -> u64 {
     }
 }
 
-/// Why a picture cannot be larger than memory, with what to change; `None` if it can.
+/// Returns why a picture cannot be larger than memory, with the remedy; `None` if it can.
 fn against_bands(config: &Config) -> Option<&'static str> {
     let has = |output| config.output.has(output);
     let is_repeated = !matches!(config.repeats, Repeats::Auto | Repeats::ONCE);
@@ -212,7 +211,7 @@ fn against_bands(config: &Config) -> Option<&'static str> {
     None
 }
 
-/// Upper bound of the bytes of a pixel in a film.
+/// Returns an upper bound of the bytes of a pixel in a film.
 fn film_bytes_per_pixel(config: &Config) -> u64 {
     let of_samples = config.image.adaptive.map_or(0, |_| size_of::<u32>());
     let of_film = film::bytes_per_pixel(config.cost, config.extra_arrays())
@@ -221,7 +220,7 @@ fn film_bytes_per_pixel(config: &Config) -> u64 {
     of_film as u64
 }
 
-/// Upper bound of the bytes of all tiles but their pixels.
+/// Returns an upper bound of the bytes of all tiles without their pixels.
 fn of_tiles(config: &Config) -> u64 {
     u64::from(grid(config).n_tiles()) * (film::BYTES_PER_TILE + schedule::BYTES_PER_TILE) as u64
 }
@@ -231,7 +230,7 @@ fn of_rows(config: &Config, n_rows: u32) -> u64 {
     u64::from(config.image.width) * u64::from(n_rows) * (film_bytes_per_pixel(config) + of_writing)
 }
 
-/// The least number of rows of a band.
+/// Returns the minimum number of rows of a band.
 fn unit(config: &Config) -> u32 {
     StoredPicture::row_unit(&grid(config))
 }
@@ -259,7 +258,7 @@ mod tests {
         for resident in [(11 << 20) + 4096, 18 << 20, 30 << 20] {
             assert_eq!(of_process(resident), 63 << 20);
         }
-        // A process that holds more than expected keeps to the limit.
+        // A process that holds more than expected keeps the limit.
         assert_eq!(of_process(60 << 20), 40 << 20);
         assert_eq!(limit_of_still(Some(1 << 20), 1 << 20, 0), 0);
         assert_eq!(limit_of_still(None, 1000, 5 << 20), 750);

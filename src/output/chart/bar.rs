@@ -23,7 +23,7 @@ pub struct Bar {
     direction: Direction,
     em_px: f32,
     line_px: u32,
-    /// With its tips.
+    /// Length in pixels, with the tips.
     length_px: u32,
     low_tip_px: u32,
     high_tip_px: u32,
@@ -50,10 +50,10 @@ impl Label {
     }
 }
 
-/// More than the ticks of the narrowest range need.
+/// More digits than the ticks of the narrowest range need.
 const MAX_LABEL_DIGITS: usize = 6;
 
-// Distances in ems, the size of a label.
+// Distances in ems, the font size of the labels.
 const THICKNESS_EM: f32 = 1.4;
 const TIP_EM: f32 = 1.1;
 const TICK_EM: f32 = 0.45;
@@ -66,8 +66,8 @@ const STACKED_EM: f32 = 1.6;
 
 impl Bar {
     /// Creates a bar for `range`, as long as one side of a map of `map_size` (width and height in
-    /// pixels), with labels of `em_px`. The bar is on the right of the map, or below a wide map, whose
-    /// height is too short for the labels.
+    /// pixels), with labels of `em_px`. The bar is to the right of the map, or below a wide map
+    /// that is too low for the labels.
     pub fn beside(map_size: [u32; 2], range: &Range, unit: Unit, em_px: f32) -> Self {
         let [width, height] = map_size;
         let (direction, length_px, pitch_em) = if 2 * width > 5 * height {
@@ -101,7 +101,7 @@ impl Bar {
         }
     }
 
-    /// The direction of increasing values.
+    /// Returns the direction of increasing values.
     pub fn direction(&self) -> Direction {
         self.direction
     }
@@ -137,7 +137,7 @@ impl Bar {
         px(THICKNESS_EM * self.em_px)
     }
 
-    /// Distance from the bar to its labels.
+    /// Returns the distance from the bar to its labels.
     fn to_label_px(&self) -> u32 {
         px((TICK_EM + LABEL_GAP_EM) * self.em_px)
     }

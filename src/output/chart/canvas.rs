@@ -2,7 +2,7 @@
 
 use image::{Rgb, RgbImage};
 
-/// Background, each channel.
+/// Background, per channel.
 pub const PAPER: u8 = 255;
 /// Title and tick labels.
 pub const INK: Rgb<u8> = Rgb([26; 3]);
@@ -35,12 +35,12 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// The first column on its right.
+    /// Returns the first column to its right.
     pub fn right(&self) -> u32 {
         self.x + self.width
     }
 
-    /// The first row below it.
+    /// Returns the first row below it.
     pub fn bottom(&self) -> u32 {
         self.y + self.height
     }
@@ -67,7 +67,7 @@ pub fn fill_rect(picture: &mut RgbImage, rect: Rect, color: Rgb<u8>) {
     }
 }
 
-/// Mixes `color` into one pixel; `coverage` in 0..=1, 1 replaces the pixel.
+/// Mixes `color` into one pixel; `coverage` is from 0 to 1, which replaces the pixel.
 pub fn blend(picture: &mut RgbImage, x: i64, y: i64, color: Rgb<u8>, coverage: f32) {
     let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
         return;

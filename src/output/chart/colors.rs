@@ -1,20 +1,20 @@
-//! Color maps. For cost, Inferno over a logarithmic range: from dark for cheap to light for expensive, with
-//! monotone lightness. For changes a diverging map, ColorBrewer's RdBu: blue for cheaper, red for
-//! more expensive.
+//! Color maps. Cost uses Inferno over a logarithmic range: dark for cheap to light for expensive,
+//! with monotone lightness. Changes use a diverging map, ColorBrewer's RdBu: blue for cheaper, red
+//! for more expensive.
 
 use image::Rgb;
 
 use super::range::{Range, Scale};
 use scene::color::{ColorMap, Palette, rgb8};
 
-/// The color of pixels without a value on the scale; no color map contains this gray.
+/// The color of pixels without a value on the scale: a gray that no color map contains.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
 
 /// The color map of a range of values.
 ///
-/// The bits of positive floats sort like the floats, so that a table over intervals of bits replaces
-/// one logarithm per pixel. An interval spans less than a fifth of a step of color; a test compares
-/// the table with the logarithm.
+/// The bits of positive floats sort like the floats, so that a table over intervals of bits
+/// replaces one logarithm per pixel. An interval spans less than a fifth of a color step; a test
+/// compares the table with the logarithm.
 pub struct Colors {
     range: Range,
     /// Colors at equal steps of position from 0 to 1.
@@ -49,7 +49,7 @@ impl Colors {
         colors
     }
 
-    /// Creates the colors of a map for data, which are looked up by position alone.
+    /// Creates a color map for data, looked up only by position.
     pub fn of_map(range: &Range, map: &Palette) -> Self {
         Self {
             range: *range,
@@ -73,7 +73,7 @@ impl Colors {
             .collect();
     }
 
-    /// Returns the color of a value; outside the range that of the nearer end.
+    /// Returns the color of a value, or the color of the nearer end outside of the range.
     pub fn of(&self, value: f32) -> Rgb<u8> {
         if !self.range.can_show(value) {
             return NO_VALUE;
@@ -88,7 +88,7 @@ impl Colors {
     /// Returns the color at `position` between the low (0) and the high (1) end of the range.
     pub fn at(&self, position: f32) -> Rgb<u8> {
         let step = position * (N_COLORS - 1) as f32;
-        // The cast saturates: below the range to 0.
+        // The cast saturates: values below the range become 0.
         self.by_position[((step + 0.5) as usize).min(N_COLORS - 1)]
     }
 }
@@ -100,7 +100,7 @@ fn sampled(color_at: impl Fn(f64) -> [f64; 3]) -> Vec<Rgb<u8>> {
     colors.map(|color| Rgb(rgb8(color))).collect()
 }
 
-/// Finer than 8 bits per channel, so that colors that are interpolated show no bands.
+/// Finer than 8 bits per channel, so that interpolated colors show no bands.
 const N_COLORS: usize = 1024;
 /// At most twice as many intervals are used: 96 KiB of colors.
 const N_INTERVALS: u32 = 1 << 14;

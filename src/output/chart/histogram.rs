@@ -1,15 +1,15 @@
-//! A histogram of values and its quantiles.
+//! A histogram of values with its quantiles.
 //!
-//! Bins are the upper 16 bits of a float, which sort like positive floats. The histogram needs one
-//! pass and no copy of the values, does not depend on their order, and its bins are narrower than
-//! 1 %, less than one step of color.
+//! Bins are the upper 16 bits of a float, which sort like positive floats. It needs one pass and no
+//! copy of the values, does not depend on their order, and its bins are narrower than 1 %, less
+//! than one color step.
 
-/// Whether a logarithmic scale can show `value`.
+/// Returns true if a logarithmic scale can show `value`.
 pub fn is_drawable(value: f32) -> bool {
     (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
 }
 
-/// Number of bins of positive floats, which are their upper 16 bits.
+/// Number of bins of positive floats: one per value of their upper 16 bits.
 pub const N_BINS: usize = 1 << 15;
 
 /// Returns the bin of a positive float.
@@ -17,12 +17,12 @@ pub fn bin(positive: f32) -> usize {
     (positive.to_bits() >> 16) as usize
 }
 
-/// Smallest float in `bin`.
+/// Returns the smallest float in `bin`.
 pub fn lower_edge(bin: usize) -> f64 {
     f32::from_bits((bin as u32) << 16).into()
 }
 
-/// Largest float in `bin`.
+/// Returns the largest float in `bin`.
 pub fn upper_edge(bin: usize) -> f64 {
     f32::from_bits((bin as u32) << 16 | 0xffff).into()
 }
@@ -33,7 +33,7 @@ pub struct Histogram {
     n_by_bin: Vec<u64>,
     /// Number of drawable values.
     pub n: u64,
-    /// Number of other values.
+    /// Number of values that cannot be drawn.
     pub n_undrawable: u64,
     /// The least value; 1 if there is none.
     pub min: f32,
@@ -41,7 +41,7 @@ pub struct Histogram {
     pub max: f32,
 }
 
-/// Of no values.
+/// An empty histogram.
 impl Default for Histogram {
     fn default() -> Self {
         Self {
@@ -55,7 +55,7 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// Counts the values.
+    /// Counts the values of a new histogram.
     pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let mut this = Self::default();
         this.add(values);
@@ -88,11 +88,11 @@ impl Histogram {
             .map_or(0, |counts| counts.iter().sum())
     }
 
-    /// Returns the 0.5 % and 99.5 % quantiles. Each is replaced by the extreme value on its side if
-    /// that is within a factor of two, or extends the logarithmic range by at most a third.
+    /// Returns the 0.5 % and 99.5 % quantiles. Either is replaced by the extreme value on its side
+    /// if this is within a factor of two, or extends the logarithmic range by at most a third.
     pub fn robust_ends(&self) -> (f64, f64) {
         let (min, max) = (f64::from(self.min), f64::from(self.max));
-        // In fewer than a hundred pixels no pixel counts as an outlier.
+        // Among fewer than a hundred pixels none counts as an outlier.
         let n_tail = if self.n < 100 {
             0
         } else {
@@ -107,7 +107,7 @@ impl Histogram {
         )
     }
 
-    /// Returns the 99 % quantile, or the greatest value if that is within a factor of two or there
+    /// Returns the 99 % quantile, or the greatest value if it is within a factor of two or there
     /// are fewer than a hundred values.
     pub fn robust_max(&self) -> f64 {
         let max = f64::from(self.max);

@@ -9,7 +9,7 @@ pub fn short_number(value: f64) -> String {
 /// The suffixes of a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// Suffixes and their size in the values' unit, smallest first.
+    /// The suffixes and their size in the values' unit, smallest first.
     suffixes: &'static [(&'static str, f64)],
 }
 

@@ -24,14 +24,14 @@ const TITLE_EM: f32 = 1.3;
 const FOOTER_EM: f32 = 0.9;
 /// Distance between lines of the same text, in its font size.
 const LINE_EM: f32 = 1.25;
-/// Most lines of a text; the last one is truncated.
+/// Maximum number of lines of a text; the last one is truncated.
 const MAX_LINES: usize = 3;
 
 /// Text in one or more lines.
 pub struct Block {
-    /// Its font.
+    /// Font.
     pub style: Style,
-    /// Its lines, each with its baseline.
+    /// Lines, each with its baseline.
     pub lines: Vec<(String, u32)>,
 }
 
@@ -46,7 +46,7 @@ impl Block {
         }
     }
 
-    /// The baseline of its last line.
+    /// Returns the baseline of the last line.
     fn end(&self) -> u32 {
         self.lines.last().map_or(0, |(_, baseline)| *baseline)
     }
@@ -60,7 +60,7 @@ pub struct Layout {
     pub height: u32,
     /// Font size of tick labels and subtitle, and the unit of all distances.
     pub em_px: f32,
-    /// Side of the square of one value.
+    /// Side of a value's square, in pixels.
     pub magnification: u32,
     /// The map, without its frame.
     pub map: Rect,
@@ -72,7 +72,7 @@ pub struct Layout {
     pub texts: [Block; 3],
 }
 
-/// The smallest magnification at which the longer side of the map is long enough.
+/// Returns the smallest magnification that makes the longer side of the map long enough.
 pub(super) fn magnification([width, height]: [u32; 2]) -> u32 {
     MIN_LONGER_SIDE_PX.div_ceil(width.max(height))
 }
@@ -136,9 +136,9 @@ impl Layout {
 /// Smaller maps are magnified to at least this size.
 const MIN_LONGER_SIDE_PX: u32 = 600;
 const MARGIN_EM: f32 = 1.5;
-/// Distance of a vertical bar from the map.
+/// Distance from the map to a vertical bar.
 const BAR_GAP_EM: f32 = 1.2;
-/// Least width for the title, even if the map is narrower.
+/// Minimum width of the title, even if the map is narrower.
 const MIN_TEXT_WIDTH_EM: f32 = 30.0;
 
 #[cfg(test)]

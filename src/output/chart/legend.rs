@@ -1,4 +1,4 @@
-//! Color bars on a picture: what the colors of its surfaces mean.
+//! Color bars on a picture: the key to the colors of its surfaces.
 
 use image::{Rgb, RgbImage};
 
@@ -14,16 +14,16 @@ use scene::color::Palette;
 /// A color bar with a title.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorLegend {
-    /// What the numbers are.
+    /// The name of the numbers.
     pub title: String,
-    /// What the colors mean.
+    /// The meaning of the colors.
     pub key: LegendKey,
 }
 
-/// What colors mean.
+/// The meaning of colors.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LegendKey {
-    /// Numbers of a range.
+    /// A range of numbers.
     Range {
         /// The colors.
         map: Palette,
@@ -32,7 +32,7 @@ pub enum LegendKey {
         ends: [f32; 2],
         /// The scale of the numbers.
         scale: Scale,
-        /// Whether there are numbers below the first and above the last.
+        /// True if there are numbers below the first color, and above the last.
         clips: [bool; 2],
     },
     /// Categories, the first on top.
@@ -43,14 +43,14 @@ pub enum LegendKey {
 const MIN_SIDE_PX: u32 = 96;
 /// The length of a bar as a fraction of the picture's height.
 const LENGTH: f32 = 0.5;
-/// The length of a list of categories, at most.
+/// Maximum length of a list of categories, as a fraction of the picture's height.
 const MAX_LENGTH: f32 = 0.8;
-/// The height of a picture in ems, at least.
+/// Minimum height of a picture in ems.
 const MIN_HEIGHT_EM: f32 = 24.0;
-/// How much of the picture the paper below a bar hides.
+/// Opacity of the paper below a bar.
 const OPACITY: f32 = 0.75;
 
-/// Draws color bars from the right edge of a picture on, unless it is too small.
+/// Draws color bars along the right edge of a picture, unless it is too small.
 pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
     let (width, height) = picture.dimensions();
     if width.min(height) < MIN_SIDE_PX {
@@ -84,14 +84,14 @@ pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
     }
 }
 
-/// The drawing of a key.
+/// A key laid out for a picture.
 enum Drawing {
     Bar(Bar, Colors),
     Swatches(Swatches),
 }
 
 impl Drawing {
-    /// The drawing of a key on a picture of this height, which may be so wide.
+    /// Lays out a key for a picture of this height, within this width.
     fn of(key: &LegendKey, [width, height]: [u32; 2], em_px: f32) -> Self {
         match key {
             LegendKey::Range {
@@ -159,7 +159,7 @@ fn pale(picture: &mut RgbImage, rect: Rect) {
 mod tests {
     use super::*;
 
-    /// Each category has its color in the list, or else the list says how many more there are.
+    /// Each category is in the list with its color, or the list says how many more there are.
     #[test]
     fn every_category_that_has_room_has_its_swatch() {
         for (n, n_shown) in [(1_u8, 1), (5, 5), (40, 16)] {

@@ -1,9 +1,9 @@
 //! The per-pixel cost map as a picture with title, subtitle, map, color bar and footer.
 //!
-//! [`write()`] takes one value per pixel and writes a PNG. Cost spans decades, so that the
-//! colors (Inferno, perceptually uniform) follow the logarithm. `range` chooses the range of the
-//! colors such that one interrupted pixel does not compress the rest; the footer and the tips of the
-//! color bar show what is clipped. Changes of cost have a diverging scale around zero.
+//! [`write()`] takes one value per pixel and writes a PNG. Cost spans decades, so the colors
+//! (Inferno, perceptually uniform) follow the logarithm. `range` chooses the range of the colors so
+//! that a single interrupted pixel does not compress the rest; the footer and the tips of the color
+//! bar show what is clipped. Changes of cost have a diverging scale around zero.
 
 // In the order of the data flow; each module uses only those above it.
 pub mod png;
@@ -42,8 +42,8 @@ const ROWS: usize = 32;
 /// The contents of a cost picture.
 #[derive(Clone, Copy, Debug)]
 pub struct CostMap<'a> {
-    /// One value per pixel, row-major, `width * height`, row 0 on top. Infinite and NaN values, on a
-    /// logarithmic scale also zero, negative and subnormal ones, are drawn mid-gray.
+    /// One value per pixel, row-major, `width * height`, row 0 on top. Infinite and NaN values are
+    /// drawn mid-gray; on a logarithmic scale, also zero, negative and subnormal values.
     pub values: &'a [f32],
     /// The range of the values, with the scale of the colors.
     pub range: Range,
@@ -54,14 +54,14 @@ pub struct CostMap<'a> {
     /// The title, such as "spheres: time per pixel"; long ones take up to three
     /// lines.
     pub title: &'a str,
-    /// Unit of the values. "ns" is labeled in ns, µs, ms and s; the values of any other unit, such as
-    /// "node visits", in k, M and G, and the footer names the unit.
+    /// Unit of the values. "ns" is labeled in ns, µs, ms and s; any other unit, such as "node
+    /// visits", in k, M and G, and the footer names it.
     pub unit: &'a str,
     /// The gray line below the title, such as "400 x 300, median 412 ns"; empty for none.
     pub subtitle: &'a str,
 }
 
-/// Pixels of the picture along each side of one of the map, for a map of this size.
+/// Returns the side of a value's square in pixels of the picture, for a map of this size.
 pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
     layout::magnification([width, height])
 }
@@ -69,7 +69,7 @@ pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
 /// Writes the picture of `map` as a PNG with the run's ID.
 ///
 /// # Errors
-/// If writing fails.
+/// An error of `out`.
 pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> {
     write_with(&[(provenance::KEY, &*run.to_string())], map, out)
 }
@@ -77,7 +77,7 @@ pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> 
 /// Writes the picture of `map` as a PNG without an ID.
 ///
 /// # Errors
-/// If writing fails.
+/// An error of `out`.
 pub(crate) fn write_bare(map: &CostMap, out: &mut impl Write) -> io::Result<()> {
     write_with(&[], map, out)
 }

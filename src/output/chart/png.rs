@@ -1,12 +1,12 @@
-//! Encodes pictures as PNG, fast rather than small.
+//! Encodes pictures as PNG, favoring speed over size.
 
 use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter};
 
-/// Writes a picture of `width * height` pixels of `pixel_bytes` each: three, or six for 16 bits
-/// per channel, the high byte first. `texts` are text chunks: keyword and ASCII text.
-/// `write_rows` writes the bytes of all rows, row 0 on top.
+/// Writes a picture of `width * height` pixels of `pixel_bytes` each: three, or six for 16 bits per
+/// channel, big-endian. `texts` are text chunks: keyword and ASCII text. `write_rows` writes the
+/// bytes of all rows, row 0 on top.
 pub fn write(
     [width, height]: [u32; 2],
     pixel_bytes: usize,
@@ -20,7 +20,7 @@ pub fn write(
         encoder.set_depth(BitDepth::Sixteen);
     }
     encoder.set_compression(Compression::Fast);
-    // Faster than a choice by row, and at most 12 % larger.
+    // Faster than choosing a filter per row, and at most 12 % larger.
     encoder.set_filter(Filter::Sub);
     let encode = || {
         for (keyword, text) in texts {

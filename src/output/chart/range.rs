@@ -21,7 +21,7 @@ pub enum Scale {
 /// The range of the colors, and the number of values outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The scale.
+    /// The value of the first color; positive on a logarithmic scale.
     pub scale: Scale,
     /// The value of the first color; positive on a logarithmic scale.
     pub low: f64,
@@ -55,7 +55,7 @@ impl Range {
             ..
         } = histogram;
         let (low, high) = at_least_one_percent(histogram.robust_ends());
-        // An end that clips values is moved to the edge of its bin, so that the counts are exact.
+        // An end that clips values moves to the edge of its bin, so that the counts are exact.
         let low = if low > min.into() {
             lower_edge(bin(low as f32))
         } else {
@@ -100,8 +100,8 @@ impl Range {
         }
     }
 
-    /// Returns the position of `value` between `low` (0) and `high` (1), beyond them for values
-    /// outside. Increases with `value`, which must be positive on a logarithmic scale.
+    /// Returns the position of `value` between `low` (0) and `high` (1), beyond these outside of
+    /// the range. Increases with `value`, which must be positive on a logarithmic scale.
     pub fn position(&self, value: f64) -> f64 {
         let along = match self.scale {
             Scale::Logarithmic => f64::log2,
@@ -110,7 +110,7 @@ impl Range {
         (along(value) - along(self.low)) / (along(self.high) - along(self.low))
     }
 
-    /// Whether the scale can show `value`.
+    /// Returns true if the scale can show `value`.
     pub fn can_show(&self, value: f32) -> bool {
         match self.scale {
             Scale::Logarithmic => is_drawable(value),
@@ -119,7 +119,7 @@ impl Range {
     }
 }
 
-/// Widens a range narrower than 1 %, such as that of a constant map, to a factor of two around its
+/// Widens a range narrower than 1 %, such as a constant map's, to a factor of two around its
 /// middle: smaller variations are noise.
 fn at_least_one_percent((low, high): (f64, f64)) -> (f64, f64) {
     if high >= 1.01 * low {

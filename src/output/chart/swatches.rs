@@ -1,4 +1,4 @@
-//! The key of categories: a swatch of color and a label for each.
+//! The key to categories: a color swatch and a label for each.
 
 use image::{Rgb, RgbImage};
 
@@ -8,9 +8,9 @@ use super::text::{CAP_HEIGHT_EM, Style};
 /// A category in a legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swatch {
-    /// What it is.
+    /// The name of the category.
     pub label: String,
-    /// Red, green and blue, as they are on the screen.
+    /// Red, green and blue in sRGB.
     pub color: [u8; 3],
 }
 
@@ -20,14 +20,14 @@ pub(super) struct Swatches {
     rows: Vec<(Option<Rgb<u8>>, String)>,
 }
 
-// Distances in ems, the size of a label.
+// Distances in ems, the font size of the labels.
 const PITCH_EM: f32 = 1.9;
 const SIDE_EM: f32 = 1.4;
 const GAP_EM: f32 = 0.6;
 
 impl Swatches {
-    /// The list of these categories in this width and height in pixels: where not all have
-    /// room, the last row counts the others.
+    /// Creates the list of these categories within this width and height in pixels; if not all fit,
+    /// the last row counts the rest.
     pub(super) fn within(all: &[Swatch], [width, height]: [u32; 2], em_px: f32) -> Self {
         let style = Style::new(em_px, canvas::INK);
         let n_rows = (height as f32 / (PITCH_EM * em_px)) as usize;
@@ -48,7 +48,7 @@ impl Swatches {
         Self { em_px, rows }
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub(super) fn size(&self) -> [u32; 2] {
         let style = Style::new(self.em_px, canvas::INK);
         let widths = self.rows.iter().map(|(_, label)| style.width(label));

@@ -134,7 +134,7 @@ fn the_bar_has_the_colors_of_the_values() {
     }
 }
 
-/// Whether the outermost four pixels on each side are blank.
+/// The outermost four pixels on each side are blank.
 #[test]
 fn ticks_at_the_ends_of_a_large_bar_stay_within_it() {
     let values: Vec<f32> = (0..40 * 4000).map(|i| 1.0 + (i % 10) as f32).collect();

@@ -8,7 +8,7 @@ use super::canvas;
 /// Height of digits and capitals as a fraction of the font size.
 pub const CAP_HEIGHT_EM: f32 = 0.69;
 
-/// A font size and a color.
+/// A font size with a color.
 pub struct Style {
     font: PxScaleFont<FontRef<'static>>,
     color: Rgb<u8>,
@@ -73,7 +73,7 @@ impl Style {
             outline.draw(|x, y, coverage| {
                 let x = i64::from(left) + corner.x as i64 + i64::from(x);
                 let y = i64::from(baseline) + corner.y as i64 + i64::from(y);
-                // The light font is pale at small sizes; this thickens its strokes slightly.
+                // The light font looks pale at small sizes; this thickens its strokes slightly.
                 let coverage = coverage.min(1.0).powf(0.8);
                 canvas::blend(picture, x, y, self.color, coverage);
             });

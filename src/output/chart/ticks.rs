@@ -10,8 +10,8 @@ pub struct Ticks {
 }
 
 impl Ticks {
-    /// Labels each of `values`, in increasing order, whose `position` along the scale, from 0 to 1,
-    /// is at least `min_gap` after that of the last labeled one; the others are minor ticks.
+    /// Splits `values`, in increasing order, into major and minor ticks: a value is labeled if its
+    /// `position` along the scale, from 0 to 1, is at least `min_gap` after the last labeled one.
     pub fn spaced(values: &[f64], min_gap: f64, position: impl Fn(f64) -> f64) -> Self {
         let mut ticks = Self::default();
         for &value in values {
@@ -26,11 +26,12 @@ impl Ticks {
     }
 }
 
-/// Returns the ticks of a logarithmic scale from `low` to `high`, at least 1 % above it: at least two
-/// labels, as dense as they fit if each needs `min_gap`, up to 0.14, of the scale's length.
+/// Returns the ticks of a logarithmic scale from `low` to `high`, which is at least 1 % above it:
+/// at least two labels, as dense as fits if each needs the fraction `min_gap`, up to 0.14, of the
+/// scale's length.
 ///
-/// Labels are at 1, 2 and 5 times a power of ten; on a narrow range at multiples of such a number; on
-/// a wide one at every power of ten, or every n-th.
+/// Labels are at 1, 2 and 5 times a power of ten; on a narrow range, at multiples of such a number;
+/// on a wide one, at every power of ten, or every n-th.
 pub fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     let min_gap_decades = min_gap * (high / low).log10();
     if min_gap_decades <= 2f64.log10() {
@@ -58,8 +59,9 @@ pub fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     }
 }
 
-/// Returns the ticks of a linear scale from `low` to `high`, above it: labels at the multiples of the
-/// least 1, 2 or 5 times a power of ten that is at least `min_step`, a positive number.
+/// Returns the ticks of a linear scale from `low` to a greater `high`: labels at the multiples of
+/// the least number of the form 1, 2 or 5 times a power of ten that is at least `min_step`, which
+/// is positive.
 pub fn linear_ticks(low: f64, high: f64, min_step: f64) -> Ticks {
     let power = 10f64.powf(min_step.log10().floor());
     let is_large_enough = |step: &RoundStep| step.size * power >= min_step * (1.0 - TOLERANCE);
@@ -67,14 +69,14 @@ pub fn linear_ticks(low: f64, high: f64, min_step: f64) -> Ticks {
     step.unwrap_or(&ROUND_STEPS[3]).ticks(power, low, high)
 }
 
-/// Returns the ticks of a linear scale from `-reach` to `reach`: zero and at least one label on both
-/// sides, at least `min_gap`, up to 0.25, of the scale's length apart.
+/// Returns the ticks of a linear scale from `-reach` to `reach`: zero and at least one label on
+/// each side, at least the fraction `min_gap`, up to 0.25, of the scale's length apart.
 pub fn ticks_around_zero(reach: f64, min_gap: f64) -> Ticks {
     // Closer labels are hard to read.
     linear_ticks(-reach, reach, 2.0 * reach * min_gap.max(0.08))
 }
 
-/// Part by which a value may differ from a bound because of rounding.
+/// Relative tolerance of comparisons with a bound, for rounding.
 const TOLERANCE: f64 = 1e-9;
 
 const ONE_TO_NINE: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
@@ -100,7 +102,7 @@ impl RoundStep {
         Self { size, n_minor }
     }
 
-    /// Labels at the multiples of this step times `power`.
+    /// Returns labels at the multiples of this step times `power`.
     fn ticks(&self, power: f64, low: f64, high: f64) -> Ticks {
         let step = self.size * power;
         Ticks {
@@ -111,7 +113,7 @@ impl RoundStep {
 }
 
 /// Returns the ticks of a logarithmic scale of less than a decade, in equal steps: at most seven
-/// labels, as far apart as necessary at the high end, where they are closest.
+/// labels, spaced for the high end, where they are closest.
 fn narrow_log_ticks(low: f64, high: f64, min_gap_decades: f64) -> Ticks {
     let smallest = 10f64.powf((high - low).log10().floor() - 1.0);
     let mut ticks = Ticks::default();

@@ -43,7 +43,7 @@ struct StoredAxis {
     name: String,
     is_time: bool,
     scale: ColorScale,
-    /// In the array's own unit.
+    /// Both ends, in the array's own unit.
     ends: [f64; 2],
     n_labels: usize,
 }
@@ -58,7 +58,7 @@ struct TimeUnit {
     ns: f64,
 }
 
-/// From the smallest to the largest.
+/// The units of time, smallest first.
 const TIME_UNITS: [TimeUnit; 3] = [
     TimeUnit {
         name: "µs",
@@ -108,7 +108,7 @@ impl Axis {
         }
     }
 
-    /// The same axis from the lower of both low ends to the higher of both high ends.
+    /// Returns the axis that spans both.
     pub fn spanning(&self, other: &Self) -> Self {
         let [a, b] = [self, other].map(|axis| StoredAxis::from(axis.clone()));
         let ends = [a.ends[0].min(b.ends[0]), a.ends[1].max(b.ends[1])];
@@ -148,7 +148,7 @@ impl Axis {
         Some(number?.to_string().into())
     }
 
-    /// The value at a fraction, from 0 to 1, of the axis.
+    /// Returns the value at a fraction, from 0 to 1, of the axis.
     fn at(&self, fraction: f64) -> f64 {
         match self.scale {
             ColorScale::Logarithmic => self.low * (self.high / self.low).powf(fraction),
@@ -170,7 +170,8 @@ impl Axis {
         }
     }
 
-    /// Returns the `position` and the text of each label in turn, as ParaView stores annotations.
+    /// Returns the `position` and the text of each label alternately, as ParaView stores
+    /// annotations.
     fn labels(&self, position: impl Fn(f64) -> f64) -> Vec<String> {
         let labels = self.ticks().into_iter();
         let label = |value| [position(value).to_string(), label_text(value)];
@@ -196,8 +197,8 @@ impl Axis {
         }
     }
 
-    /// Returns round values at least the distance of `n_labels` labels apart, which may be more than
-    /// [`log_ticks`] can keep.
+    /// Returns round values no denser than `n_labels` labels allow; possibly more than
+    /// [`log_ticks`] keeps.
     fn log_ticks(&self) -> Vec<f64> {
         let min_gap = 1.0 / (self.n_labels as f64 - 0.5);
         let ticks = log_ticks(self.low, self.high, min_gap.min(0.14)).major;
@@ -234,7 +235,7 @@ impl From<Axis> for StoredAxis {
     }
 }
 
-/// Formats a round number for a narrow color bar, without a space and with "k" only from 10,000:
+/// Formats a round number for a narrow color bar, without a space, and with "k" only from 10,000:
 /// "0.05", "2000", "20k", "−3".
 fn label_text(value: f64) -> String {
     let size = value.abs();
@@ -253,8 +254,8 @@ fn label_text(value: f64) -> String {
     format!("{sign}{rounded}{suffix}")
 }
 
-/// Interpolates at the fraction, from 0 to 1, at the beginning of `0.5)`, the rest of a key such as
-/// `at(0.5)`; `None` if that is not a number and a closing parenthesis.
+/// Interpolates at the fraction, from 0 to 1, at the start of `0.5)`, the rest of a key such as
+/// `at(0.5)`; `None` unless it is a number and a closing parenthesis.
 pub fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
     Some(interpolate(fraction.strip_suffix(')')?.parse().ok()?))
 }

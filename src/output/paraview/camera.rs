@@ -13,21 +13,21 @@ use scene::camera::{ImagePlane, Projection};
 pub(crate) struct ViewCamera {
     position: DVec3,
     focal_point: DVec3,
-    /// A unit vector.
+    /// Unit vector to the right.
     right: Vec3,
-    /// A unit vector.
+    /// Unit vector upward.
     up: Vec3,
     /// Tangents of half the horizontal and half the vertical angle of view; half the width and half
     /// the height of the picture if parallel.
     half: [f32; 2],
     is_parallel: bool,
-    /// Whether the scene's camera is left-handed, so that ParaView shows the scene mirrored.
+    /// True if the scene's camera is left-handed, so that ParaView shows the scene mirrored.
     is_mirrored: bool,
 }
 
 impl ViewCamera {
     /// Converts the camera of an image plane. The focal point is at `median_distance` from the
-    /// position; without one, at the distance of the picture's middle, at least 1.
+    /// position, or else at the distance of the picture's middle, at least 1.
     pub fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let position = plane.eye_in_world;
         let (forward, is_parallel) = match plane.projection {
@@ -57,7 +57,7 @@ impl ViewCamera {
             corners.into_iter().map(extent).fold(0.0, f32::max)
         };
         let half = match plane.projection {
-            // ParaView has no panorama: 90 degrees from top to bottom.
+            // ParaView has no panoramic camera: 90 degrees from top to bottom.
             Projection::Panorama { .. } => [2.0, 1.0],
             Projection::Perspective | Projection::Parallel { .. } => [half(right), half(up)],
         };
@@ -104,8 +104,8 @@ impl ViewCamera {
         }
     }
 
-    /// Returns the value of a key such as `camera2.view_angle`, the view angle in one of two panels,
-    /// for a picture of this width and height; `None` for other keys.
+    /// Returns the value of a key such as `camera2.view_angle`, the view angle in each of two
+    /// panels, for a picture of this width and height; `None` for other keys.
     pub fn value(&self, size: [f64; 2], key: &str) -> Option<StateValue> {
         let (n, key) = Panels::split_key(key, "camera")?;
         let number = self.number(key, Panels::of(n, size).panel())?;
@@ -136,8 +136,8 @@ impl ViewCamera {
         Some(number.into())
     }
 
-    /// Returns entry `i` of a 4 x 4 matrix, row-major: if the camera is left-handed, the reflection in
-    /// the plane through the eye perpendicular to `right`, else the identity.
+    /// Returns entry `i` of a 4 x 4 matrix, row-major: the reflection in the plane through the eye
+    /// perpendicular to `right` for a left-handed camera, else the identity.
     fn mirror(&self, i: usize) -> f64 {
         let (row, column) = (i / 4, i % 4);
         let identity = if row == column { 1.0 } else { 0.0 };
@@ -153,8 +153,8 @@ impl ViewCamera {
     }
 }
 
-/// Returns the unit direction of view: perpendicular to the plane, which does not distort the
-/// picture, if that ray meets the picture; else toward the middle of the picture.
+/// Returns the unit viewing direction: perpendicular to the image plane, which avoids distortion,
+/// if that ray meets the picture; else toward the middle of the picture.
 fn direction(plane: &ImagePlane) -> Vec3 {
     let to_center = plane.center() - plane.eye;
     let normal = plane.right.normalize().cross(plane.down.normalize());

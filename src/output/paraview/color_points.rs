@@ -4,11 +4,11 @@ use clap::ValueEnum;
 
 use scene::color::ColorMap;
 
-/// Every fifth color of a map of 256: interpolated, they give the others within 1/255.
+/// Every fifth color of a 256-color map: interpolation restores the others within 1/255.
 const N_COLORS: usize = 52;
 
 /// Returns value, red, green and blue of each point in turn, for a map such as `inferno` or
-/// `red_blue_reversed`, whose fractions from 0 to 1 stand for these values; `None` for an
+/// `red_blue_reversed`; `value_at` returns the value at a fraction from 0 to 1. `None` for an
 /// unknown map.
 pub(super) fn color_points(map: &str, value_at: impl Fn(f64) -> f64) -> Option<Vec<String>> {
     let reversed = map.strip_suffix("_reversed");

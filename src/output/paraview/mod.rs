@@ -1,7 +1,7 @@
 //! ParaView state files: templates and the values that fill them.
 //!
-//! The states in the repository's `paraview/` folder are the templates. Each
-//! value that depends on the output has its key there:
+//! The states in the repository's `paraview/` folder are the templates. Each value that depends on
+//! the output has a key there:
 //!
 //! ```xml
 //! <Element index="0" value="$RAYCOST_OUT/frame.vti" fill="frame.vti"/>

@@ -2,14 +2,14 @@
 
 use super::template::StateValue;
 
-/// Least aspect ratio, width over height, of the area of all panels in ParaView's window: a narrower
-/// area cuts off the sides of the pictures.
+/// Minimum aspect ratio, width over height, of the area of all panels in ParaView's window: a
+/// narrower area cuts off the sides of the pictures.
 const AREA_ASPECT: f64 = 1.55;
 /// Height of a title as a fraction of that area's height.
 const TITLE: f64 = 0.05;
 /// Height of a color bar with its labels as a fraction of that area's height.
 const COLOR_BAR: f64 = 0.085;
-/// Greatest fraction of a panel's width that a picture fills.
+/// Maximum fraction of a panel's width that a picture fills.
 const FILLED_WIDTH: f64 = 0.96;
 /// Aspect ratio above which panels are stacked in rows.
 const WIDE: f64 = 2.1;
@@ -44,7 +44,8 @@ impl Panels {
         Some((n.parse().ok()?, rest))
     }
 
-    /// Returns ParaView's direction of the first split (`outer`) or of the others (`inner`).
+    /// Returns ParaView's direction of the first split (`outer`) or of the remaining splits
+    /// (`inner`).
     pub fn direction(self, split: &str) -> Option<u8> {
         let (is_wide, is_tall) = (self.is_wide(), self.is_tall());
         let is_in_rows = match (self.n, split) {
@@ -111,7 +112,7 @@ impl Panel {
         width / (2.0 * FILLED_WIDTH * self.aspect)
     }
 
-    /// Returns the value of a key of the camera of a flat picture, in pixels. The camera looks at a
+    /// Returns the value of a key of a flat picture's camera, in pixels. The camera looks at a
     /// point below the middle, since the color bar is higher than the title.
     pub(crate) fn picture_camera(self, [width, height]: [f64; 2], key: &str) -> Option<f64> {
         let by_height = height / (2.0 * (1.0 - self.title - self.color_bar));
@@ -125,7 +126,7 @@ impl Panel {
     }
 }
 
-/// Returns the value of a key of the layout, such as `panels3.outer`, or of the camera of a picture in
+/// Returns the value of a layout key, such as `panels3.outer`, or of a camera key of a picture in
 /// one of its panels, such as `image3.parallel_scale`; `None` for other keys.
 pub fn value_of_panels(size: [f64; 2], key: &str) -> Option<StateValue> {
     if let Some((n, split)) = Panels::split_key(key, "panels") {

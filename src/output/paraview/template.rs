@@ -1,4 +1,4 @@
-//! Templates of states: replaces marked values.
+//! Templates of states, and the replacement of marked values.
 
 /// The replacement of a marked value.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,16 +8,16 @@ use render::schedule::{self, TileGrid, TileRun};
 use render::tiles::StoredPicture;
 use scene::config::{Config, CostMode, Image};
 
-/// What is copied to survey and write a pixel of a band, with counters and without: measured.
+/// Bytes copied to survey and write a pixel of a band, with and without counters: measured.
 const COPIED: u64 = 20;
 const COPIED_WITHOUT_COSTS: u64 = 12;
 
-/// Most of the memory of the rendering that is free afterwards and is not used again: glibc gives
-/// larger blocks back.
+/// Maximum memory that is free after rendering and never used again: glibc returns larger blocks to
+/// the system.
 const MOST_UNUSED: u64 = 1 << 25;
 
-/// The bytes of tiles, and of a band of so many rows with those above it that are read again and
-/// what is copied to write them.
+/// Returns the bytes of tiles, and of a band of this many rows with the rows above it that are read
+/// again and the copies made to write them.
 pub(super) fn of_bands(config: &Config, preview: &Preview, n_rows: u32) -> u64 {
     let Image { width, height, .. } = config.image;
     let grid = TileGrid::new(width, height, config.tiles.size);

@@ -1,4 +1,4 @@
-//! The bytes of the files.
+//! Sizes of the output files.
 
 use super::length::Length;
 use super::preview::Preview;
@@ -13,41 +13,41 @@ use scene::world::Scene;
 use tracer::accel::BvhNode;
 use vtk::Codec;
 
-/// The bytes of the header of a VTK file of pixels, with its field data.
+/// Bytes of the header of a VTK file of pixels, with its field data.
 const HEADER: u64 = 6_000;
-/// The bytes of `summary.json`.
+/// Bytes of `summary.json`.
 const SUMMARY: u64 = 6_000;
-/// The bytes of a tile in `tiles.vti` and `trace.json`.
+/// Bytes of a tile in `tiles.vti` and `trace.json`.
 const PER_TILE: u64 = 300;
 
-/// The bytes of the files.
+/// The sizes of the output files.
 #[derive(Debug, Clone)]
 pub struct DiskUse {
-    /// Bytes of arrays.
+    /// The files of arrays.
     pub arrays: Vec<ArrayFile>,
-    /// Of all files of text.
+    /// Bytes of all text files.
     pub texts: u64,
-    /// Of the picture and the cost map.
+    /// Bytes of the picture and the cost map.
     pub pictures: u64,
-    /// Of the picture's layers before compression, which is always on; 0 if there are none.
+    /// Bytes of the picture's layers before compression, which is always on; 0 without layers.
     pub layers: u64,
-    /// Of the file of finished tiles.
+    /// Bytes of the file of finished tiles.
     pub tiles: u64,
 }
 
-/// The bytes of a file of arrays.
+/// The size of a file of arrays.
 #[derive(Debug, Clone, Copy)]
 pub struct ArrayFile {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its bytes, before compression if it is not known what that makes of them.
+    /// Bytes; before compression unless `is_known`.
     pub n_bytes: u64,
-    /// Whether they are those on the disk.
+    /// True if these are the bytes on the disk.
     pub is_known: bool,
 }
 
 impl DiskUse {
-    /// Of a picture in so many pieces.
+    /// Predicts the files of a picture in this many pieces.
     pub(super) fn of(
         config: &Config,
         scene: &Scene,
@@ -78,14 +78,15 @@ impl DiskUse {
         }
     }
 
-    /// The sum of the arrays whose bytes on the disk are known.
+    /// Returns the sum of the arrays whose size on the disk is known.
     pub fn of_known_arrays(&self) -> u64 {
         let known = self.arrays.iter().filter(|file| file.is_known);
         known.map(|file| file.n_bytes).sum()
     }
 }
 
-/// The cloud and the frame, in so many pieces. Those of the frame share a row of pixels.
+/// Predicts the cloud and the frame, in this many pieces. Adjacent pieces of the frame share a row
+/// of pixels.
 fn of_pixels(
     config: &Config,
     (preview, sample): (&Preview, &RowSample),
@@ -119,7 +120,7 @@ fn of_pixels(
     ]
 }
 
-/// The files of the costs of primitives and nodes.
+/// Predicts the files of the costs of primitives and nodes.
 fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<ArrayFile> {
     let (cost, has) = (config.cost, |output| config.output.has(output));
     let file = |name, n_bytes| ArrayFile {
@@ -146,7 +147,7 @@ fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<Ar
     files
 }
 
-/// The bytes of a point of the cloud besides the arrays that the frame has, too.
+/// Returns the bytes of a point of the cloud besides the arrays that the frame has too.
 fn bytes_of_hit(config: &Config) -> u64 {
     let written = config.output.written_arrays();
     let index: u64 = if i32::try_from(config.image.n_pixels()).is_ok() {
@@ -155,12 +156,12 @@ fn bytes_of_hit(config: &Config) -> u64 {
         8
     };
     let of = |name: &str, n_bytes: u64| if written.has(name) { n_bytes } else { 0 };
-    // A cell has a point, where its points end, and a type.
+    // A cell has a point index, the end of its points, and a type.
     let of_cell = 2 * 4 + 1;
     Column::POSITION.stride() as u64 + of("pixel", index) + of("horizon", 1) + of_cell
 }
 
-/// The bytes of a pixel in a file of tiles.
+/// Returns the bytes of a pixel in a file of tiles.
 fn stored_bytes(config: &Config, preview: &Preview) -> f64 {
     let of_film = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
     of_film as f64 + preview.counter_bytes

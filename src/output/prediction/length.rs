@@ -1,8 +1,8 @@
-//! The length of what is written.
+//! Measures the length of output.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-/// Counts bytes, and forgets them.
+/// A writer that counts bytes and discards them.
 #[derive(Debug, Default)]
 pub(super) struct Length {
     position: u64,
@@ -10,7 +10,7 @@ pub(super) struct Length {
 }
 
 impl Length {
-    /// The length of what a function writes; 0 if it fails.
+    /// Returns the length that a function writes; 0 if it fails.
     pub(super) fn of(write: impl FnOnce(&mut Self) -> io::Result<()>) -> u64 {
         let mut out = Self::default();
         match write(&mut out) {

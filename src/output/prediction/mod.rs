@@ -1,11 +1,11 @@
 //! Predicts the peak memory and the disk space of a rendering.
 //!
-//! [`memory`](crate::memory) has an upper bound, which refuses what may not fit; this is
-//! what to expect. What precedes the film is not estimated but done: the scene is read and
-//! its hierarchy built as for the rendering, and the memory of this process is that of the
-//! rendering so far. A small picture of the scene shows what depends on the camera: how many
-//! pixels have a hit, and how large their counters are. The rest are the film's arrays and
-//! the copies of some of them while files are written.
+//! [`memory`](crate::memory) has an upper bound, to refuse a rendering that may not fit; this is
+//! the expected value. The steps before the film are not estimated but performed: the scene is read
+//! and its hierarchy built as for the rendering, so this process measures their memory. A small
+//! picture of the scene shows what depends on the camera: how many pixels have a hit, and how large
+//! their counters are. The rest is the film's arrays and the copies of some of them while files are
+//! written.
 
 mod length;
 mod preview;
@@ -32,8 +32,8 @@ use tracer::accel::{Accel, BvhNode, TooLarge};
 /// The predicted resources of a rendering.
 #[derive(Debug, Clone)]
 pub struct Prediction {
-    /// Bytes of resident memory at the peak; `None` where the system does not report that of
-    /// this process.
+    /// Resident memory at the peak, in bytes; `None` where the system does not report this
+    /// process's.
     pub peak_memory: Option<u64>,
     /// The files.
     pub disk: DiskUse,
@@ -42,9 +42,9 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts the rendering of a scene that was read and placed, in bands of so many rows if
-    /// it is larger than memory, on the current rayon pool. Builds the hierarchy and renders a
-    /// small picture, and some rows.
+    /// Predicts the rendering of a scene that was read and placed, in bands of this many rows if it
+    /// is larger than memory, on the current rayon pool. Builds the hierarchy and renders a small
+    /// picture, and some rows.
     ///
     /// # Errors
     /// The hierarchy is too large.
@@ -95,7 +95,7 @@ impl Prediction {
 /// The memory of this process, in bytes.
 struct MemorySoFar {
     resident: u64,
-    /// The part of it that allocations use next.
+    /// The free part, which allocations use next.
     free: u64,
     peak: u64,
 }
@@ -110,8 +110,8 @@ impl MemorySoFar {
     }
 }
 
-/// The film, and the times of all renderings: the memory of these is free before the files are
-/// written, but the deviations, which take their place, leave no room for larger blocks.
+/// Returns the bytes of the film and of the times of all renderings. The latter are free before the
+/// files are written, but the deviations, which take their place, leave no room for larger blocks.
 fn of_film(config: &Config, preview: &Preview) -> u64 {
     let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
     let has_samples = config.cost.has_time() && config.repeats.has_spread();
@@ -127,7 +127,7 @@ fn of_film(config: &Config, preview: &Preview) -> u64 {
     (config.image.n_pixels() as f64 * per_pixel) as u64 + of_tiles
 }
 
-/// How often the picture will be rendered.
+/// Returns the number of times that the picture will be rendered.
 fn n_repeats(config: &Config, preview: &Preview) -> u8 {
     match config.repeats {
         Repeats::Exactly(n) => n.get(),
@@ -140,8 +140,8 @@ fn n_repeats(config: &Config, preview: &Preview) -> u8 {
     }
 }
 
-/// The costs attributed to primitives and nodes, and the lists of nodes that file and state
-/// need, each with a reference to the node, one to its visits, and its cost.
+/// Returns the bytes of the costs attributed to primitives and nodes, and of the lists of nodes
+/// that file and state need, each with a reference to the node, one to its visits, and its cost.
 fn of_attribution(config: &Config, scene: &Scene, nodes: &[BvhNode]) -> u64 {
     let of_surface = if config.output.has(OptionalOutput::Surface) {
         scene.primitives.len() * size_of::<Visits>()
@@ -153,7 +153,7 @@ fn of_attribution(config: &Config, scene: &Scene, nodes: &[BvhNode]) -> u64 {
     (of_surface + nodes.len() * per_node) as u64
 }
 
-/// What is copied to write the files: by their states before, or by their writers.
+/// Returns the bytes copied to write the files: by the states first, or by the writers.
 fn of_files(config: &Config, preview: &Preview) -> u64 {
     let n_pixels = config.image.n_pixels() as f64;
     let number = size_of::<f32>() as f64;
@@ -162,8 +162,8 @@ fn of_files(config: &Config, preview: &Preview) -> u64 {
     } else {
         0.0
     };
-    // The distances of hits, for their median, and beside them the values of the cost map and
-    // those of the second cost, larger than the room that the distances leave.
+    // The distances of hits, for their median, and beside them the values of the cost map and of
+    // the second cost, larger than the room that the distances leave.
     let of_states = number * preview.hit_share + 2.0 * of_map;
     let of_pictures = of_map + 3.0 * preview.map_pixels;
     let of_writers = (n_pixels * of_pictures) as u64 + writers::expected_write_bytes(config);

@@ -1,4 +1,4 @@
-//! A small picture of a scene, rendered for what depends on the camera.
+//! Renders a small picture of a scene, for all that depends on the camera.
 
 use std::time::Instant;
 
@@ -10,42 +10,43 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::{Counter, Meter};
 
-/// Most pixels of the picture: a hundredth of a second of rays, and the share of hits to
-/// about 0.5 %.
+/// Maximum number of pixels of the picture: a hundredth of a second of rays, and the share of hits
+/// to about 0.5 %.
 const MOST_PIXELS: usize = 1 << 16;
 
 /// The camera's view in the small picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Look {
-    /// Whether it sees any object.
+    /// True if it sees any object.
     pub has_hit: bool,
-    /// Whether all pixels are black.
+    /// True if all pixels are black.
     pub is_black: bool,
-    /// The object that all pixels show, if it is the same.
+    /// The object that all pixels show, if there is only one.
     pub only_object: Option<u32>,
 }
 
-/// What the small picture shows.
+/// Properties of the rendering, estimated from the small picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Preview {
     pub(super) look: Look,
     /// The share of pixels with a hit.
     pub(super) hit_share: f64,
-    /// The bytes of a pixel's packed counters in the film.
+    /// Bytes of a pixel's packed counters in the film.
     pub(super) counter_bytes: f64,
-    /// Wall time.
+    /// Wall time per sample, in seconds.
     pub(super) seconds_per_sample: f64,
-    /// Pixels of the cost map for each of the picture; 0 if there is none.
+    /// Pixels of the cost map per pixel of the picture; 0 without a map.
     pub(super) map_pixels: f64,
 }
 
-/// The image of the small picture: a part of the columns and rows, with one sample each.
+/// Returns the settings of the small picture: a subset of the columns and rows, with one sample
+/// each.
 pub(super) fn image(image: &Image) -> Image {
     let stride = stride(image);
     image.shrunk(|side| side.div_ceil(stride))
 }
 
-/// Columns and rows of the picture for each of the small one.
+/// Returns the columns and rows of the picture per column and row of the small one.
 fn stride(image: &Image) -> u32 {
     let share = image.n_pixels() as f64 / MOST_PIXELS as f64;
     (share.sqrt().ceil() as u32).max(1)
@@ -54,7 +55,7 @@ fn stride(image: &Image) -> u32 {
 impl Preview {
     /// Renders the small picture on the current rayon pool.
     pub(super) fn of(config: &Config, small: Image, scene: &Scene, accel: &Accel) -> Self {
-        // Tiles that show as much as those of the picture.
+        // Tiles that show as much of the scene as the picture's.
         let tiling = Tiling {
             size: (config.tiles.size / stride(&config.image)).max(Tiling::MIN_SIZE),
             ..config.tiles
@@ -99,8 +100,8 @@ impl Look {
     }
 }
 
-/// The bytes of a pixel's counters, packed as in the tiles of the picture: each takes as many
-/// bytes as the greatest one of its tile needs.
+/// Returns the bytes of a pixel's counters, packed as in the tiles of the picture: each takes as
+/// many bytes as the greatest one of its tile.
 fn counter_bytes(film: &Film, image: &Image) -> f64 {
     if !film.cost.has_counters() {
         return 0.0;
@@ -119,7 +120,7 @@ fn counter_bytes(film: &Film, image: &Image) -> f64 {
     Counter::ALL.into_iter().map(of_counter).sum()
 }
 
-/// The mean bytes of a counter of so many samples.
+/// Returns the mean bytes of a counter of this many samples.
 fn mean_bytes(film: &Film, counter: Counter, n_samples: u32) -> f64 {
     let grid = &film.grid;
     let mut greatest = vec![0; grid.n_tiles() as usize];
@@ -141,7 +142,7 @@ fn mean_bytes(film: &Film, counter: Counter, n_samples: u32) -> f64 {
     bytes.sum::<f64>() / n_tiles
 }
 
-/// The bytes of a number.
+/// Returns the number of bytes that a number needs.
 fn n_bytes(number: u32) -> f64 {
     f64::from((u32::BITS - number.leading_zeros()).div_ceil(u8::BITS))
 }

@@ -1,4 +1,4 @@
-//! Some rows of the picture, rendered as they will be, for what compression makes of them.
+//! Renders some rows of the picture, to measure their compression.
 
 use std::num::NonZeroU8;
 
@@ -11,27 +11,26 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 
-/// Camera rays of the rows, unless the least number of rows has more: about a second.
+/// Camera rays of the rows, unless the minimum number of rows has more: about a second.
 const N_SAMPLES: u64 = 1 << 20;
 
-/// The least number of rows of tiles, and most camera rays of these: pixels that would have more
-/// have fewer samples.
+/// Minimum number of rows of tiles. If their camera rays are too many, pixels have fewer samples.
 const LEAST_ROWS_OF_TILES: u32 = 4;
 const MOST_SAMPLES: u64 = 1 << 22;
 
-/// Renderings that show the spread of times.
+/// Two renderings, which show the spread of times.
 const TWICE: Repeats = Repeats::Exactly(NonZeroU8::new(2).unwrap());
 
 /// Rows of the picture.
 pub(super) struct RowSample<'a> {
     config: &'a Config,
     film: Film,
-    /// Rows of the picture for each of the film.
+    /// Rows of the picture per row of the film.
     share: f64,
 }
 
 impl<'a> RowSample<'a> {
-    /// Renders some rows of a scene with the image plane of the picture on the current rayon pool.
+    /// Renders some rows of a scene with the picture's image plane on the current rayon pool.
     pub(super) fn of(config: &'a Config, scene: &Scene, accel: &Accel, is_repeated: bool) -> Self {
         let has_spread = config.cost.has_time() && config.repeats.has_spread();
         let repeats = if has_spread { TWICE } else { Repeats::ONCE };
@@ -51,7 +50,7 @@ impl<'a> RowSample<'a> {
         }
     }
 
-    /// The bytes of a cloud of so many hits, and of the frame, but for their headers.
+    /// Returns the bytes of a cloud of this many hits, and of the frame, without their headers.
     pub(super) fn of_arrays(&self, n_hits: u64) -> [u64; 2] {
         let empty = Film {
             strips: Vec::new(),
@@ -71,14 +70,14 @@ impl<'a> RowSample<'a> {
         ]
     }
 
-    /// The bytes of the picture, but for its texts.
+    /// Returns the bytes of the picture without its texts.
     pub(super) fn of_picture(&self) -> u64 {
         let bits = self.config.film.bits;
         let of_rows = Length::of(|out| writers::write_bare_picture(&self.film, bits, out));
         scaled(of_rows, self.share)
     }
 
-    /// The bytes of the map of costs, 0 if there is none, whose pixels are blocks of pixels with
+    /// Returns the bytes of the cost map, 0 without one, whose pixels are blocks of pixels with
     /// this side.
     pub(super) fn of_map(&self, side: u32) -> u64 {
         if !self.config.cost.has_counters() {
@@ -91,8 +90,8 @@ impl<'a> RowSample<'a> {
     }
 }
 
-/// The picture with no more samples than there is time for, and the number of rows, which are
-/// rendered so many times.
+/// Returns the picture with at most the samples that there is time for, and the number of rows,
+/// which are rendered `n_renderings` times.
 fn rows(config: &Config, n_renderings: u64) -> (Image, u32) {
     let image = config.image;
     let per_row = u64::from(image.width) * n_renderings;

@@ -10,9 +10,9 @@ use vtk::read::{
 /// The header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayInfo {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// The VTK type of its numbers: `Float32`, `UInt32`, …
+    /// VTK's type of the numbers: `Float32`, `UInt32`, …
     pub vtk_type: String,
     /// Numbers per pixel or point.
     pub n_components: usize,
@@ -21,17 +21,17 @@ pub struct ArrayInfo {
 /// An array in memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedArray {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Numbers per pixel or point.
     pub n_components: usize,
-    /// Its numbers, with the components of a pixel or point interleaved.
+    /// Numbers, with the components of a pixel or point interleaved.
     pub values: ArrayValues,
 }
 
 impl LoadedArray {
-    /// Appends the tuples of the same array of the next piece, but for the first `n_skipped`;
-    /// false if its numbers have another type.
+    /// Appends the tuples of the same array in the next piece, except for the first `n_skipped`;
+    /// false if the types differ.
     pub(super) fn append(&mut self, next: &Self, n_skipped: usize) -> bool {
         let is_same = self.n_components == next.n_components;
         is_same && (self.values).append(&next.values, n_skipped * next.n_components)
@@ -42,14 +42,14 @@ impl LoadedArray {
 #[derive(Debug)]
 pub(super) struct Arrays {
     pub(super) file: VtkReader,
-    /// Those that the scene chose; `None` if the file has all, or none is known.
+    /// The arrays that the scene chose; `None` if the file has all, or if unknown.
     pub(super) chosen: Option<Vec<String>>,
     pub(super) infos: Vec<ArrayInfo>,
     places: Vec<ArrayLocation>,
 }
 
 impl Arrays {
-    /// The arrays of a file that have so many tuples.
+    /// Lists the arrays of a file with this many tuples.
     pub(super) fn of(
         file: VtkReader,
         arrays: &DataArraysElement,
@@ -81,7 +81,7 @@ impl Arrays {
         self.position(name).ok_or_else(|| self.missing(name))
     }
 
-    /// Reads an array that the file stores in so many rows, the last row first.
+    /// Reads an array that the file stores in this many rows, bottom row first.
     pub(super) fn read(&self, name: &str, n_rows: usize) -> Result<LoadedArray, Diagnostic> {
         let index = self.index(name)?;
         Ok(LoadedArray {
@@ -116,7 +116,7 @@ impl Arrays {
     /// Checks that the file has these arrays.
     ///
     /// # Errors
-    /// Some are missing, with what writes them.
+    /// Arrays are missing; the message says how to write them.
     pub(super) fn require(&self, names: &[&str]) -> Result<(), Diagnostic> {
         let mut missing = names.iter().filter(|name| self.position(name).is_none());
         match (missing.next(), &self.chosen) {
@@ -129,7 +129,7 @@ impl Arrays {
         }
     }
 
-    /// The error for arrays that the scene did not choose.
+    /// Returns the error for arrays that the scene did not choose.
     fn left_out(&self, names: &[&str]) -> Diagnostic {
         let path = self.file.path.display();
         let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
@@ -143,7 +143,7 @@ impl Arrays {
             .with_help(format!("add {list} to `output.arrays`, and render again"))
     }
 
-    /// The error for a missing array, with the option that writes it.
+    /// Returns the error for a missing array, with the option that writes it.
     fn missing(&self, name: &str) -> Diagnostic {
         let is_left_out = |chosen: &Vec<String>| chosen.iter().all(|other| other != name);
         if self.chosen.as_ref().is_some_and(is_left_out) {

@@ -1,12 +1,12 @@
-//! Frames of animated scenes that are complete.
+//! Complete frames of animated scenes.
 
 use std::path::Path;
 
 use crate::summary::{self, FrameSection, Summary};
 use base::folder::settle;
 
-/// The summary of a frame's folder if its files are complete and are those that the same
-/// scene would give again; their lengths are checked, not their checksums.
+/// Returns the summary of a frame's folder if its files are complete and the same scene would give
+/// the same ones; checks their lengths, not their checksums.
 pub fn complete_frame(folder: &Path, expected: &FrameSection) -> Option<Summary> {
     let path = folder.join(summary::FILE);
     if !path.is_file() {

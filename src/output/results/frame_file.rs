@@ -18,14 +18,14 @@ pub struct FrameFile {
     pieces: Vec<FramePiece>,
 }
 
-/// Rows of the frame in a file.
+/// A file with rows of the frame.
 #[derive(Debug)]
 pub struct FramePiece {
     arrays: Arrays,
     width: u32,
-    /// The rows of the file, row 0 of the picture on top.
+    /// The rows in the file, row 0 of the picture on top.
     stored: Range<u32>,
-    /// The rows that no piece above it has.
+    /// The rows that no piece above has.
     rows: Range<u32>,
 }
 
@@ -33,7 +33,7 @@ impl FrameFile {
     /// Opens `frame.vti` or `frame.pvti` at `path`.
     ///
     /// # Errors
-    /// The file, or that of a piece, cannot be read, is damaged, or raycost did not write it.
+    /// The file, or the file of a piece, cannot be read, is damaged, or was not written by raycost.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         match PieceList::open(path)? {
             None => {
@@ -78,32 +78,32 @@ impl FrameFile {
         })
     }
 
-    /// The id of the run that wrote the file, if the file has one.
+    /// Returns the id of the run that wrote the file, if the file has one.
     pub fn run(&self) -> Option<&str> {
         self.pieces[0].arrays.file.run.as_deref()
     }
 
-    /// Columns.
+    /// Returns the number of columns.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The headers of the arrays, in the file's order.
+    /// Returns the headers of the arrays, in the file's order.
     pub fn arrays(&self) -> &[ArrayInfo] {
         &self.pieces[0].arrays.infos
     }
 
-    /// Whether the file has an array of this name.
+    /// Returns true if the file has an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.pieces[0].arrays.position(name).is_some()
     }
 
-    /// Names the arrays that the scene chose, for messages.
+    /// Sets the arrays that the scene chose, for messages.
     pub(super) fn set_chosen(&mut self, chosen: Option<&Vec<String>>) {
         for piece in &mut self.pieces {
             piece.arrays.chosen = chosen.cloned();
@@ -113,28 +113,27 @@ impl FrameFile {
     /// Checks that the file has these arrays.
     ///
     /// # Errors
-    /// Some are missing, with what writes them.
+    /// Arrays are missing; the message says how to write them.
     pub fn require(&self, names: &[&str]) -> Result<(), Diagnostic> {
         self.pieces[0].arrays.require(names)
     }
 
-    /// The pieces from top to bottom; one if the frame is one file.
+    /// Returns the pieces from top to bottom; a frame in one file is one piece.
     pub fn pieces(&mut self) -> &mut [FramePiece] {
         &mut self.pieces
     }
 
-    /// Reads an array, row-major, `width * height` tuples, row 0 on top as in the
-    /// film; the file stores the bottom row first.
+    /// Reads an array, row-major, `width * height` tuples, row 0 on top as in the film; the file
+    /// stores the bottom row first.
     ///
     /// # Errors
-    /// The array is missing, with the option that writes it, or damaged.
+    /// The array is missing or damaged; the message says how to write it.
     pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
         self.joined(|piece| Ok(Some(piece.read_shared(name)?)))
     }
 
-    /// Reads the pixels of an array at the intersections of `columns` and `rows`,
-    /// both ascending, as [`Self::read`] does. Takes the memory of these pixels and
-    /// of one row of the array.
+    /// Reads the pixels of an array at the intersections of `columns` and `rows`, both ascending,
+    /// as [`Self::read`] does. Needs memory for these pixels and one row of the array.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -156,7 +155,7 @@ impl FrameFile {
         })
     }
 
-    /// Joins what `read` returns of each piece.
+    /// Joins the arrays that `read` returns for each piece.
     fn joined(
         &self,
         read: impl Fn(&FramePiece) -> Result<Option<LoadedArray>, Diagnostic>,
@@ -177,7 +176,7 @@ impl FrameFile {
 }
 
 impl FramePiece {
-    /// Opens the file of a piece of a picture with so many rows, or of a whole one.
+    /// Opens a piece of a picture with this many rows, or a whole picture.
     fn open(path: &Path, height: Option<u32>) -> Result<Self, Diagnostic> {
         let (file, header) = VtkReader::open(path)?;
         let Some(image) = header.image else {
@@ -198,12 +197,12 @@ impl FramePiece {
         })
     }
 
-    /// Whether it has an array of this name.
+    /// Returns true if it has an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.arrays.position(name).is_some()
     }
 
-    /// The first of its rows.
+    /// Returns the first of its rows.
     pub fn first_row(&self) -> u32 {
         self.rows.start
     }
@@ -233,8 +232,8 @@ impl FramePiece {
     }
 }
 
-/// The columns and the rows of an extent, row 0 of the picture on top; `None` if it is not
-/// that of whole rows. A picture of unknown height has all of its rows.
+/// Returns the columns and the rows of an extent, row 0 of the picture on top; `None` unless it
+/// consists of whole rows. A picture of unknown height has all of its rows.
 fn place([x0, x1, y0, y1]: &[u32; 4], height: Option<u32>) -> Option<(u32, Range<u32>)> {
     let height = match height {
         None => (*y0 == 0).then_some(y1 + 1)?,
@@ -256,7 +255,7 @@ mod tests {
     use vtk::data_set::{DataSet, Extent};
     use vtk::{ArrayValues, Codec, appended};
 
-    /// A file in which zeros take no space on the disk.
+    /// A file whose zeros take no space on the disk.
     struct SparseFile(File);
 
     impl Write for SparseFile {
@@ -282,7 +281,7 @@ mod tests {
 
     static ZEROS: [u8; 1 << 20] = [0; 1 << 20];
 
-    /// Zeros but for the last bytes.
+    /// Zeros except for the last bytes.
     fn array<'a>(name: &'a str, n_components: usize, n: u64, last: &'static [u8]) -> Array<'a> {
         let n_bytes = n * n_components as u64;
         Array {
@@ -322,7 +321,7 @@ mod tests {
         assert!(path.metadata().unwrap().len() > 4 * n);
         let mut frame = FrameFile::open(&path).unwrap();
         assert_eq!([frame.width(), frame.height()], size);
-        // The last pixels of a file are those of the upper row.
+        // The last pixels of the file belong to the upper row.
         let columns = [0, size[0] - 2, size[0] - 1];
         let found = frame.read_selected("n_rejected", &columns, &[0, size[1] - 1]);
         let expected = ArrayValues::U8(vec![0, 7, 8, 0, 0, 0]);

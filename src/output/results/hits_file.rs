@@ -15,7 +15,7 @@ pub struct HitsFile {
     pieces: Vec<HitsPiece>,
 }
 
-/// Points of the cloud in a file.
+/// A file with points of the cloud.
 #[derive(Debug)]
 pub struct HitsPiece {
     n_points: usize,
@@ -27,7 +27,7 @@ impl HitsFile {
     /// Opens `hits.vtu` or `hits.pvtu` at `path`.
     ///
     /// # Errors
-    /// The file, or that of a piece, cannot be read, is damaged, or raycost did not write it.
+    /// The file, or the file of a piece, cannot be read, is damaged, or was not written by raycost.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(list) = PieceList::open(path)? else {
             return Ok(Self {
@@ -46,34 +46,34 @@ impl HitsFile {
         Ok(Self { pieces })
     }
 
-    /// The id of the run that wrote the file, if the file has one.
+    /// Returns the id of the run that wrote the file, if the file has one.
     pub fn run(&self) -> Option<&str> {
         self.pieces[0].arrays.file.run.as_deref()
     }
 
-    /// The number of pixels with a hit.
+    /// Returns the number of pixels with a hit.
     pub fn n_points(&self) -> usize {
         self.pieces.iter().map(|piece| piece.n_points).sum()
     }
 
-    /// The headers of the arrays except the points, in the file's order.
+    /// Returns the headers of the arrays except the points, in the file's order.
     pub fn arrays(&self) -> &[ArrayInfo] {
         &self.pieces[0].arrays.infos
     }
 
-    /// Whether the file has an array of this name.
+    /// Returns true if the file has an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.pieces[0].arrays.position(name).is_some()
     }
 
-    /// Names the arrays that the scene chose, for messages.
+    /// Sets the arrays that the scene chose, for messages.
     pub(super) fn set_chosen(&mut self, chosen: Option<&Vec<String>>) {
         for piece in &mut self.pieces {
             piece.arrays.chosen = chosen.cloned();
         }
     }
 
-    /// The pieces, in the order of the pixels; one if the cloud is one file.
+    /// Returns the pieces in the order of the pixels; a cloud in one file is one piece.
     pub fn pieces(&mut self) -> &mut [HitsPiece] {
         &mut self.pieces
     }
@@ -81,7 +81,7 @@ impl HitsFile {
     /// Reads an array, in the order of the pixels, row 0 on top.
     ///
     /// # Errors
-    /// The array is missing, with the option that writes it, or damaged.
+    /// The array is missing or damaged; the message says how to write it.
     pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
         let (first, others) = self.pieces.split_at_mut(1);
         let mut joined = first[0].read(name)?;

@@ -1,9 +1,8 @@
 //! An output folder → its summary and the arrays of its VTK files.
 //!
-//! [`Results::open`] reads the summary; arrays are read on request. Files that are
-//! missing, damaged or of different runs are errors that say what to do. The
-//! reader supports only the VTK XML files that [`crate::writers`] writes: arrays in
-//! appended raw data, with or without compressed blocks.
+//! [`Results::open`] reads the summary; arrays are read on request. Missing, damaged or mismatched
+//! files are errors that say what to do. The reader supports only the VTK XML files that
+//! [`crate::writers`] writes: arrays in appended raw data, with or without compressed blocks.
 
 mod frame;
 mod objects;
@@ -31,7 +30,7 @@ use base::provenance::checksum;
 use base::text::Diagnostic;
 use base::text::numbers::{count, counted};
 
-/// The folder of the first frame in that of an animated scene's output.
+/// The folder of the first frame within the folder of an animated scene.
 const FIRST_FRAME: &str = "frames/0000";
 
 /// An output folder whose summary has been read.
@@ -46,7 +45,7 @@ impl Results {
     /// Opens a folder and reads its `summary.json`.
     ///
     /// # Errors
-    /// There is no folder, or `raycost render` did not write it.
+    /// The folder does not exist, or was not written by `raycost render`.
     pub fn open(folder: &Path) -> Result<Self, Diagnostic> {
         let shown = folder.display();
         let hint = "give a folder that `raycost render` wrote, such as out/seed_sphere";
@@ -76,12 +75,12 @@ impl Results {
         })
     }
 
-    /// The folder's path as the user typed it.
+    /// Returns the folder's path as the user typed it.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The file of all pixels: `frame.vti`, or `frame.pvti` if it has pieces.
+    /// Returns the file of all pixels: `frame.vti`, or `frame.pvti` if it has pieces.
     pub fn frame_name(&self) -> &'static str {
         match self.listed(FRAME_PVTI.name) {
             Some(_) => FRAME_PVTI.name,
@@ -89,7 +88,7 @@ impl Results {
         }
     }
 
-    /// The file of the hit points: `hits.vtu`, or `hits.pvtu` if it has pieces.
+    /// Returns the file of the hit points: `hits.vtu`, or `hits.pvtu` if it has pieces.
     pub fn hits_name(&self) -> &'static str {
         match self.listed(HITS_PVTU.name) {
             Some(_) => HITS_PVTU.name,
@@ -138,7 +137,7 @@ impl Results {
         Ok(hits)
     }
 
-    /// The path of a file in the folder.
+    /// Returns the path of a file in the folder.
     ///
     /// # Errors
     /// The file is missing.
@@ -150,14 +149,14 @@ impl Results {
         Err(Diagnostic::new(format!("`{}` is missing", path.display())).with_help(self.advice()))
     }
 
-    /// Checks that the run of the summary wrote the file.
+    /// Checks that the file belongs to the summary's run.
     fn check_run(&self, name: &str, run: Option<&str>) -> Result<(), Diagnostic> {
         let expected = self.summary.run.map(|run| run.to_string());
         if run != expected.as_deref() {
             return Err(self.mixed(format!("{name} is not of the run of summary.json")));
         }
         self.check_length(name)?;
-        // Lists of pieces are of their run.
+        // Lists of pieces belong to their run.
         let files = self.summary.files.iter().map(|file| file.name.as_str());
         files
             .filter(|file| is_piece(file))
@@ -199,7 +198,7 @@ impl Results {
         let scene = &self.summary.scene.file;
         let (folder, frame) = match &self.summary.frame {
             None => (Some(self.folder.as_path()), String::new()),
-            // A frame's folder is `frames/NNNN` in that of the series.
+            // A frame's folder is `frames/NNNN` in the folder of the series.
             Some(frame) => (
                 self.folder.ancestors().nth(2),
                 format!(" --frames {}", frame.number),
@@ -211,8 +210,8 @@ impl Results {
     }
 }
 
-/// Calls `read`, and again if another run has changed one of the folders meanwhile, up
-/// to `MAX_RETRIES` times.
+/// Calls `read`, and calls it again if another run has changed one of the folders meanwhile, up to
+/// `MAX_RETRIES` times.
 ///
 /// # Errors
 /// The error of the last call of `read`.
@@ -236,5 +235,5 @@ pub fn read_unchanged<T>(
     read()
 }
 
-/// Most calls of `read` that are repeated because a folder has changed.
+/// Maximum number of repeated calls of `read` because a folder has changed.
 const MAX_RETRIES: usize = 5;

@@ -9,31 +9,31 @@ use base::files;
 use base::text::{Diagnostic, numbers, text_of_cell};
 use scene::yaml::MAX_NAME;
 
-/// Most bytes of a row: a quoted name of the longest characters, and the numbers.
+/// Maximum number of bytes of a row: a quoted name of the longest characters, and the numbers.
 const MAX_ROW: u64 = 2 * 4 * MAX_NAME as u64 + 1024;
 
 /// The cells of the table as text; names are unescaped.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjectsTable {
-    /// The columns' names.
+    /// The names of the columns.
     pub columns: Vec<String>,
     /// The rows, each as long as `columns`.
     pub rows: Vec<Vec<String>>,
 }
 
 impl ObjectsTable {
-    /// The index of the column with this name.
+    /// Returns the index of the column with this name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column == name)
     }
 }
 
 impl Results {
-    /// Reads `objects.csv`; `None` if the folder has none.
+    /// Reads `objects.csv`; `None` if the folder has no such file.
     ///
     /// # Errors
-    /// The file cannot be read, is damaged, or has more rows than the objects and
-    /// materials of the summary allow.
+    /// The file cannot be read, is damaged, or has more rows than the objects and materials of the
+    /// summary allow.
     pub fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
         let file = match files::open(&self.folder().join(OBJECTS_CSV.name)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -65,8 +65,8 @@ impl Results {
         Ok(Some(ObjectsTable { columns, rows }))
     }
 
-    /// Most rows of a table of this scene; "nothing" counts as one more object and
-    /// one more material.
+    /// Returns the maximum number of rows of this scene's table; "nothing" counts as one more
+    /// object and one more material.
     fn most_rows(&self) -> usize {
         let summary = &self.summary;
         (summary.objects.len() + summary.materials.len() + 2) * rows_per_thing()
@@ -80,7 +80,7 @@ impl Results {
         ))
     }
 
-    /// The error for an unusable table.
+    /// Returns the error for an unusable table.
     pub fn no_table(&self, why: &str) -> Diagnostic {
         let path = self.folder().join(OBJECTS_CSV.name);
         Diagnostic::new(format!("cannot read `{}`: {why}", path.display()))

@@ -9,7 +9,7 @@ use base::files;
 use base::text::Diagnostic;
 use vtk::read::{extent_of, size_of_extent};
 
-/// Most bytes of a list; a picture has a few hundred pieces.
+/// Maximum number of bytes of a list; a picture has a few hundred pieces.
 const MAX_LIST: u64 = 1 << 22;
 
 /// The pieces of a file.
@@ -52,7 +52,7 @@ impl PieceList {
     /// Opens the list at `path`; `None` for a file that is not a list, by its extension.
     ///
     /// # Errors
-    /// It cannot be read, or raycost did not write it.
+    /// The list cannot be read, or was not written by raycost.
     pub(super) fn open(path: &Path) -> Result<Option<Self>, Diagnostic> {
         let extension = path.extension().unwrap_or_default();
         if extension != "pvti" && extension != "pvtu" {
@@ -87,7 +87,7 @@ impl PieceList {
         Ok(Some(this))
     }
 
-    /// The error for a list that raycost did not write.
+    /// Returns the error for a list that raycost did not write.
     pub(super) fn foreign(&self, why: &str) -> Diagnostic {
         let shown = self.path.display();
         Diagnostic::new(format!("`{shown}` is not as raycost writes it: {why}"))

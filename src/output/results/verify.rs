@@ -13,9 +13,9 @@ use base::text::numbers::count;
 /// The result for one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// Its name in the folder.
+    /// Name in the folder.
     pub name: String,
-    /// How the file differs from the one that was written; `None` if it does not.
+    /// The difference from the file that was written; `None` if there is none.
     pub fault: Option<String>,
 }
 

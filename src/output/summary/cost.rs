@@ -46,27 +46,26 @@ pub struct ScheduleSection {
     pub n_tiles: u32,
     /// The longest busy time of a thread over the mean of all threads, minus 1.
     pub load_imbalance: Option<f64>,
-    /// The fraction of the threads' time without a tile.
+    /// The fraction of the threads' time spent without a tile.
     pub idle_share: Option<f64>,
 }
 
 /// A file of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FileEntry {
-    /// Its name in the folder.
+    /// Name in the folder.
     #[serde(rename = "file")]
     pub name: String,
-    /// Its length in bytes.
+    /// Length in bytes.
     pub bytes: u64,
-    /// Its checksum.
+    /// Checksum.
     pub checksum: Option<Checksum>,
-    /// Wall time of writing in milliseconds; other files were written at the same
-    /// time.
+    /// Wall time of writing in milliseconds; other files were written concurrently.
     pub write_ms: Option<f64>,
 }
 
 impl CostSection {
-    /// The sum of an array of the film; `None` if it was not measured.
+    /// Returns the sum of an array of the film; `None` if it was not measured.
     pub fn total(&self, array: &str) -> Option<f64> {
         self.totals.as_ref()?.get(array)?.as_ref()?.as_f64()
     }

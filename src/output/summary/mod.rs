@@ -1,11 +1,9 @@
-//! `summary.json`: what was rendered, on which machine, and what it cost in
-//! total.
+//! `summary.json`: the scene, the machine, and the total cost.
 //!
-//! One set of types describes the file: [`crate::writers`] fills them in and
-//! writes them, and whatever reads an output folder gets them back from
-//! [`Summary::read`]. A reader ignores unknown keys. An optional field is null or
-//! absent in files whose run did not measure it, or whose raycost did not write
-//! it.
+//! One set of types describes the file: [`crate::writers`] fills them in and writes them, and
+//! readers of an output folder get them back from [`Summary::read`]. A reader ignores unknown keys.
+//! An optional field is null or absent if the run did not measure it, or if that version of raycost
+//! did not write it.
 
 mod cost;
 mod other_runs;
@@ -37,13 +35,13 @@ pub use base::folder::SUMMARY as FILE;
 use base::provenance::RunId;
 use vtk::Codec;
 
-/// The contents of `summary.json`, in the order of its keys. The file has one
-/// more key at its end: the checksum of all bytes before it.
+/// The contents of `summary.json`, in the order of its keys. The file ends with one more key: the
+/// checksum of all bytes before it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// The version of raycost that rendered.
     pub raycost: String,
-    /// The ID of the run, which its other files also have.
+    /// The ID of the run, which is in its other files too.
     #[serde(rename = "raycost_run")]
     pub run: Option<RunId>,
     /// The scene file.
@@ -51,13 +49,13 @@ pub struct Summary {
     /// The frame of an animated scene; left out for a still.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<FrameSection>,
-    /// What is missing; left out if the output is complete.
+    /// The missing parts; left out if the output is complete.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub partial: Option<Partial>,
     /// Size and sampling of the picture.
     pub image: ImageSection,
-    /// How light became the numbers of the picture; left out if they are proportional to
-    /// it, with the factor 1.
+    /// The conversion from light to the numbers of the picture; left out if these are proportional
+    /// to it, with the factor 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<FilmSection>,
     /// Positions of the pixels in world space.
@@ -70,8 +68,8 @@ pub struct Summary {
     pub materials: Vec<String>,
     /// The number of primitives in the scene.
     pub n_primitives: u64,
-    /// The number of instances of meshes that are placed many times, whose triangles are among
-    /// the primitives once; left out if there are none.
+    /// The number of instances of instanced meshes, each of whose triangles counts once among the
+    /// primitives; left out if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_instances: Option<u64>,
     /// The number of triangles without area, which are not in the scene.
@@ -84,7 +82,7 @@ pub struct Summary {
     pub build: Option<Build>,
     /// The number of threads.
     pub threads: Threads,
-    /// The ranks of MPI that rendered; left out if one process did that no launcher has started.
+    /// The MPI ranks that rendered; left out for a single process that no launcher has started.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ranks: Option<RanksSection>,
     /// The tiles of other runs; left out if there are none.
@@ -113,7 +111,7 @@ pub struct Summary {
     pub schedule: Option<ScheduleSection>,
     /// The compression of the VTK files.
     pub compress: Option<Codec>,
-    /// The arrays of the cloud and the frame that the scene chose; left out if they have all.
+    /// The arrays of cloud and frame that the scene chose; left out if they have all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrays: Option<Vec<String>>,
     /// The files of the run except the summary itself.

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use render::checkpoint::{Checkpoint, TileSource};
 
-/// The tiles that were taken over from other runs: parts of the picture, or what an
-/// interrupted rendering has finished. The stages are those of the run that wrote the
-/// summary alone; the renderings in `repeats` and the schedule have the tiles of all.
+/// Tiles taken over from other runs: parts of the picture, or the finished tiles of an interrupted
+/// rendering. The stages cover only the run that wrote the summary; the renderings in `repeats` and
+/// the schedule include the tiles of all runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OtherRuns {
-    /// The number of these tiles, of all renderings.
+    /// The number of these tiles, over all renderings.
     pub n_tiles: u64,
     /// One entry per file of tiles.
     pub files: Vec<OtherRunsOfFile>,
@@ -23,18 +23,18 @@ pub struct OtherRunsOfFile {
     pub part: Option<String>,
     /// The number of tiles.
     pub n_tiles: u64,
-    /// The number of runs, which continued each other.
+    /// The number of runs, each of which continued the one before.
     pub n_runs: usize,
-    /// The most threads of a run.
+    /// The maximum number of threads of a run.
     pub threads: u32,
-    /// Wall time of rendering, all runs together, in milliseconds.
+    /// Wall time of rendering, summed over all runs, in milliseconds.
     pub wall_ms: f64,
-    /// CPU time of rendering, all threads and runs together, in milliseconds.
+    /// CPU time of rendering, summed over all threads and runs, in milliseconds.
     pub cpu_ms: f64,
 }
 
 impl OtherRuns {
-    /// The runs whose tiles a rendering has taken over; `None` if it has none.
+    /// Returns the runs whose tiles a rendering has taken over; `None` if there are none.
     pub fn of(checkpoint: &Checkpoint) -> Option<Self> {
         let files = checkpoint.sources().iter().map(Into::into);
         let this = Self {

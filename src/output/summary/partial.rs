@@ -1,4 +1,4 @@
-//! The section on what a rendering has left out.
+//! The section on the missing parts of a rendering.
 
 use std::fmt;
 
@@ -6,23 +6,23 @@ use serde::{Deserialize, Serialize};
 
 use base::text::numbers::count;
 
-/// What is missing in the output of a rendering that ended before it was complete.
+/// The missing parts of a rendering that ended before it was complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Partial {
-    /// The number of tiles that were not rendered: their pixels are black, hit nothing and
-    /// cost nothing.
+    /// The number of tiles that were not rendered: their pixels are black, without hits and without
+    /// cost.
     pub n_missing_tiles: u64,
     /// The number of all tiles.
     pub n_tiles: u64,
-    /// How often the picture was rendered.
+    /// The number of times that the picture was rendered.
     pub n_renderings: u8,
-    /// How often it was to be rendered.
+    /// The number of times that the picture was to be rendered.
     pub n_renderings_asked: u8,
 }
 
 impl Partial {
-    /// What is missing if so many of so many tiles were rendered, in so many of so many
-    /// renderings; `None` if nothing is.
+    /// Returns the missing parts, given the finished and all tiles, and the finished and all
+    /// renderings; `None` if nothing is missing.
     pub fn of(tiles: [u32; 2], renderings: [u8; 2]) -> Option<Self> {
         let this = Self {
             n_missing_tiles: (tiles[1] - tiles[0]).into(),

@@ -59,7 +59,7 @@ impl Machine {
 }
 
 impl Build {
-    /// The program with its version and its commit.
+    /// Returns the program with its version and its commit.
     pub fn title(&self) -> String {
         provenance::program(&self.version, self.commit.as_deref())
     }

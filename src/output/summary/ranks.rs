@@ -6,13 +6,13 @@ use sysinfo::System;
 use render::ranks::{RankWork, Team};
 use render::schedule::{Schedule, TileRun};
 
-/// The ranks that have rendered the picture together, or the only one, and how evenly they were busy.
+/// The ranks that rendered the picture, and how evenly they were busy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RanksSection {
     /// The number of ranks.
     pub n: u32,
-    /// The longest busy time of a rank's threads over the mean of all threads, minus 1; the
-    /// busy time of a rank is the mean of its threads.
+    /// The longest busy time of a rank over the mean of all threads, minus 1; the busy time of a
+    /// rank is the mean of its threads.
     pub load_imbalance: f64,
     /// Bytes of all messages with tiles.
     pub sent_bytes: u64,
@@ -25,22 +25,22 @@ pub struct RanksSection {
 pub struct RankEntry {
     /// The name of its machine.
     pub host: String,
-    /// Its number of threads.
+    /// Number of threads.
     pub threads: u32,
-    /// The number of tiles that it has rendered; of repeated renderings in the last one.
+    /// The number of tiles that the rank rendered, in the last of repeated renderings.
     pub n_tiles: u64,
-    /// Time from the start to the end of each of these tiles, in milliseconds, all threads
-    /// together.
+    /// Time from the start to the end of each of these tiles, summed over all threads, in
+    /// milliseconds.
     pub busy_ms: f64,
-    /// Bytes of its messages with tiles, or with their numbers, in all renderings.
+    /// Bytes of the rank's messages with tiles, or with their numbers, in all renderings.
     pub sent_bytes: u64,
-    /// Time in which it has packed, sent, received and stored tiles, in milliseconds, beside
-    /// the threads that render.
+    /// Time spent packing, sending, receiving and storing tiles, in milliseconds, in parallel with
+    /// the rendering threads.
     pub communication_ms: f64,
 }
 
 impl RanksSection {
-    /// The ranks of a team that have rendered these tiles, and sent so much.
+    /// Describes the ranks of a team that rendered these tiles with this communication.
     pub fn of(team: &Team, schedule: &Schedule, work: &[RankWork]) -> Self {
         let entries = team.members.iter().zip(work).zip(0..);
         let of_rank = entries.map(|((member, work), rank)| {
@@ -50,7 +50,7 @@ impl RanksSection {
         Self::with(of_rank.collect())
     }
 
-    /// The only rank, which has sent nothing.
+    /// Describes a single rank, which has sent nothing.
     pub fn of_one(n_threads: u32, schedule: &Schedule) -> Self {
         let host = System::host_name().unwrap_or_default();
         let nothing = RankWork::default();
@@ -68,7 +68,7 @@ impl RanksSection {
 }
 
 impl RankEntry {
-    /// A rank on a machine that has rendered its tiles of these, and sent so much.
+    /// Describes a rank on this machine with this communication.
     fn of((rank, host): (u32, String), threads: u32, schedule: &Schedule, work: RankWork) -> Self {
         let here = || {
             let runs = schedule.rendered().map(|(_, run)| run);
@@ -85,7 +85,7 @@ impl RankEntry {
     }
 }
 
-/// The longest mean busy time of the threads of a rank over that of all threads, minus 1.
+/// Returns the longest mean busy time of a rank's threads over the mean of all threads, minus 1.
 fn load_imbalance(ranks: &[RankEntry]) -> f64 {
     let per_thread = |rank: &RankEntry| rank.busy_ms / f64::from(rank.threads);
     let longest = ranks.iter().map(per_thread).fold(0.0, f64::max);
@@ -112,7 +112,7 @@ mod tests {
             sent_bytes: 0,
             communication_ms: 0.0,
         };
-        // 30 ms and 60 ms of each thread: 150 ms of three.
+        // 30 ms and 60 ms per thread: 150 ms over three threads.
         let ranks = [rank(1, 30.0), rank(2, 120.0)];
         assert_eq!(load_imbalance(&ranks), 60.0 / 50.0 - 1.0);
         assert_eq!(load_imbalance(&[rank(1, 0.0), rank(2, 0.0)]), 0.0);

@@ -10,18 +10,17 @@ use base::host::available_memory;
 use base::text::Diagnostic;
 use scene::yaml::{Fault, Source};
 
-/// Longest summary that is read, in bytes: enough for a short name of each of a
-/// million objects.
+/// Maximum length of a summary in bytes: enough for a million objects with short names.
 pub const MAX_BYTES: u64 = 256 << 20;
 
-/// Most bytes of memory per byte of JSON text: a value for every other byte.
+/// Maximum bytes of memory per byte of JSON text: a value for every other byte.
 const MEMORY_PER_BYTE: u64 = 40;
 
 impl Summary {
     /// Reads a summary.
     ///
     /// # Errors
-    /// A file that cannot be read, or the line that is not as raycost writes it.
+    /// The file cannot be read, or a line is not as raycost writes it.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         let name = path.display().to_string();
         let text = read_json(path, MAX_BYTES)
@@ -35,7 +34,7 @@ impl Summary {
     }
 }
 
-/// The byte that an error points at; its column is in bytes, from 1.
+/// Returns the byte that an error points at; the error's column is in bytes, from 1.
 fn place(text: &str, error: &serde_json::Error) -> Range<usize> {
     let lines = text.split_inclusive('\n').take(error.line().max(1) - 1);
     let begin: usize = lines.map(str::len).sum();
@@ -49,8 +48,8 @@ fn place(text: &str, error: &serde_json::Error) -> Range<usize> {
 /// Reads the text of a JSON file.
 ///
 /// # Errors
-/// A file that cannot be read, that is longer than `max_bytes`, or whose values
-/// may not fit into the free memory.
+/// The file cannot be read, is longer than `max_bytes`, or its values may not fit into the free
+/// memory.
 pub(crate) fn read_json(path: &Path, max_bytes: u64) -> io::Result<String> {
     files::read_text(path, max_bytes.min(available_memory() / MEMORY_PER_BYTE))
 }

@@ -21,7 +21,7 @@ pub struct SceneSection {
     pub name: String,
     /// The path as the user typed it.
     pub file: String,
-    /// The values that the command line set, such as `image.seed=7`; left out if none.
+    /// The values set on the command line, such as `image.seed=7`; left out if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
 }
@@ -29,15 +29,15 @@ pub struct SceneSection {
 /// The frame of an animated scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameSection {
-    /// Its number; that of the first is 0.
+    /// Number, from 0.
     pub number: u32,
     /// The number of all frames.
     pub n_frames: u32,
-    /// Its time, by the data series or in seconds of the video.
+    /// Time, as in the data series or in seconds of the video.
     pub time: f64,
-    /// A hash of all that determines its files: a frame with another one is rendered again.
+    /// A hash of all inputs of the frame's files: if it differs, the frame is rendered again.
     pub fingerprint: Checksum,
-    /// The values of its ParaView states, of which those of the series are made.
+    /// The values of the frame's ParaView states, from which the states of the series are made.
     #[serde(default)]
     pub states: serde_json::Value,
 }
@@ -62,18 +62,18 @@ pub struct ImageSection {
     /// The radius of the filter in pixels; left out if it is the filter's usual one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter_radius: Option<f32>,
-    /// Adaptive sampling, with the samples per pixel as the most; left out without it.
+    /// Adaptive sampling, whose maximum is the samples per pixel; left out without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
-    /// Where it is in a larger picture; left out if it is a whole picture.
+    /// The position in a larger picture; left out for a whole picture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub window: Option<PictureWindow>,
 }
 
-/// How light became the numbers of the picture.
+/// The conversion from light to the numbers of the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FilmSection {
-    /// Stops.
+    /// Exposure in stops.
     pub exposure: f32,
     /// The tone curve: `none`, `agx` or `aces`.
     pub tone_curve: String,
@@ -84,9 +84,9 @@ pub struct FilmSection {
 /// Positions of the pixels in world space. Either `eye` or `direction` is given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CameraSection {
-    /// The origin of all camera rays, of a perspective camera, or the center of its lens.
+    /// The origin of all camera rays of a perspective camera, or the center of its lens.
     pub eye: Option<[f64; 3]>,
-    /// The direction of all camera rays, a unit vector, of an orthographic camera.
+    /// The direction of all camera rays of an orthographic camera, a unit vector.
     pub direction: Option<[f32; 3]>,
     /// The sample point of the top left pixel.
     pub origin: [f64; 3],
@@ -94,10 +94,10 @@ pub struct CameraSection {
     pub right: [f32; 3],
     /// The step from one row to the row below.
     pub down: [f32; 3],
-    /// Whether these are those of a panorama's map, whose lengths are angles in radians.
+    /// True for a panorama's map, whose lengths are angles in radians.
     #[serde(default, skip_serializing_if = "is_default")]
     pub panorama: bool,
-    /// The lens of a camera that has one.
+    /// The lens, if the camera has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<LensSection>,
 }
@@ -105,7 +105,7 @@ pub struct CameraSection {
 /// The lens of a camera, in world units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LensSection {
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
     /// The distance of the plane in focus.
     pub focus_distance: f32,
@@ -114,9 +114,9 @@ pub struct LensSection {
 /// An object of the scene file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ObjectEntry {
-    /// Its name, if the scene file gives one.
+    /// Name, if the scene file gives one.
     pub name: Option<String>,
-    /// Its shape: `sphere`, `mesh`, …
+    /// Shape: `sphere`, `mesh`, …
     pub kind: String,
     /// The names of its materials.
     pub materials: Vec<String>,
@@ -160,8 +160,7 @@ impl From<&Image> for ImageSection {
 }
 
 impl FilmSection {
-    /// Describes the film of a scene with this shading model; `None` if light stays as
-    /// it is.
+    /// Describes the film of a scene with this shading model; `None` if light stays as it is.
     pub fn new(film: &FilmSettings, model: ShadingModel) -> Option<Self> {
         let plain = Development::new(0.0, ToneCurve::None, Transfer::Linear);
         (film.development(model) != plain).then(|| Self {
@@ -173,7 +172,7 @@ impl FilmSection {
 }
 
 impl CameraSection {
-    /// The camera in coordinates relative to its `origin`.
+    /// Returns the camera in coordinates relative to its `origin`.
     pub fn relative_to_origin(&self) -> Self {
         let from_origin = |point: [f64; 3]| [0, 1, 2].map(|axis| point[axis] - self.origin[axis]);
         Self {

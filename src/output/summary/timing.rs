@@ -10,7 +10,7 @@ use scene::config::Repeats;
 /// A stage of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StageEntry {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Wall time in milliseconds.
     pub wall_ms: f64,
@@ -43,53 +43,52 @@ pub struct RepeatsSection {
     pub n_rejected: Option<u64>,
 }
 
-/// The busy time of the threads over all renderings and its parts, which sum to
-/// `busy_ns`. All times are in nanoseconds.
+/// The threads' busy time over all renderings, with its parts, which sum to `busy_ns`. All times
+/// are in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ThreadTime {
     /// Time from the start to the end of each tile in which its thread had a CPU.
     pub busy_ns: f64,
     /// The pixels' own times.
     pub pixels_ns: f64,
-    /// One reading of the clock per pixel, at the measured cost of a reading; 0 if waves are
-    /// timed.
+    /// One clock reading per pixel, at the measured cost of a reading; 0 if waves are timed.
     pub clock_ns: f64,
     /// Writing pixels to the film; 0 if waves are timed, whose pixels' times include it.
     pub film_ns: f64,
-    /// Rendering pixels that count for nothing: warm-up, before a tile's first pixel is timed,
-    /// and pixels that are timed again.
+    /// Rendering pixels that are not counted: warm-up before a tile's first pixel is timed, and
+    /// pixels that are timed again.
     pub warm_up_ns: f64,
     /// The remainder.
     pub unexplained_ns: f64,
     /// The remainder in percent of the busy time.
     pub unexplained_percent: f64,
-    /// Time from the start to the end of each tile in which its thread waited for a CPU; it is
-    /// not part of the busy time.
+    /// Time from the start to the end of each tile in which its thread waited for a CPU; not part
+    /// of the busy time.
     #[serde(default)]
     pub waiting_ns: f64,
 }
 
-/// The overhead of measurement: CPU time of one rendering in milliseconds, and
-/// differences in percent. A percentage of no time is null.
+/// The overhead of measurement: CPU time of one rendering in milliseconds, and differences in
+/// percent. A percentage of zero time is null.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OverheadSection {
     /// Rounds of renderings, whose medians follow.
     pub rounds: usize,
-    /// Rays in streams, nothing measured.
+    /// Rays in streams, not measured.
     pub none_ms: f64,
     /// Rays in streams, counted.
     pub counters_ms: f64,
-    /// Rays in streams, counted, and their waves timed.
+    /// Rays in streams, counted, and waves timed.
     pub time_ms: f64,
-    /// Rays one by one, counted, and each pixel timed.
+    /// Single rays, counted, and each pixel timed.
     pub single_ray_ms: f64,
     /// The overhead of counters in streams.
     pub counters_percent: Option<f64>,
-    /// The overhead of the clock of waves on top of that.
+    /// The additional overhead of timing waves.
     pub clock_percent: Option<f64>,
     /// The overhead of both.
     pub time_percent: Option<f64>,
-    /// The overhead of tracing and timing rays one by one instead of in counted streams.
+    /// The overhead of tracing and timing single rays instead of counted streams.
     pub single_ray_percent: Option<f64>,
 }
 
@@ -124,7 +123,7 @@ impl ThreadTime {
         time
     }
 
-    /// Returns a part in percent of the busy time; 0 without any.
+    /// Returns a part in percent of the busy time; 0 if that is zero.
     pub fn percent(&self, part_ns: f64) -> f64 {
         match self.busy_ns {
             0.0 => 0.0,

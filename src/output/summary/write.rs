@@ -14,7 +14,7 @@ impl Summary {
     /// # Errors
     /// The errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        // As values first: they hold an `f32` as the `f64` that it equals.
+        // Convert to values first, which hold an `f32` as the `f64` that equals it.
         let values = serde_json::to_value(self)?;
         let text = serde_json::to_string_pretty(&values)?;
         out.write_all(sealed(&text).as_bytes())
@@ -28,8 +28,7 @@ fn sealed(object: &str) -> String {
     format!("{begin},\n  \"{SEAL}\": \"{checksum}\"\n}}\n")
 }
 
-/// Whether the text of a summary has the checksum that stands in it; `None` if
-/// none does.
+/// Returns true if a summary's text matches its checksum; `None` without a checksum.
 pub fn is_whole(text: &str) -> Option<bool> {
     let (begin, seal) = text.rsplit_once(&format!("  \"{SEAL}\": \""))?;
     let seal = seal.strip_suffix("\"\n}\n");

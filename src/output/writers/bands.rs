@@ -1,7 +1,6 @@
-//! A picture that is larger than memory, in pieces of some rows each.
+//! Writes a picture larger than memory in pieces of several rows.
 //!
-//! The pixels are read twice: once to survey them, and once to write the pieces and the
-//! picture.
+//! The pixels are read twice: once to survey them, and once to write the pieces and the picture.
 
 use std::fmt;
 use std::io;
@@ -16,7 +15,7 @@ use render::tiles::{Progress, StoredPicture};
 use vtk::data_set::DataSet;
 use vtk::parallel::{self, PieceFiles};
 
-/// The frame.
+/// The list of the frame's pieces.
 pub const FRAME: OutputFile = OutputFile {
     name: "frame.pvti",
     is_wanted: |request| request.is_stored,
@@ -44,7 +43,7 @@ pub const FRAME: OutputFile = OutputFile {
     }),
 };
 
-/// The cloud.
+/// The list of the cloud's pieces.
 pub const HITS: OutputFile = OutputFile {
     name: "hits.pvtu",
     is_wanted: |request| request.is_stored,
@@ -64,11 +63,11 @@ pub const HITS: OutputFile = OutputFile {
     }),
 };
 
-/// Names of pieces, without their numbers.
+/// The names of pieces, before and after the number.
 const FRAME_PIECE: [&str; 2] = ["frame_", ".vti"];
 const HITS_PIECE: [&str; 2] = ["hits_", ".vtu"];
 
-/// Whether a file of this name is a piece.
+/// Returns true if this is the name of a piece.
 pub fn is_piece(name: &str) -> bool {
     [FRAME_PIECE, HITS_PIECE].iter().any(|[begin, end]| {
         let number = name
@@ -84,26 +83,25 @@ pub fn is_piece(name: &str) -> bool {
 pub struct BandRows {
     /// Rows of the picture.
     pub height: u32,
-    /// Rows of each piece but the last one: a multiple of the
-    /// [unit](StoredPicture::row_unit).
+    /// Rows of each piece except the last: a multiple of the [unit](StoredPicture::row_unit).
     pub n_rows: u32,
 }
 
 impl BandRows {
-    /// The rows of the pieces, from top to bottom.
+    /// Returns the rows of the pieces, from top to bottom.
     fn ranges(&self) -> impl ExactSizeIterator<Item = Range<u32>> + use<> {
         let Self { height, n_rows } = *self;
         let range = move |first: u32| first..height.min(first.saturating_add(n_rows));
         (0..height).step_by(n_rows as usize).map(range)
     }
 
-    /// The name of the file of a piece: numbers have as many digits as the last one.
+    /// Returns the file name of a piece; all numbers have as many digits as the last one.
     fn name(&self, i: usize, [begin, end]: [&str; 2]) -> String {
         let n_digits = (self.ranges().len() - 1).to_string().len();
         format!("{begin}{i:0n_digits$}{end}")
     }
 
-    /// The names of all pieces.
+    /// Returns the names of all pieces.
     pub(super) fn names(&self) -> Vec<String> {
         let names = |i| [FRAME_PIECE, HITS_PIECE].map(|piece| self.name(i, piece));
         (0..self.ranges().len()).flat_map(names).collect()
@@ -115,7 +113,7 @@ impl BandRows {
 pub struct Bands<'a> {
     picture: StoredPicture<'a>,
     pub(super) rows: BandRows,
-    /// Called after each piece that was written.
+    /// Called after each written piece.
     report: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -131,7 +129,7 @@ impl fmt::Debug for Bands<'_> {
 }
 
 impl<'a> Bands<'a> {
-    /// A picture in pieces of these rows.
+    /// Creates a picture in pieces of these rows.
     pub fn new(picture: StoredPicture<'a>, rows: BandRows) -> Self {
         let report = &|_| {};
         Self {
@@ -141,7 +139,7 @@ impl<'a> Bands<'a> {
         }
     }
 
-    /// The same, which calls `report` after each piece that was written.
+    /// Returns the same, with `report` called after each written piece.
     pub fn reporting(self, report: &'a (dyn Fn(Progress) + Sync)) -> Self {
         Self { report, ..self }
     }
@@ -199,7 +197,7 @@ impl<'a> Bands<'a> {
         staging: &Staging,
     ) -> Result<[StagedFile; 2], WriteError> {
         let encoding = job.encoding_of_pixels();
-        // Pieces of an image share their rows of points at the edge.
+        // Adjacent pieces of an image share a row of points.
         let overlapping = rows.start.saturating_sub(1)..rows.end;
         let (frame, hits) = rayon::join(
             || {
@@ -217,7 +215,8 @@ impl<'a> Bands<'a> {
         Ok([frame?, hits?])
     }
 
-    /// The rows of a piece with those above that are read together with its first.
+    /// Returns the rows of a piece, extended by the rows above it that are read together with its
+    /// first.
     fn with_row_above(&self, rows: &Range<u32>) -> Range<u32> {
         let unit = StoredPicture::row_unit(&self.picture.film.grid);
         rows.start.saturating_sub(unit)..rows.end

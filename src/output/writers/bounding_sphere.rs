@@ -1,4 +1,4 @@
-//! The length of rays in pictures of ray trees.
+//! The drawn length of rays in pictures of ray trees.
 
 use glam::Vec3;
 
@@ -7,16 +7,16 @@ use scene::camera::{ImagePlane, Projection};
 use scene::geometry::{Aabb, Ray};
 use scene::world::Scene;
 
-/// Largest distance, in radii, of a light to which shadow rays are drawn.
+/// Maximum distance, in radii, of a light to which shadow rays are drawn.
 const FAR_LIGHT: f32 = 10.0;
-/// Least length, in radii, of a ray that leaves the scene.
+/// Minimum drawn length, in radii, of a ray that leaves the scene.
 const SHORTEST: f32 = 0.25;
 
 /// A bounding sphere of the bounded primitives and the camera, in render space.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundingSphere {
     pub(super) center: Vec3,
-    /// Greater than 0.
+    /// Radius, greater than 0.
     pub(super) radius: f32,
 }
 
@@ -43,8 +43,8 @@ impl BoundingSphere {
         }
     }
 
-    /// Returns the length of the line that shows a ray: to its hit, to its light,
-    /// or to the point where it leaves the sphere.
+    /// Returns the length of the line that shows a ray: to its hit, to its light, or to the point
+    /// where it leaves the sphere.
     pub(super) fn length(&self, ray: &TracedRay) -> f32 {
         match ray.end() {
             Some(end) => end,

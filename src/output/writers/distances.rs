@@ -3,8 +3,9 @@
 use math::statistics::{FineHistogram, floats_at, lower_edge};
 use render::film::Film;
 
-/// A view of all points shows nothing of a scene whose plane reaches to its horizon: at so
-/// many times the median distance, most of the picture is still that of the scene.
+/// Multiple of the median distance at which the horizon begins. A view of all points would show
+/// nothing of a scene whose plane reaches to its horizon; within this distance, the scene still
+/// fills most of the picture.
 const HORIZON: f32 = 4.0;
 
 /// The quantiles of the distances.
@@ -15,13 +16,13 @@ const PERCENT: [u64; 4] = [1, 50, 99, 100];
 pub(super) struct Distances {
     /// The lower median; `None` without hits.
     pub(super) median: Option<f32>,
-    /// Largest distance that states show. ParaView clips points 1000 times nearer than
-    /// the farthest one, and a plane has hits up to its horizon.
+    /// Maximum distance that states show. ParaView clips points 1000 times nearer than the farthest
+    /// one, and a plane has hits up to its horizon.
     pub(super) max_shown: f64,
 }
 
 impl Distances {
-    /// The distances of a film.
+    /// Returns the distances of a film.
     pub(super) fn of(film: &Film) -> Self {
         let mut distances = Vec::with_capacity(film.n_hits());
         for row in film.rows(|strip| &strip.distance) {
@@ -33,7 +34,7 @@ impl Distances {
         Self::of_quantiles(quantiles.map(|quantiles| quantiles.map(lower_edge)))
     }
 
-    /// The distances that a histogram counts.
+    /// Returns the distances that a histogram counts.
     pub(super) fn of_histogram(distances: &FineHistogram) -> Self {
         let last = distances.n.saturating_sub(1);
         let quantiles = PERCENT.map(|percent| distances.at(last * percent / 100));
@@ -43,7 +44,7 @@ impl Distances {
         Self::of_quantiles(Some([a, b, c, d]))
     }
 
-    /// The distances with these [`PERCENT`] quantiles.
+    /// Returns the distances with these [`PERCENT`] quantiles.
     fn of_quantiles(quantiles: Option<[f32; 4]>) -> Self {
         let Some([near, median, far, farthest]) = quantiles else {
             return Self {
@@ -58,8 +59,8 @@ impl Distances {
         }
     }
 
-    /// Whether a hit at this distance belongs to the horizon: it is more than four times
-    /// as far as the median.
+    /// Returns true if a hit at this distance belongs to the horizon: it is more than four times as
+    /// far as the median.
     pub(super) fn is_horizon(&self, distance: f32) -> bool {
         self.median
             .is_some_and(|median| distance > HORIZON * median)

@@ -6,10 +6,10 @@ use base::provenance::{self, RunId};
 use scene::camera::{ImagePlane, Projection};
 use vtk::Field;
 
-/// VTK's name of the time of a data set.
+/// VTK's name for the time of a data set.
 const TIME: &str = "TimeValue";
 
-/// The field data of a run: the scenes' names, raycost's version and the run's ID.
+/// Returns the field data of a run: the scenes' names, raycost's version and the run's ID.
 pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
     vec![
         Field::texts("scene", scenes.iter().copied()),
@@ -18,9 +18,9 @@ pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
     ]
 }
 
-/// The camera: position, direction and upward direction, which are unit vectors, in world
-/// space; columns and rows of the picture; the horizontal and the vertical angle that
-/// contain the picture, in degrees, or its width and height if the rays are parallel.
+/// Returns the camera: position, direction and upward direction, which are unit vectors, in world
+/// space; columns and rows of the picture; the horizontal and the vertical angle of view, in
+/// degrees, or the picture's width and height if the rays are parallel.
 pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
     let camera = ViewCamera::of(plane, None);
     let [_, up, forward] = camera.axes();
@@ -44,13 +44,13 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
     ]
 }
 
-/// The time of a frame, as VTK and ParaView know it.
+/// Returns the time of a frame, as VTK and ParaView know it.
 pub(super) fn of_time(time: f64) -> Field {
     Field::floats(TIME, [time])
 }
 
-/// The range of the colors of `cost.png`, which leaves out outliers, as `time_ns_range`;
-/// `None` without cost, and where the files leave it out.
+/// Returns the range of the colors of `cost.png`, which excludes outliers, as `time_ns_range`;
+/// `None` without cost, or if the files leave it out.
 pub(super) fn of_cost(survey: &Survey) -> Option<Field> {
     let [metric, _] = survey.metrics?;
     let range = survey.range;

@@ -1,4 +1,4 @@
-//! The row of an output file: its name, when it is wanted, and how it is written.
+//! An output file: its name, the condition to write it, and its writer.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -14,24 +14,23 @@ use scene::config::{Config, OptionalOutput};
 use tracer::cost::Metric;
 use vtk::{Codec, Encoding, Field};
 
-/// A file of the output folder. Its source file defines it; [`files`](super::files)
-/// lists all.
+/// A file of the output folder, defined in its own source file; [`files`](super::files) lists all.
 #[derive(Debug, Clone, Copy)]
 pub struct OutputFile {
-    /// Its name in the folder.
+    /// Name in the folder.
     pub name: &'static str,
     pub(super) is_wanted: fn(&Request) -> bool,
     pub(super) content: FileContent,
 }
 
-/// How an output file is written.
+/// The content of an output file.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum FileContent {
-    /// By a function.
+    /// Written by a function.
     Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
-    /// By a function that writes to a path itself.
+    /// Written by a function that creates the file itself.
     AtPath(fn(&Job, &Path) -> io::Result<()>),
-    /// As a ParaView state: a template whose keys [`States`] fills in.
+    /// A ParaView state: a template whose keys [`States`] fills in.
     State(&'static str),
 }
 
@@ -40,11 +39,11 @@ pub(super) enum FileContent {
 pub struct Request<'a> {
     /// The scene file's settings.
     pub config: &'a Config,
-    /// Whether a profiler watches the run.
+    /// True if a profiler watches the run.
     pub is_profiled: bool,
-    /// Whether cloud and frame are also written as VTKHDF.
+    /// True if cloud and frame are also written as VTKHDF.
     pub vtkhdf: bool,
-    /// Whether the picture is larger than memory: cloud and frame are written in pieces.
+    /// True if the picture is larger than memory: cloud and frame are written in pieces.
     pub is_stored: bool,
 }
 
@@ -54,14 +53,14 @@ pub(super) struct Job<'a> {
     /// The stages that have ended.
     pub(super) stages: &'a Stages,
     pub(super) states: &'a States<'a>,
-    /// The ID that the file has to hold.
+    /// The ID to store in the file.
     pub(super) run: RunId,
     /// The files of earlier groups.
     pub(super) written: &'a [Written],
 }
 
 impl OutputFile {
-    /// Whether a run writes the file.
+    /// Returns true if a run writes the file.
     pub fn is_wanted(&self, request: &Request) -> bool {
         (self.is_wanted)(request)
     }
@@ -81,43 +80,43 @@ impl OutputFile {
 }
 
 impl Request<'_> {
-    /// Whether the optional output is requested.
+    /// Returns true if the optional output is requested.
     pub(super) fn has(&self, output: OptionalOutput) -> bool {
         self.config.output.has(output)
     }
 
-    /// Whether cloud and frame have all these arrays.
+    /// Returns true if cloud and frame have all these arrays.
     pub(super) fn has_arrays(&self, names: &[&str]) -> bool {
         self.config.output.written_arrays().has_all(names)
     }
 
-    /// The number of costs that the frame has for each pixel.
+    /// Returns the number of costs per pixel in the frame.
     pub(super) fn n_costs(&self) -> usize {
         let is_cost = |column: &Column| Metric::ALL.iter().any(|m| m.name == column.name);
         written_columns(self.config).filter(is_cost).count()
     }
 
-    /// Whether node visits, primitive tests and rays are counted.
+    /// Returns true if node visits, primitive tests and rays are counted.
     pub(super) fn has_counters(&self) -> bool {
         self.config.cost.has_counters()
     }
 }
 
 impl Job<'_> {
-    /// Reserves space for so many bytes of arrays, unless they are compressed.
+    /// Reserves space for this many bytes of arrays, unless they are compressed.
     pub(super) fn reserve(&self, n_bytes: u64, out: &FileWriter) {
         if self.rendering.config.compress == Codec::None {
             out.reserve(n_bytes);
         }
     }
 
-    /// An XML comment on what is missing; empty if nothing is.
+    /// Returns an XML comment on the missing parts; empty if there are none.
     fn partial_comment(&self) -> String {
         let partial = self.rendering.partial;
         partial.map_or(String::new(), |partial| format!("<!-- {partial} -->\n"))
     }
 
-    /// The encoding of VTK files.
+    /// Returns the encoding of VTK files.
     pub(super) fn encoding(&self) -> Encoding {
         let rendering = self.rendering;
         let mut fields = fields::of_run(&[rendering.name], self.run);
@@ -132,7 +131,7 @@ impl Job<'_> {
         }
     }
 
-    /// The encoding of VTK files that hold the pixels.
+    /// Returns the encoding of VTK files that hold the pixels.
     pub(super) fn encoding_of_pixels(&self) -> Encoding {
         let mut encoding = self.encoding();
         (encoding.fields).extend(fields::of_cost(self.rendering.survey));

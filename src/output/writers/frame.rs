@@ -22,8 +22,8 @@ pub const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// Writes the film as ImageData with one point per pixel. VTK orders rows from bottom
-/// to top, the film from top to bottom: its last row is written first.
+/// Writes the film as ImageData with one point per pixel. VTK orders rows from bottom to top and
+/// the film from top to bottom, so the film's last row is written first.
 pub fn write(
     film: &Film,
     encoding: impl Into<Encoding>,
@@ -58,7 +58,7 @@ pub(super) fn image(film: &Film, rows: Range<u32>) -> DataSet<'_> {
     }
 }
 
-/// Where some rows of a film are in the image.
+/// Returns the extent of rows of a film in the image.
 pub(super) fn extent(film: &Film, rows: &Range<u32>) -> Extent {
     let height = film.grid.height;
     Extent {
@@ -71,7 +71,7 @@ fn n_pixels(film: &Film, rows: &Range<u32>) -> u64 {
     u64::from(film.grid.width) * rows.len() as u64
 }
 
-/// The bytes of a point in all arrays of the film.
+/// Returns the bytes of a point in all arrays of the film.
 pub(super) fn bytes_per_point(film: &Film) -> u64 {
     film.columns().map(|column| column.stride() as u64).sum()
 }

@@ -21,7 +21,7 @@ pub(super) const FILE: OutputFile = OutputFile {
 /// Writes the map of the film's first metric.
 fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Result<()> {
     let (film, survey) = (rendering.film, rendering.survey);
-    // Without any cost, as before the first tile, that of rays is 0 everywhere.
+    // Without any cost, as before the first tile, the map shows the number of rays, 0 everywhere.
     let metric = survey.metrics.map_or(Metric::RAYS, |[metric, _]| metric);
     let of_film: Vec<f32>;
     let ([width, height], values) = match &survey.map {
@@ -45,8 +45,8 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
     chart::write(&map, run, out)
 }
 
-/// Writes a map of the costs of a film, or of no costs, with any labels: means of blocks of pixels
-/// with this side.
+/// Writes a map of a film's costs, or of none, with any labels: the means of blocks of pixels with
+/// this side.
 pub(crate) fn write_bare(
     film: &Film,
     side: u32,

@@ -44,7 +44,7 @@ pub fn write(
     write_rows((film, rows), &Distances::of(film), encoding.into(), out)
 }
 
-/// [`write`] for some rows of a film, from a strip's first on, whose distances are known.
+/// [`write`] for some rows of a film, starting with a strip, whose distances are known.
 pub(super) fn write_rows(
     film: (&Film, Range<u32>),
     distances: &Distances,
@@ -56,8 +56,8 @@ pub(super) fn write_rows(
     })
 }
 
-/// Calls `write` with the cloud of some rows of a film, from a strip's first on, whose
-/// distances are known.
+/// Calls `write` with the cloud of some rows of a film, starting with a strip, whose distances are
+/// known.
 pub(super) fn with_cloud(
     (film, rows): (&Film, Range<u32>),
     distances: &Distances,
@@ -101,10 +101,10 @@ pub fn vertices<'a>(n: usize, points: Array<'a>, point_data: Vec<Array<'a>>) -> 
     }
 }
 
-/// The pixels of a film that have a hit. Computed once for all arrays of the file.
+/// The pixels of a film with a hit, computed once for all arrays of the file.
 struct Hits<'a> {
     film: &'a Film,
-    /// The runs of adjacent hits in each strip, as indices into it.
+    /// The runs of adjacent hits in each strip, as indices into the strip.
     runs: Vec<Vec<Range<usize>>>,
     n: usize,
 }
@@ -123,7 +123,7 @@ impl<'a> Hits<'a> {
         Self { film, runs, n }
     }
 
-    /// Returns each strip with hits, with its runs.
+    /// Returns the strips with hits, each with its runs.
     fn strips(&self) -> impl Iterator<Item = (&'a Strip, &[Range<usize>])> {
         self.film
             .strips

@@ -81,41 +81,43 @@ use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
 use vtk::{Codec, compressed};
 
-/// Upper bound of the bytes per pixel to write pictures and files: a copy of the
-/// times or counts, another one to find their median, the cost map and its PNG.
+/// Upper bound of the bytes per pixel to write pictures and files: a copy of the times or counts,
+/// another to find their median, the cost map and its PNG.
 pub(crate) const BYTES_PER_PIXEL: u64 = 20;
 
-/// Upper bound of the bytes to compress the VTK files, at most five of which are
-/// written in parallel.
+/// Returns an upper bound of the bytes to compress the VTK files, of which at most five are written
+/// in parallel.
 pub(crate) fn compression_bytes(codec: Codec) -> u64 {
     let per_file = codec.label().map_or(0, |_| compressed::BYTES_PER_ARRAY);
     5 * per_file
 }
 
-/// Upper bound of the bytes to write files, besides those for each pixel.
+/// Returns an upper bound of the bytes to write files, besides those per pixel.
 pub(crate) fn write_bytes(config: &Config) -> u64 {
     compression_bytes(config.compress) + layers::write_bytes(config) + picture::write_bytes(config)
 }
 
-/// Upper bound of the bytes to write a picture in bands, besides those of their rows.
+/// Returns an upper bound of the bytes to write a picture in bands, besides the bands' rows.
 pub(crate) fn bytes_beside_bands(config: &Config) -> u64 {
     compression_bytes(config.compress)
         + picture::bytes_beside_bands(config)
         + Surveyor::bytes(&config.image)
 }
 
-/// Upper bound of the bytes to write a pixel of a band.
+/// Returns an upper bound of the bytes to write a pixel of a band.
 pub(crate) fn bytes_per_band_pixel(config: &Config) -> u64 {
     BYTES_PER_PIXEL + picture::bytes_per_band_pixel(config)
 }
 
-/// The same, of a typical rendering: the two files of pixels are compressed at a time.
+/// Returns the expected bytes to write files of a typical rendering, in which the two files of
+/// pixels are compressed at a time.
 pub(crate) fn expected_write_bytes(config: &Config) -> u64 {
     let of_two = 2 * (compression_bytes(config.compress) / 5);
     of_two + layers::write_bytes(config) + picture::write_bytes(config)
 }
 
-/// The same, of a typical picture in bands, the largest of so many pixels.
+/// Returns the expected bytes to write a typical picture in bands, of which the largest has this
+/// many pixels.
 pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
     let of_two = 2 * (compression_bytes(config.compress) / 5);
     // Without costs there is a map that is never written to.
@@ -127,13 +129,13 @@ pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
     of_two + of_pixels + picture::bytes_beside_bands(config) + of_map
 }
 
-/// The bytes of the layers of a scene's picture before compression; 0 if they are not asked
-/// for.
+/// Returns the bytes of the layers of a scene's picture before compression; 0 if they are not
+/// requested.
 pub(crate) fn layer_bytes(config: &Config) -> u64 {
     layers::raw_bytes(config)
 }
 
-/// The bytes of the texts in the picture of a rendering with this config.
+/// Returns the bytes of the texts in the picture of a rendering with this config.
 pub(crate) fn picture_texts(config: &Config) -> u64 {
     let has_state = config
         .output
@@ -146,12 +148,12 @@ pub(crate) fn picture_texts(config: &Config) -> u64 {
     }
 }
 
-/// Pixels along the side of a block of the map of a picture of this size in pieces.
+/// Returns the side, in pixels, of a block of the cost map for a picture of this size in pieces.
 pub(crate) fn map_side(picture: [u32; 2]) -> u32 {
     survey::ReducedMap::side(picture)
 }
 
-/// The bytes of the ParaView states that a rendering with this config writes, as templates.
+/// Returns the bytes of the ParaView states that a rendering with this config writes, as templates.
 pub(crate) fn state_bytes(config: &Config) -> u64 {
     let request = Request {
         config,
@@ -169,13 +171,12 @@ pub(crate) fn state_bytes(config: &Config) -> u64 {
 
 /// Files that are written in parallel.
 struct FileGroup {
-    /// The stage that ends with them, if any.
+    /// The stage that ends with this group, if any.
     stage: Option<&'static str>,
     files: &'static [OutputFile],
 }
 
-/// All output files in the order of the summary. A group is written when the
-/// groups before it are.
+/// All output files in the order of the summary. A group is written after the groups before it.
 const GROUPS: [FileGroup; 3] = [
     FileGroup {
         stage: Some("write"),
@@ -202,24 +203,24 @@ const GROUPS: [FileGroup; 3] = [
             state_files::BVH,
         ],
     },
-    // Shows the writing of the others.
+    // Shows the writing of the other files.
     FileGroup {
         stage: Some("profile"),
         files: &[profile::FILE],
     },
-    // Lists the others.
+    // Lists the other files.
     FileGroup {
         stage: None,
         files: &[summary::FILE],
     },
 ];
 
-/// All files that a rendering may have, in the order of the summary.
+/// Returns all files that a rendering may have, in the order of the summary.
 pub fn files() -> impl Iterator<Item = &'static OutputFile> {
     GROUPS.iter().flat_map(|group| group.files)
 }
 
-/// The template of a ParaView state; `None` for another file.
+/// Returns the template of a ParaView state; `None` for another file.
 pub fn state_template(name: &str) -> Option<&'static str> {
     match files().find(|file| file.name == name)?.content {
         FileContent::State(template) => Some(template),
@@ -234,7 +235,7 @@ pub struct RenderingView<'a> {
     pub build: Build,
     /// The path of the scene file as the user typed it.
     pub scene_file: &'a str,
-    /// The values that the command line set.
+    /// The values set on the command line.
     pub settings: Vec<String>,
     /// The scene's name: the file's stem.
     pub name: &'a str,
@@ -244,7 +245,7 @@ pub struct RenderingView<'a> {
     pub config: &'a Config,
     /// The scene in world space.
     pub scene: &'a Scene,
-    /// The hierarchy's size, if there is one.
+    /// The size of the hierarchy, if there is one.
     pub bvh: Option<BvhStatistics>,
     /// The instruction set.
     pub simd: Simd,
@@ -256,7 +257,7 @@ pub struct RenderingView<'a> {
     pub film: &'a Film,
     /// Statistics of all pixels together.
     pub survey: &'a Survey,
-    /// The pieces of a picture that is larger than memory, whose film has no pixels.
+    /// The pieces of a picture larger than memory, whose film has no pixels.
     pub bands: Option<Bands<'a>>,
     /// The time span and the thread of each tile.
     pub schedule: &'a Schedule,
@@ -272,7 +273,7 @@ pub struct RenderingView<'a> {
     pub overhead: Option<Overhead>,
     /// The cost attribution, if requested.
     pub attribution: Option<&'a CostAttribution>,
-    /// Whether cloud and frame are also written as VTKHDF.
+    /// True if cloud and frame are also written as VTKHDF.
     pub vtkhdf: bool,
     /// The profiler, if requested.
     pub profiler: Option<&'a Profiler>,
@@ -281,7 +282,7 @@ pub struct RenderingView<'a> {
 }
 
 impl RenderingView<'_> {
-    /// The image plane of the pixels: a part of the scene's if they are a window.
+    /// Returns the image plane of the pixels: for a window, a part of the scene's.
     pub fn image_plane(&self) -> ImagePlane {
         let (plane, image) = (self.scene.image_plane, &self.config.image);
         match image.window {
@@ -290,16 +291,16 @@ impl RenderingView<'_> {
         }
     }
 
-    /// Wall time of one rendering: the [upper median](upper_median) of several.
+    /// Returns the wall time of one rendering: the [upper median](upper_median) of several.
     pub fn median_wall(&self) -> Duration {
         let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();
         upper_median(&mut walls, Ord::cmp).unwrap_or_default()
     }
 }
 
-/// Writes every file of the rendering on the current rayon pool, and removes files of
-/// an earlier run that this one does not write. Returns the files in the order of
-/// [`files`], and the stages with those of writing.
+/// Writes every file of the rendering on the current rayon pool, and removes files of an earlier
+/// run that this one does not write. Returns the files in the order of [`files`], and the stages
+/// including those of writing.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -359,8 +360,8 @@ pub fn write(
     Ok(written)
 }
 
-/// Writes only the picture of a rendering whose film has all rows: as OpenEXR if the config asks
-/// for that, otherwise as PNG.
+/// Writes only the picture of a rendering whose film has all rows: as OpenEXR if the config says
+/// so, otherwise as PNG.
 ///
 /// # Errors
 /// The file could not be written; then an old one is unchanged.
@@ -375,16 +376,16 @@ pub fn write_picture(rendering: &RenderingView, path: &Path) -> Result<Written, 
     })
 }
 
-/// Checks that [`write()`] would not overwrite or remove a file of another program:
-/// only files that the `summary.json` of an earlier run lists are raycost's.
+/// Checks that [`write()`] would not overwrite or remove a file of another program: only files that
+/// the `summary.json` of an earlier run lists are raycost's.
 ///
 /// # Errors
-/// The first such file.
+/// The first file of another program.
 pub fn refuse_foreign(folder: &OutputFolder, pieces: Option<BandRows>) -> Result<(), WriteError> {
     folder.refuse_foreign(&own(pieces))
 }
 
-/// All files that a run may have written or writes, in these pieces.
+/// Returns all files that a run may write or may have written, in these pieces.
 fn own(pieces: Option<BandRows>) -> Own {
     let names = files().map(|file| file.name.to_owned());
     let pieces = pieces.map_or(Vec::new(), |rows| rows.names());

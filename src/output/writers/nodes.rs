@@ -47,11 +47,11 @@ struct Shown<'a> {
     cost: f32,
 }
 
-/// Writes the nodes and leaves within the limits as an UnstructuredGrid of one
-/// VTK_VOXEL each, ancestors before descendants; times only if `cost` has any.
+/// Writes the nodes and leaves within the limits as an UnstructuredGrid of one VTK_VOXEL each,
+/// ancestors before descendants; times only if `cost` includes them.
 ///
-/// Nodes of a mesh that is placed many times are at the place of its first instance: a
-/// VTK_HEXAHEDRON each, since they may be turned there.
+/// Nodes of an instanced mesh are drawn at its first instance, as a VTK_HEXAHEDRON each, since they
+/// may be rotated there.
 pub fn write(
     (hierarchy, instances, space): (&Hierarchy, Option<&Instances>, RenderSpace),
     limits: BvhLimits,
@@ -123,8 +123,8 @@ fn types<'a>(shown: &'a [Shown]) -> Array<'a> {
     Array::of("types", shown.len(), move || shown.iter().map(cell))
 }
 
-/// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest; those of a mesh
-/// in that of VTK_HEXAHEDRON, around one face and then around the opposite one.
+/// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest; for nodes of a mesh
+/// in the order of VTK_HEXAHEDRON, around one face and then around the opposite one.
 fn corners(shown: &Shown, instances: Option<&Instances>) -> [Vec3; 8] {
     let corners = shown.node.bounds.corners();
     let placed = shown.node.mesh.zip(instances).map(|(mesh, instances)| {

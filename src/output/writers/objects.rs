@@ -32,16 +32,16 @@ const RAY_KINDS: [(&str, Option<RayKind>); 6] = [
     ("diffuse", Some(RayKind::Diffuse)),
 ];
 
-/// Rows per object or material.
+/// Returns the number of rows per object or material.
 pub(crate) fn rows_per_thing() -> usize {
     AttributionRule::ALL.len() * RAY_KINDS.len()
 }
 
-/// The metrics of a row, after the number of pixels; their shares of the whole
-/// picture follow at the end of the row. Times come last.
+/// The metrics of a row, after the number of pixels; their shares of the whole picture are at the
+/// end of the row. Times come last.
 const COUNTED: [Metric; 3] = [Metric::RAYS, Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
 
-/// The objects or the materials.
+/// The objects or the materials, with their costs.
 pub struct Group<'a> {
     /// `object` or `material`.
     pub kind: &'static str,
@@ -52,7 +52,7 @@ pub struct Group<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// Returns objects, then materials.
+    /// Returns the objects, then the materials.
     pub fn all(rendering: &RenderingView, attribution: &'a CostAttribution) -> [Self; 2] {
         let config = rendering.config;
         let object = |(id, object): (usize, &scene::config::Object)| match &object.name {
@@ -77,8 +77,8 @@ impl<'a> Group<'a> {
     }
 }
 
-/// Writes a row for each object and material, each attribution rule and each
-/// kind of ray; times only if they were measured.
+/// Writes a row for each object and material, each attribution rule and each kind of ray; times
+/// only if they were measured.
 fn write(
     rendering: &RenderingView,
     attribution: &CostAttribution,
@@ -109,7 +109,7 @@ fn write(
 struct Table<W: Write> {
     rows: csv::Writer<W>,
     metrics: Vec<Metric>,
-    /// Samples of every pixel; 0 if pixels have different numbers.
+    /// Samples of every pixel; 0 if the number varies.
     n_samples: u32,
 }
 
@@ -124,8 +124,8 @@ impl<W: Write> Table<W> {
         Ok(self.rows.write_record(row)?)
     }
 
-    /// Writes the rows of an object or a material; `words` are its kind, id and
-    /// name, and `whole` is the cost of all.
+    /// Writes the rows of an object or a material; `words` are its kind, id and name, and `whole`
+    /// is the total cost.
     fn write_thing(
         &mut self,
         words: [&str; 3],
@@ -152,7 +152,7 @@ impl<W: Write> Table<W> {
         Ok(())
     }
 
-    /// The number of pixels, then all metrics.
+    /// Returns the number of pixels, then all metrics.
     fn numbers(&self, account: &AttributedCost, work: Work) -> Vec<f64> {
         let n_pixels = match self.n_samples {
             0 => account.n_pixels(),
@@ -163,7 +163,7 @@ impl<W: Write> Table<W> {
     }
 }
 
-/// From 0 to 1.
+/// Formats a share from 0 to 1.
 fn share(n: f64, whole: f64) -> String {
     match whole {
         0.0 => "0".to_owned(),

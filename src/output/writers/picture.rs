@@ -51,7 +51,7 @@ pub(super) fn write(
     write_png(rendering, bits, texts, out, write_rows)
 }
 
-/// The texts of a picture in a folder with the other files of its run.
+/// Returns the text chunks of a picture in a folder with the other files of its run.
 fn texts(job: &Job) -> Vec<(&'static str, String)> {
     let written = job.rendering.film.extra.written;
     let state = written
@@ -62,7 +62,7 @@ fn texts(job: &Job) -> Vec<(&'static str, String)> {
     texts
 }
 
-/// The ID of the run, and a comment if pixels are missing.
+/// Returns the run's ID, and a comment if pixels are missing.
 pub(super) fn texts_of_run(rendering: &RenderingView, run: RunId) -> Vec<(&'static str, String)> {
     let partial = rendering.partial.map(|partial| partial.to_string());
     let partial = partial.map(|partial| ("Comment", partial));
@@ -77,12 +77,12 @@ pub(crate) fn write_bare(film: &Film, bits: u8, out: &mut impl Write) -> io::Res
     png::write(size, pixel_bytes(bits), &[], out, write_rows)
 }
 
-/// Bytes of a pixel of this number of bits per channel.
+/// Returns the bytes of a pixel with this number of bits per channel.
 fn pixel_bytes(bits: u8) -> usize {
     if bits == 8 { 3 } else { size_of::<Rgb16>() }
 }
 
-/// Writes the pixels of a film of 8 or 16 bits per channel, after the first `n_skipped` rows.
+/// Writes the pixels of a film with 8 or 16 bits per channel, after the first `n_skipped` rows.
 fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> io::Result<()> {
     if bits == 8 {
         let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
@@ -93,7 +93,7 @@ fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> i
 }
 
 /// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
-/// function with each.
+/// argument with each band.
 pub(super) fn write_bands(
     job: &Job,
     out: &mut FileWriter,
@@ -120,7 +120,7 @@ pub(super) fn write_bands(
     })
 }
 
-/// Copies the last rows of a film, from this one on, into the picture.
+/// Copies the rows of a film from this row to the last into the picture.
 fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
     let row_bytes = 3 * film.grid.width as usize;
     let skipped = (rows.start - film.row_range().start) as usize;
@@ -133,18 +133,18 @@ fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
     }
 }
 
-/// A pixel of 16 bits per channel, the high byte first.
+/// A pixel of 16 bits per channel, big-endian.
 type Rgb16 = [u8; 6];
 
-/// Upper bound of the memory to write a picture of 16 bits besides that of one of 8, and that of a picture
-/// with color bars.
+/// Returns an upper bound of the additional memory to write a picture with 16 bits, or with color
+/// bars.
 pub(super) fn write_bytes(config: &Config) -> u64 {
     let of_bands = bytes_per_band_pixel(config) * config.image.n_pixels() as u64;
     of_bands + bytes_beside_bands(config)
 }
 
-/// Upper bound of the memory of a pixel of the picture while its band is written, besides that
-/// of one of 8 bits.
+/// Returns an upper bound of the additional memory per pixel, over 8 bits, while a band of the
+/// picture is written.
 pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
     match config.film.bits {
         8 => 0,
@@ -152,7 +152,7 @@ pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
     }
 }
 
-/// Upper bound of the memory to write a picture besides that of its bands.
+/// Returns an upper bound of the memory to write a picture besides its bands.
 pub(super) fn bytes_beside_bands(config: &Config) -> u64 {
     let mut arrays = config
         .materials
@@ -165,7 +165,7 @@ pub(super) fn bytes_beside_bands(config: &Config) -> u64 {
     }
 }
 
-/// The color bars of the scene's materials, each once.
+/// Returns the color bars of the scene's materials, each once.
 fn legends(scene: &Scene) -> Vec<ColorLegend> {
     let mut legends = Vec::new();
     let materials = scene.materials.iter();
@@ -182,7 +182,7 @@ fn legends(scene: &Scene) -> Vec<ColorLegend> {
     legends
 }
 
-/// The legend of an array's colors.
+/// Returns the legend of an array's colors.
 fn key(array: &ArrayTexture) -> LegendKey {
     let Some(n_colors) = array.map.n_categories() else {
         return LegendKey::Range {
@@ -231,7 +231,7 @@ fn write_with_legends(
     let (drawn, _) = picture.as_chunks::<3>();
     for ((place, before), drawn) in developed.iter_mut().zip(before).zip(drawn) {
         if before != drawn {
-            // 257 times as much of 16 bits is as bright.
+            // Scale by 257, which keeps the brightness at 16 bits.
             let [r, g, b] = *drawn;
             *place = [r, r, g, g, b, b];
         }
@@ -240,7 +240,7 @@ fn write_with_legends(
     write_png(rendering, 16, texts, out, write_rows)
 }
 
-/// The picture of a film that keeps its radiance.
+/// Develops the picture of a film that keeps its radiance.
 fn developed(film: &Film) -> Vec<Rgb16> {
     let n_pixels = film.grid.width as usize * film.row_range().len();
     let mut pixels = vec![[0; 6]; n_pixels];
@@ -255,8 +255,8 @@ fn developed(film: &Film) -> Vec<Rgb16> {
     pixels
 }
 
-/// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of
-/// all rows.
+/// Writes the picture with this number of bits per channel; `write_rows` writes the bytes of all
+/// rows.
 fn write_png(
     rendering: &RenderingView,
     bits: u8,

@@ -5,7 +5,8 @@ use glam::Vec3;
 use scene::geometry::{LENGTH_UNIT, RenderSpace};
 use vtk::array::Array;
 
-/// The array of `n` points: of 64 bits where the coordinates in world space need more than 32.
+/// Returns the array of `n` points: 64-bit if the coordinates in world space need more than 32
+/// bits.
 pub(super) fn points<'a, I: Iterator<Item = Vec3> + 'a>(
     space: &RenderSpace,
     n: usize,

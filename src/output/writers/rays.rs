@@ -27,15 +27,15 @@ pub(super) const CLOUD: &str = "rays_cloud.vtu";
 pub struct Traced<'a> {
     /// The name of the scene.
     pub name: &'a str,
-    /// The time of the frame, of an animated scene.
+    /// The time of the frame, for an animated scene.
     pub time: Option<f64>,
-    /// The scene that the rays went through.
+    /// The scene that the rays were traced through.
     pub scene: &'a Scene,
     /// The image plane of the picture.
     pub plane: &'a ImagePlane,
     /// The pixels, with at most `i32::MAX` rays.
     pub pixels: &'a [ObservedPixel],
-    /// Whether the rays were timed.
+    /// True if the rays were timed.
     pub is_timed: bool,
     /// A small film of the scene, whose hits form the cloud.
     pub cloud: &'a Film,
@@ -60,18 +60,18 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The image plane of the picture.
+    /// Returns the image plane of the picture.
     pub(super) fn plane(&self) -> &'a ImagePlane {
         self.traced.plane
     }
 
-    /// The center and the radius of the bounding sphere in world space.
+    /// Returns the center and the radius of the bounding sphere in world space.
     pub(super) fn sphere_in_world(&self) -> (DVec3, f32) {
         let (space, BoundingSphere { center, radius }) = (self.plane().space, self.bounding_sphere);
         (space.world_point(center), space.world_length(radius))
     }
 
-    /// The film whose hits form the cloud.
+    /// Returns the film whose hits form the cloud.
     pub(super) fn cloud(&self) -> &'a Film {
         self.traced.cloud
     }
@@ -138,7 +138,7 @@ impl<'a> Rays<'a> {
         [ray.ray.origin, ray.ray.at(self.bounding_sphere.length(ray))]
     }
 
-    /// An array of lengths in world space; of lengths in render space.
+    /// Returns an array of lengths in world space, given lengths in render space.
     fn lengths<'s>(
         &'s self,
         name: &'static str,
@@ -165,7 +165,7 @@ impl<'a> Rays<'a> {
         self.array(metric.name, value).in_unit(metric.unit_label())
     }
 
-    /// The index of each ray's parent in the file; -1 for none.
+    /// Returns the index of each ray's parent in the file; -1 for none.
     fn parents(&self) -> impl Iterator<Item = i32> + '_ {
         let mut first = 0;
         self.traced.pixels.iter().flat_map(move |pixel| {
@@ -180,8 +180,8 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// The pixel of each ray, y * width + x, in the smallest integer type that holds
-    /// all pixels.
+    /// Returns the pixel of each ray, y * width + x, in the smallest integer type that holds all
+    /// pixels.
     fn pixel_numbers(&self) -> Array<'_> {
         let [width, height] = self.traced.plane.size.map(i64::from);
         match i32::try_from(width * height) {
@@ -202,7 +202,7 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// A number of the primitive that each ray hits; -1 for none.
+    /// Returns a number of the primitive that each ray hits; -1 without a hit.
     fn met(&self, ray: &TracedRay, number: impl Fn(&Primitive) -> u32) -> i32 {
         ray.surface().map_or(-1, |hit| {
             number(&self.traced.scene.primitives[hit.primitive as usize]) as i32

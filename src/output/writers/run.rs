@@ -6,8 +6,8 @@ use super::RenderingView;
 use base::provenance::{Hasher, RunId};
 use render::film::{Column, Film, PackedCounters, RenderedTile, Strip};
 
-/// Hashes of what a film stores, except for the threads, which vary from run to run: one
-/// for each strip, and one for each row of tiles.
+/// Hashes of a film's content except for the threads, which vary from run to run: one hash per
+/// strip, and one per row of tiles.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PixelHashes {
     strips: Vec<u128>,
@@ -15,7 +15,7 @@ pub(super) struct PixelHashes {
 }
 
 impl PixelHashes {
-    /// Adds the hashes of a film, or of the next rows of one.
+    /// Adds the hashes of a film, or of its next rows.
     pub(super) fn add(&mut self, film: &Film) {
         let stored: Vec<Column> = film.kept_columns().filter(Column::is_in_strips).collect();
         let of_strip = |strip: &Strip| {
@@ -25,7 +25,7 @@ impl PixelHashes {
             }
             hasher.checksum().bits()
         };
-        // Packed counters are equal where the counts are.
+        // Packed counters are equal if the counts are.
         let of_tiles = |tiles: &[RenderedTile]| {
             let mut hasher = Hasher::default();
             let parts = tiles.iter().flat_map(|tile| &tile.counters);

@@ -1,10 +1,10 @@
-//! The ParaView states, a row each: `geometry.pvsm`, `heatmap.pvsm` and the others.
+//! The ParaView states, one constant each: `geometry.pvsm`, `heatmap.pvsm` and the others.
 
 use super::file::{FileContent, OutputFile};
 pub(super) use super::states::GEOMETRY_TEMPLATE;
 use scene::config::OptionalOutput;
 
-/// The arrays of the cloud that every state needs that shows it.
+/// The arrays of the cloud needed by every state that shows it.
 pub(super) const SHOWN_OF_CLOUD: [&str; 3] = ["RGB", "footprint", "distance"];
 
 /// The cloud of hit points in its colors and by its cost.

@@ -1,5 +1,4 @@
-//! `summary.json`: what was rendered, on which machine, and what it cost in
-//! total.
+//! `summary.json`: the scene, the machine, and the total cost.
 
 use indexmap::IndexMap;
 use serde_json::Number;
@@ -23,7 +22,7 @@ pub(super) const FILE: OutputFile = OutputFile {
     content: FileContent::Written(|job, out| of(job).write(out)),
 };
 
-/// Returns the summary of a rendering whose other files are written.
+/// Summarizes a rendering whose other files are written.
 fn of(job: &Job) -> Summary {
     let (rendering, stages) = (job.rendering, job.stages);
     let config = rendering.config;
@@ -116,7 +115,7 @@ fn cost(rendering: &RenderingView) -> CostSection {
     }
 }
 
-/// The sums of the film's arrays, by the arrays' names.
+/// Returns the sums of the film's arrays, by the arrays' names.
 fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
     let has = |metric: &Metric| *metric != Metric::SAMPLES || film.counts_samples();
@@ -130,7 +129,7 @@ fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
         };
         totals.insert(metric.name.to_owned(), total);
         if metric.source == MetricSource::AllRays {
-            // Camera rays are no metric of all films: pixels may have the same number.
+            // Camera rays are not a metric of every film: all pixels may have the same number.
             let camera_rays = film.totals.rays_of(RayKind::Camera);
             totals.insert("camera_rays".to_owned(), Some(camera_rays.into()));
         }

@@ -40,14 +40,13 @@ struct Surface<'a> {
     n_cells: usize,
 }
 
-/// Writes the scene's primitives except planes as an UnstructuredGrid of one
-/// cell each, in their order: triangles, polygons for disks, hexahedra for
-/// boxes, triangle strips for ellipsoids, cylinders, cones and capsules, and vertices with a `radius` for
-/// spheres. `visits` are those of all primitives; times are written only if
-/// `cost` has any.
+/// Writes the scene's primitives except planes as an UnstructuredGrid of one cell each, in their
+/// order: triangles, polygons for disks, hexahedra for boxes, triangle strips for ellipsoids,
+/// cylinders, cones and capsules, and vertices with a `radius` for spheres. `visits` has one entry
+/// per primitive; times are written only if `cost` includes them.
 ///
-/// A mesh that is placed many times is shown once, at the place of its first instance, with
-/// the costs of all of its instances; each instance is shown as its box.
+/// An instanced mesh is shown once, at its first instance, with the costs of all instances; each
+/// instance is shown as its box.
 pub fn write(
     scene: &Scene,
     visits: &[Visits],
@@ -104,16 +103,16 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// The place of the first instance of the mesh that has the primitive with this index, if
-    /// one has.
+    /// Returns the placement of the first instance of the mesh that contains the primitive with
+    /// this index, if there is one.
     fn first_place(self, index: u32) -> Option<&'a InstanceTransform> {
         let instances = self.instances?;
         let mesh = &instances.meshes()[instances.mesh_with(index)? as usize];
         Some(&instances.get(mesh.first).transform)
     }
 
-    /// The arrays of a scene with instances: the instance that a box is of, and the mesh that a
-    /// triangle is of; else -1.
+    /// Returns the additional arrays of a scene with instances: the instance that a box shows, and
+    /// the mesh that a triangle belongs to; else -1.
     fn instance_arrays(self) -> Option<[Array<'a>; 2]> {
         let instances = self.instances?;
         let array = |name, number: fn(&Instances, u32) -> Option<u32>| {

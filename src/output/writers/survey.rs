@@ -7,9 +7,8 @@ use math::statistics::{floats_at, lower_edge};
 use render::film::{Film, HotPixel};
 use tracer::cost::Metric;
 
-/// Statistics of all pixels of a picture together. Quantiles are exact to .05 %, and those
-/// of counts up to 4096 exact: so much can be found in one pass over a picture that does not
-/// fit into memory.
+/// Statistics of all pixels of a picture together. Quantiles are exact to .05 %, and exact for
+/// counts up to 4096: one pass finds them, even over a picture that does not fit into memory.
 #[derive(Debug, Clone)]
 pub struct Survey {
     pub(super) hashes: PixelHashes,
@@ -21,26 +20,27 @@ pub struct Survey {
     /// Number of rejected times.
     pub n_rejected: u64,
     /// The most expensive pixel by time, if times can be trusted, and by node visits, or by
-    /// primitive tests if there is no hierarchy.
+    /// primitive tests without a hierarchy.
     pub hottest: [Option<(Metric, HotPixel)>; 2],
     /// The two metrics of heatmaps; `None` without cost.
     pub(super) metrics: Option<[Metric; 2]>,
-    /// The range of the first metric of heatmaps; of the distance without cost.
+    /// The range of the first heatmap metric; of the distance without cost.
     pub(super) range: Range,
     pub(super) median: f32,
     pub(super) sum: f64,
-    /// The two metrics that states show of the files, which may leave out those of heatmaps.
+    /// The two metrics of the files that states show; the files may leave out the heatmaps'
+    /// metrics.
     pub(super) shown: [Option<Metric>; 2],
-    /// The range of the first shown metric; of the distance where there is none.
+    /// The range of the first shown metric; of the distance without one.
     pub(super) shown_range: Range,
     /// The 0.5 % and the 99.5 % quantile of the second shown metric.
     pub(super) counter_ends: [f64; 2],
     pub(super) distances: Distances,
-    /// The first metric of heatmaps as a map that fits into memory; `None` where the film has all pixels.
+    /// The first heatmap metric as a map that fits into memory; `None` if the film has all pixels.
     pub(super) map: Option<ReducedMap>,
 }
 
-/// A map of a picture that does not fit into memory, by means of blocks of pixels.
+/// The map of a picture that does not fit into memory, as means of blocks of pixels.
 #[derive(Debug, Clone)]
 pub(super) struct ReducedMap {
     /// Pixels along the side of a block.
@@ -105,7 +105,7 @@ impl Survey {
     }
 }
 
-/// The 0.5 % and the 99.5 % quantile of counts.
+/// Returns the 0.5 % and the 99.5 % quantile of counts.
 fn counter_ends(counts: &[f32]) -> [f64; 2] {
     let indices = [1, 199].map(|part| counts.len().saturating_sub(1) * part / 200);
     let ends = floats_at(counts, indices).unwrap_or_default();

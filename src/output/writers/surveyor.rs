@@ -9,14 +9,14 @@ use render::film::{Film, HotPixel, Strip};
 use scene::config::Image;
 use tracer::cost::Metric;
 
-/// The longest side of a map, in pixels.
+/// Maximum side of a map, in pixels.
 const MAX_SIDE: u32 = 4096;
 
-/// Takes the bands of a picture from top to bottom.
+/// Surveys the bands of a picture from top to bottom.
 pub(crate) struct Surveyor {
     survey: Survey,
     range: Histogram,
-    /// Of the first metric of the files, or of the distance.
+    /// The values of the files' first metric, or of the distance.
     shown: Histogram,
     cost: FineHistogram,
     counter: FineHistogram,
@@ -25,7 +25,7 @@ pub(crate) struct Surveyor {
 }
 
 impl Surveyor {
-    /// Of a picture without its pixels.
+    /// Creates a surveyor for the picture of this film, which has no pixels.
     pub fn new(film: &Film) -> Self {
         let metrics = film.metrics_of_totals();
         let map = ReducedMap::of([film.grid.width, film.grid.height]);
@@ -56,7 +56,7 @@ impl Surveyor {
         }
     }
 
-    /// Upper bound of its bytes.
+    /// Returns an upper bound of the surveyor's memory in bytes.
     pub(super) fn bytes(image: &Image) -> u64 {
         let map = ReducedMap::of([image.width, image.height]);
         3 * FineHistogram::BYTES + (map.values.len() * size_of::<f32>()) as u64
@@ -112,7 +112,7 @@ impl Surveyor {
         }
     }
 
-    /// The survey of all bands.
+    /// Returns the survey of all bands.
     pub fn finish(self) -> Survey {
         let Self {
             survey,
@@ -136,8 +136,8 @@ impl Surveyor {
     }
 }
 
-/// The more expensive of two; of equal ones the first. Node visits come before primitive tests,
-/// which are those of a band without any.
+/// Returns the more expensive pixel, the first one if both are equal. Node visits come before
+/// primitive tests, the metric of a band without any.
 fn hotter(
     first: Option<(Metric, HotPixel)>,
     second: Option<(Metric, HotPixel)>,
@@ -171,17 +171,17 @@ fn for_each_strip(film: &Film, metric: Metric, mut take: impl FnMut(&Strip, &[f3
 }
 
 impl ReducedMap {
-    /// A map of a picture of this size, so far with sums of zero.
+    /// Creates the map of a picture of this size, with sums of zero.
     fn of(picture: [u32; 2]) -> Self {
         Self::of_blocks(picture, Self::side(picture))
     }
 
-    /// Pixels along the side of a block of a picture of this size.
+    /// Returns the side in pixels of a block for a picture of this size.
     pub(super) fn side(picture: [u32; 2]) -> u32 {
         picture[0].max(picture[1]).div_ceil(MAX_SIDE)
     }
 
-    /// A map of values of a picture of this size by blocks with this side.
+    /// Returns the map of a picture's values for blocks with this side.
     pub(super) fn of_pixels(picture: [u32; 2], side: u32, values: &[f32]) -> Self {
         let mut map = Self::of_blocks(picture, side);
         map.add(0, values);
@@ -198,7 +198,7 @@ impl ReducedMap {
         }
     }
 
-    /// Adds rows of values from this row of the picture on. Rows and columns behind the last
+    /// Adds rows of values, starting at this row of the picture. Rows and columns past the last
     /// whole block are left out.
     fn add(&mut self, first_row: u32, values: &[f32]) {
         let [n_columns, n_rows] = self.size.map(|n| n as usize);
@@ -215,7 +215,7 @@ impl ReducedMap {
         }
     }
 
-    /// Makes means of the sums.
+    /// Turns the sums into means.
     fn means(mut self) -> Self {
         let n = (self.side * self.side) as f32;
         self.values.iter_mut().for_each(|value| *value /= n);

@@ -4,7 +4,7 @@ use super::RenderingView;
 use crate::summary::ThreadTime;
 use tracer::cost::Meter;
 
-/// Computes the breakdown of a rendering; `None` if there are no times.
+/// Computes the breakdown for a rendering; `None` if there are no times.
 pub fn thread_time(rendering: &RenderingView) -> Option<ThreadTime> {
     let clock = rendering.meter.clock()?;
     let repeats = rendering.repeats;

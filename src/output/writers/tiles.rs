@@ -22,10 +22,10 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// Writes the schedule as ImageData with one cell per tile, which covers the tile's
-/// pixels in `frame.vti`, where pixel centers have integer coordinates. VTK orders rows
-/// from bottom to top, the grid from top to bottom: its last row is written first.
-/// Tiles that the picture's right or lower edge cuts are written as whole squares.
+/// Writes the schedule as ImageData with one cell per tile, which covers the tile's pixels in
+/// `frame.vti`, where pixel centers have integer coordinates. VTK orders rows from bottom to top
+/// and the grid from top to bottom, so the grid's last row is written first. Tiles that the
+/// picture's right or lower edge cuts are written as whole squares.
 pub fn write(
     schedule: &Schedule,
     cost: CostMode,
@@ -53,7 +53,7 @@ pub fn write(
     appended::write(&cells, encoding.into(), out)
 }
 
-/// The time span and the thread of each tile.
+/// Returns the time span and the thread of each tile.
 fn times(schedule: &Schedule) -> Vec<Array<'_>> {
     let time = |name, ns: fn(&TileRun) -> u64| {
         let times = array(name, schedule, move |_, run| ns(run) as f64);
@@ -74,13 +74,13 @@ fn times(schedule: &Schedule) -> Vec<Array<'_>> {
     ]
 }
 
-/// A number of a tile; -1 for one that was not rendered.
+/// Returns a number of a tile; -1 if the tile was not rendered.
 fn unless_missing(run: &TileRun, number: u32) -> i32 {
     if run.is_missing { -1 } else { number as i32 }
 }
 
-/// The totals of the pixels' counters in each tile but their samples, which are those of
-/// their rays that have no kind; for `depth` the maximum.
+/// Returns the totals of the pixels' counters in each tile except samples, which equal the rays
+/// without a kind; for `depth` the maximum.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
     let sum = |metric: Metric| {
         let sums = array(metric.name, schedule, move |_, run| metric.of(&run.counted));
@@ -89,7 +89,7 @@ fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
     Metric::counted(false).map(sum)
 }
 
-/// An array with one value per tile, given the tile's number and run.
+/// Returns an array with one value per tile, given the tile's number and run.
 fn array<'a, E: Entry>(
     name: &'static str,
     schedule: &'a Schedule,

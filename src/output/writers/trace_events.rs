@@ -1,5 +1,5 @@
-//! `trace.json`: the time line of the run in Chrome's Trace Event Format, which
-//! ui.perfetto.dev and chrome://tracing display.
+//! `trace.json`: the timeline of the run in Chrome's Trace Event Format, which ui.perfetto.dev and
+//! chrome://tracing display.
 //!
 //! "Trace Event Format", docs.google.com/document/d/1CvAClvFfyA5R-PhYUmn5OOQtYMH4h6I0nSsKchNAySU.
 
@@ -25,11 +25,11 @@ pub(super) const FILE: OutputFile = OutputFile {
     content: FileContent::Written(|job, out| write(job.rendering, job.stages, job.run, out)),
 };
 
-/// The row of the stages in the time line; the rows of the threads follow.
+/// The row of the stages in the timeline; the rows of the threads follow.
 const STAGES: u32 = 0;
 
-/// Writes the stages so far, and every tile in the row of its thread, one event per
-/// line of text. Times are in microseconds since the start of the program.
+/// Writes the stages so far, and every tile in the row of its thread, one event per line of text.
+/// Times are in microseconds since the start of the program.
 fn write(
     rendering: &RenderingView,
     stages: &Stages,
@@ -73,12 +73,12 @@ fn write(
     writeln!(out, "\n]}}")
 }
 
-/// The row of a thread.
+/// Returns the row of a thread.
 fn line_of(thread: u32) -> u32 {
     STAGES + 1 + thread
 }
 
-/// The names of the processes, one for each rank, and of their rows.
+/// Returns the names of the processes, one per rank, and of their rows.
 fn names(rendering: &RenderingView) -> Vec<Value> {
     let schedule = rendering.schedule;
     let runs = schedule.rendered().map(|(_, run)| (run.rank, run.thread));
@@ -101,12 +101,12 @@ fn names(rendering: &RenderingView) -> Vec<Value> {
     ranks.chain(stages).chain(threads).collect()
 }
 
-/// A metadata event: the name of a rank's process or of a row of it.
+/// Returns a metadata event: the name of a rank's process or of one of its rows.
 fn name(kind: &str, (rank, line): (u32, u32), name: &str) -> Value {
     json!({ "ph": "M", "name": kind, "pid": rank + 1, "tid": line, "args": { "name": name } })
 }
 
-/// A complete event in a row of a rank's process; its time span is in nanoseconds.
+/// Returns a complete event in a row of a rank's process; its time span is in nanoseconds.
 fn event(name: &str, (rank, line): (u32, u32), span_ns: Range<u64>, arguments: Value) -> Value {
     json!({
         "ph": "X",
@@ -119,7 +119,7 @@ fn event(name: &str, (rank, line): (u32, u32), span_ns: Range<u64>, arguments: V
     })
 }
 
-/// The arguments of a tile's event, which viewers show for the selected event.
+/// Returns the arguments of a tile's event, which viewers show for the selected event.
 fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
     let mut arguments = json!({
         "position": run.position,

@@ -14,12 +14,12 @@ pub const STATE: &str = "rays.pvsm";
 /// Writes the rays of traced pixels as PolyData with one line per ray.
 ///
 /// # Errors
-/// The errors of `out`.
+/// An error of `out`.
 pub fn write_rays(traced: &Traced, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
     Rays::of(traced).write(codec.into(), out)
 }
 
-/// Writes all files of traced pixels and returns them in their order.
+/// Writes all files of traced pixels and returns them in order.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.
@@ -57,7 +57,7 @@ pub fn write_traced(
 /// Checks that [`write_traced`] would not overwrite a file of another program.
 ///
 /// # Errors
-/// The first such file.
+/// The first file of another program.
 pub fn refuse_foreign_traced(folder: &OutputFolder) -> Result<(), WriteError> {
     folder.refuse_foreign(&own())
 }

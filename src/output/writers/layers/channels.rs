@@ -1,9 +1,8 @@
 //! The channels of `image.exr`.
 //!
-//! Names are those that compositors know: `R`, `G`, `B` and `Z`, `N` for normals, `P`
-//! for positions, `albedo`; an array of one number per pixel is the channel `X` of a
-//! layer of its name, as Cycles writes its passes. The layer `depth` would be taken for
-//! that of `Z`: the depth of paths is `path_depth`.
+//! Compositors know the names: `R`, `G`, `B` and `Z`, `N` for normals, `P` for positions, `albedo`;
+//! an array of one number per pixel is the channel `X` of a layer of its name, as Cycles writes its
+//! passes. A layer `depth` would be mistaken for `Z`, so the depth of paths is `path_depth`.
 
 use exr::meta::attribute::{ChannelDescription, SampleType, Text};
 use glam::Vec3;
@@ -16,8 +15,8 @@ use scene::config::{CostMode, Repeats};
 /// Bytes of a number in each channel.
 pub(super) const CHANNEL_BYTES: usize = 4;
 
-/// The depth and the distance without a hit, as in Cycles: compositors spread NaN and
-/// infinity when they filter.
+/// Depth and distance without a hit, as in Cycles: NaN and infinity would spread when compositors
+/// filter.
 const FAR: f32 = 1e10;
 
 /// A channel of the file.
@@ -27,7 +26,7 @@ pub(super) struct Channel {
     origin: ChannelOrigin,
 }
 
-/// Where the numbers of a channel come from.
+/// The source of a channel's numbers.
 enum ChannelOrigin {
     /// A component of an array of the film. Floats without a hit become `miss`.
     Array {
@@ -35,11 +34,11 @@ enum ChannelOrigin {
         component: usize,
         miss: f32,
     },
-    /// The distance of the hit from the camera, along the axis of the view if it has one.
+    /// The distance of the hit from the camera, along the viewing axis if there is one.
     Depth {
         eye: Vec3,
         axis: Option<Vec3>,
-        /// World units in a unit of render space.
+        /// World units per unit of render space.
         unit: f32,
     },
 }
@@ -48,8 +47,8 @@ enum ChannelOrigin {
 const COLOR: [&str; 3] = ["R", "G", "B"];
 const SPACE: [&str; 3] = ["X", "Y", "Z"];
 
-/// Returns the channels of a film that keeps its radiance and its albedo, sorted by name
-/// as files have to be.
+/// Returns the channels of a film that keeps its radiance and its albedo, sorted by name as the
+/// format requires.
 pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     let mut channels = Vec::new();
     channels.extend(vector("", COLOR, Column::RADIANCE));
@@ -57,7 +56,7 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels.extend(vector("P.", SPACE, Column::POSITION));
     for column in film.kept_columns() {
         match column.name {
-            // The picture of 8 bits, and what is there already.
+            // Skip the 8-bit picture, and arrays that are channels already.
             "RGB" | "radiance" => {}
             "Normals" => channels.extend(vector("N.", SPACE, column)),
             _ => channels.extend((0..column.n_components).map(|i| number(column, i))),
@@ -68,7 +67,7 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels
 }
 
-/// Upper bound of the number of channels.
+/// Returns an upper bound of the number of channels.
 pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
     let numbers = columns(cost, repeats).map(|column| column.n_components);
     let vectors = [Column::RADIANCE, Column::ALBEDO, Column::POSITION];
@@ -96,7 +95,7 @@ fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item =
     names.into_iter().enumerate().map(channel)
 }
 
-/// The channel of one of the numbers of an array.
+/// Returns the channel of one of the numbers of an array.
 fn number(column: Column, component: usize) -> Channel {
     let is_float = column.scalar == ScalarType::F32 || is_signed(&column);
     let layer = match column.name {
@@ -142,19 +141,19 @@ fn depth(plane: ImagePlane) -> Channel {
     }
 }
 
-/// Whether the numbers of an array may be -1: files have no signed integers.
+/// Returns true if the numbers of an array may be -1: the format has no signed integers.
 fn is_signed(column: &Column) -> bool {
     column.scalar == ScalarType::I32 && column.is_in_strips()
 }
 
 impl Channel {
-    /// Its description in the header.
+    /// Returns the description for the header.
     pub(super) fn described(&self) -> ChannelDescription {
         let is_linear = false;
         ChannelDescription::new(Text::from(&*self.name), self.kind, is_linear)
     }
 
-    /// Adds the bits of its numbers in a strip of the film, row by row.
+    /// Appends the bits of the channel's numbers in a strip of the film, row by row.
     pub(super) fn add_words(&self, film: &Film, strip: &Strip, words: &mut Vec<u32>) {
         match &self.origin {
             ChannelOrigin::Array {
@@ -184,13 +183,13 @@ impl Channel {
     }
 }
 
-/// A number of four bytes in native order.
+/// Returns a number of four bytes in native order.
 fn word(pixel: &[u8], component: usize) -> u32 {
     let (words, _) = pixel.as_chunks();
     u32::from_ne_bytes(words[component])
 }
 
-/// The bits of a number, or of `miss` for NaN.
+/// Returns the bits of a number, or of `miss` for NaN.
 fn finite(number: f32, miss: f32) -> u32 {
     if number.is_nan() { miss } else { number }.to_bits()
 }

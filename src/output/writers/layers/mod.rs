@@ -1,9 +1,9 @@
-//! `image.exr`: the light of the pixels and everything else that the film knows of them,
-//! as layers of one OpenEXR file for compositors.
+//! `image.exr`: the light of the pixels and all other arrays of the film, as layers of one OpenEXR
+//! file for compositors.
 //!
-//! One part holds all channels: programs that know a single picture read `R`, `G` and
-//! `B`, the others find the layers. Blocks of rows are compressed in parallel, a few at
-//! a time, and the file has the same bytes on any number of threads.
+//! One part holds all channels: simple viewers read `R`, `G` and `B`, compositors find the layers.
+//! Blocks of rows are compressed in parallel, a few at a time, and the file has the same bytes on
+//! any number of threads.
 
 mod channels;
 
@@ -33,16 +33,16 @@ pub(super) const FILE: OutputFile = OutputFile {
     content: FileContent::Written(|job, out| write(job.rendering, job.run, out)),
 };
 
-/// Rows of a block, of which `STRIP_ROWS` is a divisor.
+/// Rows of a block; a multiple of `STRIP_ROWS`.
 const BLOCK_ROWS: u32 = 16;
 
-/// The memory of the blocks that are compressed at a time, if it is enough for one.
+/// Memory of the blocks that are compressed at a time; at least one block is.
 const BLOCKS_MEMORY: u64 = 1 << 26;
 
-/// Upper bound of the copies of a block while it is compressed.
+/// Upper bound of the copies of a block during compression.
 const COPIES: u64 = 4;
 
-/// Upper bound of the memory to write the file of a scene; 0 if it is not asked for.
+/// Returns an upper bound of the memory to write a scene's file; 0 if it is not requested.
 pub(super) fn write_bytes(config: &Config) -> u64 {
     if !config.output.has(OptionalOutput::Exr) {
         return 0;
@@ -53,7 +53,7 @@ pub(super) fn write_bytes(config: &Config) -> u64 {
     BLOCKS_MEMORY.max(of_rows(BLOCK_ROWS)).min(of_rows(height))
 }
 
-/// The bytes of the file before compression; 0 if it is not asked for.
+/// Returns the bytes of the file before compression; 0 if it is not requested.
 pub(super) fn raw_bytes(config: &Config) -> u64 {
     if !config.output.has(OptionalOutput::Exr) {
         return 0;
@@ -62,7 +62,7 @@ pub(super) fn raw_bytes(config: &Config) -> u64 {
     (config.image.n_pixels() * n_channels * CHANNEL_BYTES) as u64
 }
 
-/// The memory to compress so many columns and rows.
+/// Returns the memory to compress this many columns and rows.
 fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {
     COPIES * u64::from(width) * u64::from(n_rows) * (n_channels * CHANNEL_BYTES) as u64
 }
@@ -92,13 +92,13 @@ fn header(rendering: &RenderingView, channels: &[Channel], run: RunId) -> Header
         BlockDescription::ScanLines,
         LineOrder::Increasing,
     );
-    // A part alone in its file needs no name.
+    // The only part of a file needs no name.
     header.own_attributes.layer_name = None;
     let program = concat!("raycost ", env!("CARGO_PKG_VERSION"));
     header.own_attributes.software_name = Some(Text::from(program));
     let partial = rendering.partial.map(|partial| partial.to_string());
     header.own_attributes.comments = partial.map(|partial| Text::from(&*partial));
-    // One attribute alone, as the crate writes several in any order.
+    // Only one attribute, because the crate writes several in any order.
     let run = AttributeValue::Text(Text::from(&*run.to_string()));
     let key = Text::from(provenance::KEY);
     header.own_attributes.other.insert(key, run);
@@ -135,8 +135,7 @@ fn write_blocks(
     Ok(())
 }
 
-/// The rows of a block from top to bottom, each of which has its channels one after the
-/// other.
+/// Returns the rows of a block from top to bottom, each with its channels one after the other.
 fn block(film: &Film, channels: &[Channel], first_row: u32) -> UncompressedBlock {
     let width = film.grid.width as usize;
     let n_rows = BLOCK_ROWS.min(film.grid.height - first_row) as usize;

@@ -11,11 +11,11 @@ use scene::config::{BvhLimits, CostMode};
 use tracer::accel::BvhNode;
 use tracer::cost::Metric;
 
-/// Most boxes shown; a larger hierarchy is shown at a higher level.
+/// Maximum number of boxes shown; a larger hierarchy is shown at a higher level.
 const MAX_BOXES: usize = 3000;
-/// Most boxes drawn as wireframes.
+/// Maximum number of boxes drawn as wireframes.
 const MAX_FRAMES: usize = 200;
-/// Most primitives drawn with their edges.
+/// Maximum number of primitives drawn with their edges.
 const MAX_EDGES: usize = 100;
 
 /// The values of the keys that begin with `bvh.` and `surface.`.
@@ -69,7 +69,7 @@ impl AttributionValues {
         }
     }
 
-    /// The values of both renderings.
+    /// Returns the values of both renderings.
     pub(super) fn spanning(&self, other: &Self) -> Self {
         let boxes = self.bvh.as_ref().zip(other.bvh.as_ref());
         let surfaces = self.surface.as_ref().zip(other.surface.as_ref());
@@ -138,7 +138,7 @@ impl Boxes {
         }
     }
 
-    /// Those of the first at its level; captions count its boxes.
+    /// Takes the boxes of the first at its level; captions count its boxes.
     fn spanning(&self, other: &Self) -> Self {
         Self {
             level: self.level,
@@ -169,8 +169,9 @@ impl Boxes {
 }
 
 impl Level {
-    /// Chooses the leaves, or the deepest level that is reached through levels of at most
-    /// [`MAX_BOXES`] boxes: one below has few boxes only where few branches are as deep.
+    /// Chooses the leaves or, if they are too many, the deepest level with only levels of at most
+    /// [`MAX_BOXES`] boxes above it: past a crowded level, few boxes mean only that few branches
+    /// are as deep.
     fn of<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
         let (mut n_leaves, mut n_at) = (0, Vec::new());
         for node in written {
@@ -194,7 +195,7 @@ impl Level {
         }
     }
 
-    /// The array that selects the boxes: its value is [`number`](Self::number).
+    /// Returns the array that selects the boxes: its value is [`number`](Self::number).
     fn array(self) -> &'static str {
         match self {
             Self::Leaves => "is_leaf",
@@ -223,7 +224,7 @@ impl Level {
     }
 }
 
-/// Returns the time of each node or primitive, or the number of visits.
+/// Returns the axis of the time of each node or primitive, or of the number of visits.
 fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axis {
     if let Some(metric) = Metric::of_times(cost) {
         let times = visits.iter().map(|of| (f64::from(of.time_ns()), of.n_hits));

@@ -25,15 +25,14 @@ pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("geometry.pvsm");
 pub(super) struct States<'a> {
     folder: &'a OutputFolder,
     values: StateValues,
-    /// Whether cloud and frame are in pieces.
+    /// True if cloud and frame are in pieces.
     is_in_pieces: bool,
 }
 
 /// The values of a rendering, or of several, for all states.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StateValues {
-    /// The axis of the preferred cost metric of the files, or of the distance if they
-    /// have none.
+    /// The axis of the files' preferred cost metric, or of the distance if they have no cost.
     cost: Axis,
     counter: Option<Axis>,
     camera: ViewCamera,
@@ -41,10 +40,10 @@ pub struct StateValues {
     size: [f64; 2],
     schedule: TileValues,
     has_hits: bool,
-    /// Whether tiles or renderings are missing.
+    /// True if tiles or renderings are missing.
     #[serde(default)]
     is_partial: bool,
-    /// Largest distance of hits that are shown.
+    /// Maximum distance of hits that are shown.
     max_distance: f64,
     attribution: AttributionValues,
 }
@@ -59,12 +58,12 @@ impl<'a> States<'a> {
         }
     }
 
-    /// The values without the paths of the files.
+    /// Returns the values without the paths of the files.
     pub(super) fn values(&self) -> &StateValues {
         &self.values
     }
 
-    /// The state `geometry.pvsm`.
+    /// Returns the state `geometry.pvsm`.
     pub(super) fn geometry(&self) -> String {
         self.filled(GEOMETRY_TEMPLATE)
     }
@@ -81,7 +80,7 @@ impl<'a> States<'a> {
 }
 
 impl StateValues {
-    /// The values of a rendering.
+    /// Returns the values of a rendering.
     fn of(rendering: &RenderingView) -> Self {
         let (film, survey) = (rendering.film, rendering.survey);
         let size = [film.grid.width, film.grid.height].map(f64::from);
@@ -102,7 +101,7 @@ impl StateValues {
         }
     }
 
-    /// The values for the files of both: axes that span all values, and the camera of the
+    /// Returns the values for the files of both: axes that span all values, and the camera of the
     /// first.
     pub fn spanning(&self, other: &Self) -> Self {
         let counters = self.counter.as_ref().zip(other.counter.as_ref());
@@ -130,7 +129,7 @@ impl StateValues {
         })
     }
 
-    /// The value of a key; titles say if the picture is partial.
+    /// Returns the value of a key; titles say if the picture is partial.
     fn value(&self, key: &str) -> Option<StateValue> {
         let value = self.value_of_whole(key);
         let is_title = ["cost.title", "counter.title", "hits.caption"].contains(&key);

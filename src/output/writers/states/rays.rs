@@ -11,18 +11,17 @@ use tracer::cost::Metric;
 
 const RAYS: &str = include_str!("rays.pvsm");
 
-/// Greatest length of rays that are shown, in radii of the scene: a plane has hits up
-/// to its horizon, and ParaView clips points 1000 times nearer than the farthest one.
+/// Maximum length of rays that are shown, in radii of the scene: a plane has hits up to its
+/// horizon, and ParaView clips points 1000 times nearer than the farthest one.
 const LONGEST: f32 = 50.0;
-/// Greatest distance from the center, in radii, of points that must be in view: those
-/// of rays and those of the scene.
+/// Maximum distance from the center, in radii, of points that must be in view: on rays, and in the
+/// scene.
 const FRAMED: [f32; 2] = [1.5, 0.8];
-/// Most rays drawn as wide lines; more would cover each other.
+/// Maximum number of rays drawn as wide lines; more would cover each other.
 const FEW: usize = 300;
 /// The view's vertical angle in degrees.
 const VIEW_ANGLE: f32 = 30.0;
-/// Length of an arrow's head as a fraction of the view's height, for few and for
-/// many rays.
+/// Length of an arrow's head as a fraction of the view's height, for few and for many rays.
 const HEADS: [f32; 2] = [0.03, 0.012];
 /// The kinds of rays in the order of their numbers, in a palette for
 /// color-blind readers (Okabe and Ito, 2008).
@@ -79,8 +78,8 @@ pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String 
     })
 }
 
-/// The metric that colors the right view: the first measure that is not the same
-/// for all rays, since a small hierarchy is one node, and there may be no clock.
+/// Returns the metric that colors the right view: the first one that differs between rays, since a
+/// small hierarchy is one node, and there may be no clock.
 fn cost_axis(rays: &Rays) -> Axis {
     let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
     let axis =
@@ -114,9 +113,8 @@ fn high(mut values: Vec<f32>) -> Option<f32> {
     (low < high).then(|| values[rank].max(1.0))
 }
 
-/// A camera that sees rays from their side, and the scene around them: from
-/// where they start they are points. In the world as ParaView shows it, mirrored
-/// for some scenes.
+/// A camera that sees rays from the side, and the scene around them: seen from their origin they
+/// would be points. In the world as ParaView shows it, mirrored for some scenes.
 struct SideView {
     position: DVec3,
     focal_point: DVec3,
@@ -132,7 +130,7 @@ impl SideView {
         let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
         let to_right = up.cross(back).normalize();
         let axes = [to_right, back.cross(to_right), back];
-        // Each point's coordinates from the ball's middle along these axes.
+        // Project each point onto these axes, from the center of the ball.
         let (center, radius) = rays.sphere_in_world();
         let center = camera.mirrored(center);
         let space = rays.plane().space;
@@ -168,7 +166,7 @@ impl SideView {
         }
     }
 
-    /// The value of a key without its `rays.`.
+    /// Returns the value of a key without the prefix `rays.`.
     fn number(&self, key: &str) -> Option<f64> {
         let (name, index) = key.split_once('.')?;
         let vector = match name {
@@ -181,7 +179,7 @@ impl SideView {
     }
 }
 
-/// The points of the cloud that are shown.
+/// Returns the points of the cloud that are shown.
 fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = DVec3> + use<'a> {
     let (plane, film) = (rays.plane(), rays.cloud());
     let [columns, rows] = plane.size.map(|n| n as f32);

@@ -46,7 +46,7 @@ impl TileValues {
         }
     }
 
-    /// The values of both schedules.
+    /// Returns the values of both schedules.
     pub(super) fn spanning(&self, other: &Self) -> Self {
         Self {
             n_threads: self.n_threads.max(other.n_threads),
@@ -56,7 +56,7 @@ impl TileValues {
         }
     }
 
-    /// The value of a key without its `tiles.`.
+    /// Returns the value of a key without the prefix `tiles.`.
     pub(super) fn value(&self, key: &str) -> Option<StateValue> {
         let is_alone = self.n_threads == 1;
         let (name, rest) = key.split_once('.')?;
