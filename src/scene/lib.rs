@@ -1,12 +1,12 @@
-//! A YAML file and the files that it names → a world in render space.
+//! A YAML file and the files it refers to → a world in render space.
 //!
 //! In: text. Out: a [`Config`](config::Config), the file as typed and checked values; and a
-//! [`Scene`](world::Scene), the primitives, materials and lights that rays meet, with ids
-//! instead of names. A mistake is a message with the line of the file.
+//! [`Scene`](world::Scene), the primitives, materials and lights that rays meet, with ids instead
+//! of names. A mistake is a message with the line of the file.
 //!
-//! Read [`config`], the sections of a file, and [`world`], which places them. Between the two
-//! stand the kinds, a file each: [`geometry`], [`camera`], [`light`], [`material`], … [`yaml`]
-//! turns text into values, [`import`] reads meshes, points and pictures.
+//! Read [`config`] first, the sections of a file, then [`world`], which places them. Between the
+//! two are the kinds of things, one file each: [`geometry`], [`camera`], [`light`], [`material`], …
+//! [`yaml`] turns text into values, [`import`] reads meshes, points and pictures.
 
 pub mod yaml;
 pub mod color;

@@ -19,11 +19,11 @@ use crate::yaml::{self, Fault, FieldPath};
     expecting = "a path such as { eyes: [[0, 1, 6], [3, 1, 3]] }"
 )]
 pub struct FlyThrough {
-    /// Points of the path, at least two; the first is that of the first frame.
+    /// Points of the path, at least two; the camera starts at the first.
     #[serde(deserialize_with = "points")]
     pub eyes: Vec<[f64; 3]>,
-    /// What the camera looks at: one point, or one for each eye. Without them it looks
-    /// where it goes.
+    /// Points that the camera looks at: one for all frames, or one per eye. Without targets the
+    /// camera looks ahead along the path.
     #[serde(default, deserialize_with = "points")]
     pub targets: Vec<[f64; 3]>,
 }
@@ -39,7 +39,7 @@ fn points<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 3]>, D::Error> {
     Ok(points.into_iter().map(point).collect())
 }
 
-/// Parts of a segment whose lengths give the speed.
+/// Number of parts into which a segment is divided to measure its length.
 const N_PARTS: usize = 64;
 
 impl FlyThrough {
@@ -66,7 +66,7 @@ impl FlyThrough {
         Ok(())
     }
 
-    /// The eye and the target at a frame.
+    /// Returns the eye and the target at a frame.
     pub(super) fn pose(&self, frame: u32, n_frames: u32) -> [[f64; 3]; 2] {
         let part = f64::from(frame) / f64::from((n_frames - 1).max(1));
         let spline = Spline::through(&self.eyes);
@@ -88,8 +88,8 @@ impl FlyThrough {
 }
 
 /// A Catmull-Rom spline with centripetal knots, after Yuksel, Schaefer and Keyser,
-/// "Parameterization and Applications of Catmull-Rom Curves", 2011: it has no loops and
-/// cusps between its points.
+/// "Parameterization and Applications of Catmull-Rom Curves", 2011: it has no loops or cusps
+/// between its points.
 struct Spline {
     /// The knots of all points, and one more on each side.
     knots: Vec<f64>,
@@ -111,7 +111,7 @@ impl Spline {
         Self { knots }
     }
 
-    /// The point of a segment at `u` from 0 to 1, by Barry's and Goldman's pyramid.
+    /// Returns the point of a segment at `u` from 0 to 1, by the pyramid of Barry and Goldman.
     fn point(&self, points: &[[f64; 3]], segment: usize, u: f64) -> [f64; 3] {
         let mirrored =
             |at: usize, beyond: usize| [0, 1, 2].map(|i| 2.0 * points[at][i] - points[beyond][i]);
@@ -134,7 +134,7 @@ impl Spline {
         row[0]
     }
 
-    /// The segment and the place in it that divide the path's length so.
+    /// Returns the segment and the position in it at this fraction of the path's length.
     fn at_length(&self, part: f64, points: &[[f64; 3]]) -> (usize, f64) {
         let n_segments = points.len() - 1;
         let at = |i: usize| {
@@ -156,7 +156,7 @@ impl Spline {
         };
         let before = lengths[next - 1];
         let (segment, u) = at(next - 1);
-        // A part belongs to one segment.
+        // Each part lies within one segment.
         let within = (wanted - before) / (after - before);
         (segment, u + within / N_PARTS as f64)
     }

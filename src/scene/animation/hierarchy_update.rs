@@ -2,17 +2,16 @@
 
 use serde::Deserialize;
 
-/// How the hierarchy of a frame comes about whose objects are others than those of the frame
-/// before.
+/// How the hierarchy of a frame is made if its objects differ from the frame before.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`rebuild`, `refit` or `auto`")]
 pub enum HierarchyUpdate {
-    /// It is built, as that of a still.
+    /// It is built, as for a still.
     Rebuild,
-    /// It is that of the first frame, with boxes around the moved objects, where these are as
-    /// many and of the same kinds.
+    /// The hierarchy of the first frame is refitted around the moved objects, if their number and
+    /// kinds are unchanged.
     Refit,
-    /// Whichever of both is expected to cost less.
+    /// Chooses the method with the lower expected cost.
     #[default]
     Auto,
 }

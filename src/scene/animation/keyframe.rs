@@ -19,7 +19,7 @@ pub struct Keyframe {
     /// The number of the frame; the first is 0.
     #[serde(deserialize_with = "frame")]
     pub frame: u32,
-    /// The value there.
+    /// The value at this frame.
     pub value: KeyframeValue,
     /// How the value changes until the next keyframe.
     #[serde(default)]
@@ -35,19 +35,19 @@ fn frame<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
 pub enum KeyframeValue {
     /// One number.
     Number(f64),
-    /// At least one.
+    /// At least one number.
     List(Vec<f64>),
 }
 
-/// Most numbers of a list; the entries of a 4 x 4 matrix.
+/// Maximum length of a list: the entries of a 4 x 4 matrix.
 const MAX_NUMBERS: usize = 16;
-/// Largest magnitude of a number, as in all of a scene.
+/// Largest magnitude of a number, as everywhere in a scene.
 const MAX_MAGNITUDE: f64 = 1e15;
 const NUMBER: &str = "a number from -1e15 to 1e15";
 const EXPECTED: &str = "a number, a list of numbers or a color \"#rrggbb\"";
 
 impl KeyframeValue {
-    /// Its numbers.
+    /// Returns the numbers.
     pub fn numbers(&self) -> &[f64] {
         match self {
             Self::Number(number) => std::slice::from_ref(number),
@@ -55,7 +55,7 @@ impl KeyframeValue {
         }
     }
 
-    /// What it is, for messages.
+    /// Describes the kind of value, for messages.
     pub(super) fn kind(&self) -> String {
         match self {
             Self::Number(_) => "a number".to_owned(),
@@ -63,7 +63,7 @@ impl KeyframeValue {
         }
     }
 
-    /// A value of the same kind.
+    /// Returns a value of the same kind.
     pub(super) fn with_numbers(&self, numbers: impl Iterator<Item = f64>) -> Self {
         match self {
             Self::Number(number) => Self::Number(numbers.into_iter().next().unwrap_or(*number)),
@@ -72,7 +72,7 @@ impl KeyframeValue {
     }
 }
 
-/// As YAML.
+/// Formats as YAML.
 impl fmt::Display for KeyframeValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,9 +1,9 @@
 //! The `animation` section: frame number → values of the scene.
 //!
-//! A frame is the scene with other values at some paths, as if the command line had set
-//! them: those of keyframes, and the eye and the target of a camera that moves.
-//! [`Animation::at_frame`] sets them in the scene's text, so that each value is read and
-//! checked as any other, and a message about it points at its keyframes.
+//! A frame is the scene with other values at some paths, as if they were set on the command line:
+//! values of keyframes, and the eye and the target of a moving camera. [`Animation::at_frame`] sets
+//! them in the scene's text, so that each value is read and checked like any other, and a message
+//! about it points at its keyframes.
 
 mod interpolation;
 mod keyframe;
@@ -47,12 +47,11 @@ use base::text::Diagnostic;
     expecting = "an animation such as { frames: 48, orbit: { turns: 1 } }"
 )]
 pub struct Animation {
-    /// The number of frames, 1 to 100,000; by default that of the time steps of the longest
-    /// data series.
+    /// The number of frames, 1 to 100,000; by default the number of time steps of the longest data
+    /// series.
     #[serde(default, deserialize_with = "frames")]
     pub frames: Option<u32>,
-    /// Frames per second of the video, and of time where no data series gives it; 24 by
-    /// default.
+    /// Frames per second of the video, and of time if no data series gives it; 24 by default.
     #[serde(default = "default_fps", deserialize_with = "fps")]
     pub fps: f32,
     /// How values change from one keyframe to the next, if the keyframe does not say it.
@@ -67,7 +66,7 @@ pub struct Animation {
     /// Moves the camera along a smooth path.
     #[serde(default)]
     pub fly_through: Option<FlyThrough>,
-    /// How the hierarchy of a frame comes about: built, or that of the first frame, refitted.
+    /// How the hierarchy of a frame is made: built, or refitted from the first frame.
     #[serde(default)]
     pub hierarchy: HierarchyUpdate,
 }
@@ -76,7 +75,7 @@ pub struct Animation {
 pub const KEY: &str = "animation";
 /// Frames per second if none are given.
 const DEFAULT_FPS: f32 = 24.0;
-/// Most frames of an animation.
+/// Maximum number of frames of an animation.
 pub const MAX_FRAMES: u32 = 100_000;
 
 fn frames<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
@@ -95,7 +94,7 @@ fn fps<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     serde::de::DeserializeSeed::deserialize(number, d)
 }
 
-/// Without keyframes, for scenes that only show a data series.
+/// No keyframes, for scenes that only show a data series.
 impl Default for Animation {
     fn default() -> Self {
         Self {
@@ -111,7 +110,7 @@ impl Default for Animation {
 }
 
 impl Animation {
-    /// Checks what keyframes and the camera's path have to be for this number of frames.
+    /// Checks the keyframes and the camera's path for this number of frames.
     ///
     /// # Errors
     /// The first mistake.
@@ -134,14 +133,14 @@ impl Animation {
         fly_through.check(&section().key("fly_through"))
     }
 
-    /// The fault of an animation whose number of frames nothing gives.
+    /// Returns the fault of an animation whose number of frames is not given.
     pub fn without_frames(&self) -> Fault {
         let message = "the animation has no number of frames";
         let fault = Fault::of_key(section(), message, "expected `frames` in it");
         fault.with_help("write `frames: 48`, or show a data series, whose time steps are frames")
     }
 
-    /// The scene at a frame of `n_frames`, which [`check`](Self::check) has accepted.
+    /// Returns the scene at a frame of `n_frames`, which [`check`](Self::check) has accepted.
     ///
     /// # Errors
     /// A path that the scene does not have, or a camera that cannot move.
@@ -177,7 +176,7 @@ impl Animation {
     }
 }
 
-/// The fault of a path whose value is the same in all frames; `None` for others.
+/// Returns the fault of a path whose value cannot vary between frames; `None` for other paths.
 fn fixed(path: &str, key: &FieldPath) -> Option<Fault> {
     let sections = ["animation", "include", "image.width", "image.height"];
     let is_in = |section: &&str| {
@@ -199,13 +198,13 @@ type Pose = [[f64; 3]; 3];
 
 /// A camera with an eye and a target, which can move.
 struct PosedCamera {
-    /// Its key in the section `camera`.
+    /// The key in the section `camera`.
     kind: &'static str,
     pose: Pose,
 }
 
 impl PosedCamera {
-    /// The camera of a scene; a message about another one points at `key`.
+    /// Finds the camera of a scene; a message about a camera that cannot move points at `key`.
     fn of(scene: &Document, key: &FieldPath) -> Result<Self, Diagnostic> {
         let find = |kind: &'static str| {
             let point = |name: &str| {
@@ -224,13 +223,13 @@ impl PosedCamera {
         })
     }
 
-    /// The path of one of its values.
+    /// Returns the path of one of its values.
     fn path(&self, name: &str) -> String {
         format!("camera.{}.{name}", self.kind)
     }
 }
 
-/// `[x, y, z]`
+/// Formats `[x, y, z]`.
 fn listed(point: [f64; 3]) -> String {
     KeyframeValue::List(point.to_vec()).to_string()
 }

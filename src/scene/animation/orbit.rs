@@ -6,13 +6,13 @@ use serde::de::Deserializer;
 use super::Pose;
 use crate::yaml::Number;
 
-/// Moves the camera around its target, about its `up`, at the same distance and height. The
-/// frame after the last would be the first again after a whole number of turns.
+/// Moves the camera around its target, about its `up`, at the same distance and height. After a
+/// whole number of turns, the frame after the last would equal the first.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an orbit such as { turns: 1 }")]
 pub struct Orbit {
-    /// How often the camera goes around in all frames, counterclockwise as seen from above;
-    /// clockwise if negative.
+    /// The number of turns over all frames, counterclockwise as seen from above; clockwise if
+    /// negative.
     #[serde(deserialize_with = "turns")]
     pub turns: f64,
 }
@@ -27,7 +27,7 @@ fn turns<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
 }
 
 impl Orbit {
-    /// The eye at a frame.
+    /// Returns the eye at a frame.
     pub(super) fn eye(self, [eye, target, up]: Pose, frame: u32, n_frames: u32) -> [f64; 3] {
         let turn = self.turns * f64::from(frame) / f64::from(n_frames);
         // Exact after whole turns.

@@ -51,8 +51,8 @@ pub(super) fn check(track: &[Keyframe], n_frames: u32, path: &FieldPath) -> Resu
     Ok(())
 }
 
-/// The value at a frame, of at least one keyframe: before the first and after the last
-/// that of the nearest.
+/// Returns the value at a frame, given at least one keyframe: before the first and after the last,
+/// the value of the nearest.
 pub(super) fn value_at(
     track: &[Keyframe],
     interpolation: Interpolation,
@@ -81,9 +81,9 @@ pub(super) fn value_at(
     from.value.with_numbers((0..n).map(number))
 }
 
-/// The change per frame of number `i` at a keyframe, after Fritsch and Butland, "A Method
-/// for Constructing Local Monotone Piecewise Cubic Interpolants", 1984: a weighted harmonic
-/// mean of those on both sides, or 0 where they have different signs and at both ends.
+/// Returns the change per frame of number `i` at a keyframe, after Fritsch and Butland, "A Method
+/// for Constructing Local Monotone Piecewise Cubic Interpolants", 1984: the weighted harmonic mean
+/// of the slopes on both sides, or 0 if they differ in sign, and at both ends.
 fn slope(track: &[Keyframe], index: usize, i: usize) -> f64 {
     let (Some(before), Some(after)) = (index.checked_sub(1), track.get(index + 1)) else {
         return 0.0;
@@ -104,7 +104,7 @@ fn slope(track: &[Keyframe], index: usize, i: usize) -> f64 {
     (w + v) / (w / rise_before + v / rise_after)
 }
 
-/// The cubic with these ends and slopes, at `t` from 0 to 1.
+/// Returns the cubic with these end values and slopes, at `t` from 0 to 1.
 fn hermite([a, b]: [f64; 2], [d, e]: [f64; 2], t: f64) -> f64 {
     let rise = b - a;
     a + t * (d + t * (3.0 * rise - 2.0 * d - e + t * (d + e - 2.0 * rise)))

@@ -1,4 +1,4 @@
-//! A picture of all that is around the scene.
+//! A picture of everything around the scene.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,10 +10,9 @@ use crate::picture::Picture;
 use crate::yaml;
 use math::simd::{LookupTable, Real, Vector, cos_sin, turns_of};
 
-/// An equirectangular picture around the scene, as a
-/// [panorama camera](crate::camera::Panorama) sees it: columns are at equal steps of
-/// longitude around +y, rows of latitude, with the top row at +y. Its middle column is at
-/// -z, and what is right of it toward +x.
+/// An equirectangular picture around the scene, as a [panorama camera](crate::camera::Panorama)
+/// sees it: columns are at equal steps of longitude around +y, rows of latitude, with the top row
+/// at +y. Its middle column is at -z, and columns to its right turn toward +x.
 ///
 /// ```
 /// # use scene::background::Background;
@@ -30,14 +29,13 @@ use math::simd::{LookupTable, Real, Vector, cos_sin, turns_of};
 pub struct EnvironmentMap {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
-    /// The angle in degrees by which it is rotated about +y, counterclockwise as seen from
-    /// above; 0 by default.
+    /// The rotation about +y in degrees, counterclockwise as seen from above; 0 by default.
     #[serde(default, deserialize_with = "yaml::coordinate")]
     pub rotation_deg: f32,
-    /// A factor on its colors, at least 0; 1 by default.
+    /// A factor on the colors, at least 0; 1 by default.
     #[serde(default = "one", deserialize_with = "yaml::non_negative")]
     pub intensity: f32,
-    /// What the numbers of the file are; by default what is usual in its format.
+    /// The transfer function of the file's numbers; by default the usual one of its format.
     #[serde(default)]
     pub transfer: Option<Transfer>,
     /// The picture: white until the file is read.
@@ -45,7 +43,7 @@ pub struct EnvironmentMap {
     pub picture: Arc<Picture>,
 }
 
-/// The most that any other light may have.
+/// Maximum radiance, as for any other light.
 const MAX_RADIANCE: f32 = 1e15;
 
 fn one() -> f32 {
@@ -53,21 +51,21 @@ fn one() -> f32 {
 }
 
 impl EnvironmentMap {
-    /// The radiance from a direction, a unit vector.
+    /// Returns the radiance from a direction, a unit vector.
     #[inline(always)]
     pub fn radiance<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         let [x, y, z] = R::look_up(self, self.place(direction));
         Vector { x, y, z }
     }
 
-    /// The radiance of a number of the picture.
+    /// Returns the radiance for a number of the picture.
     #[inline(always)]
     pub fn brightness(&self, number: f32) -> f32 {
         Real::min(number * self.intensity, MAX_RADIANCE)
     }
 
-    /// The place of a direction in the picture: from 0 at the left edge to 1 at the right
-    /// one, or whole numbers more or less, and from 0 at the lower edge to 1 at the upper.
+    /// Returns the position of a direction in the picture: from 0 at the left edge to 1 at the
+    /// right edge, plus any whole number, and from 0 at the lower edge to 1 at the upper edge.
     #[inline(always)]
     pub fn place<R: Real>(&self, Vector { x, y, z }: Vector<R>) -> [R; 2] {
         let half = x.splat(0.5);
@@ -78,7 +76,7 @@ impl EnvironmentMap {
         ]
     }
 
-    /// The direction of a column's [place](Self::place) and a height: the sine of the
+    /// Returns the direction at a column's [place](Self::place) and a height, the sine of the
     /// latitude.
     #[inline(always)]
     pub fn direction<R: Real>(&self, column: R, height: R) -> Vector<R> {
@@ -92,14 +90,14 @@ impl EnvironmentMap {
         }
     }
 
-    /// The rotation, from 0 to 1.
+    /// Returns the rotation in turns, from 0 to 1.
     #[inline(always)]
     fn turns(&self) -> f32 {
         (f64::from(self.rotation_deg) / 360.0).rem_euclid(1.0) as f32
     }
 }
 
-/// The radiances at places of the picture.
+/// Returns the radiance at a position in the picture.
 impl LookupTable<2, 3> for EnvironmentMap {
     #[inline]
     fn values_at(&self, place: [f32; 2]) -> [f32; 3] {
@@ -115,8 +113,7 @@ mod tests {
     use super::*;
     use crate::picture::Texels;
 
-    /// A map of 8 x 4 texels whose red is the number of the column, and green that of the
-    /// row.
+    /// A map of 8 x 4 texels, with the column's number as red and the row's number as green.
     fn map(rotation_deg: f32) -> EnvironmentMap {
         let texel = |i: u8| [f32::from(i % 8), f32::from(i / 8), 1.0, 1.0];
         let texels = Texels::Floats((0..32).map(texel).collect());
@@ -137,7 +134,7 @@ mod tests {
             (0.0, Vec3::NEG_X, [1.5, 1.5]),
             (90.0, Vec3::NEG_X, [3.5, 1.5]),
             (-450.0, Vec3::X, [3.5, 1.5]),
-            // Between the first column and the last one.
+            // Between the first column and the last.
             (0.0, Vec3::Z, [3.5, 1.5]),
             (0.0, Vec3::new(0.0, 1.0, -1e-3), [3.5, 0.0]),
             (0.0, Vec3::new(0.0, -1.0, -1e-3), [3.5, 3.0]),

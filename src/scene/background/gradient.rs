@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// See the file's documentation.
+/// A linear gradient between two colors; see the module's documentation.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 pub struct Gradient {
@@ -19,7 +19,7 @@ pub struct Gradient {
 }
 
 impl Gradient {
-    /// The same color everywhere.
+    /// Returns a gradient with the same color everywhere.
     pub(super) fn of(color: Vec3) -> Self {
         Self {
             bottom: color,
@@ -27,8 +27,8 @@ impl Gradient {
         }
     }
 
-    /// The color in a direction, a unit vector: `bottom` straight down (-y), `top`
-    /// straight up.
+    /// Returns the color in a direction, a unit vector: `bottom` straight down (-y), `top` straight
+    /// up.
     #[inline(always)]
     pub(super) fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         let (half, one) = (direction.y.splat(0.5), direction.y.splat(1.0));

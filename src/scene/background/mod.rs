@@ -1,7 +1,7 @@
-//! The radiance of rays without a hit: a direction → the radiance from there.
+//! The background: the radiance that rays without a hit receive, by direction.
 //!
-//! Each kind of background has one file. To add one, write its file, its `mod` line, and
-//! its arms below.
+//! Each kind of background has one file. To add one, write its file, its `mod` line, and its arms
+//! below.
 
 mod environment_map;
 mod gradient;
@@ -32,7 +32,7 @@ use math::simd::{Real, Vector};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(from = "RadianceOr<BackgroundPattern>")]
 pub enum Background {
-    /// One color, or two.
+    /// One or two colors.
     Gradient(Gradient),
     /// A picture.
     EnvironmentMap(EnvironmentMap),
@@ -46,7 +46,7 @@ pub enum Background {
 enum BackgroundPattern {
     /// Two colors, linear in the height of the direction.
     Gradient(Gradient),
-    /// A picture of all that is around the scene.
+    /// A picture of everything around the scene.
     EnvironmentMap(EnvironmentMap),
     /// A clear sky by day with its sun, and a ground below the horizon.
     Sky(Box<Sky>),
@@ -73,7 +73,7 @@ impl From<RadianceOr<BackgroundPattern>> for Background {
 }
 
 impl Background {
-    /// The radiance from a direction, a unit vector.
+    /// Returns the radiance from a direction, a unit vector.
     #[inline(always)]
     pub fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         let color = self.without_sun(direction);
@@ -83,7 +83,7 @@ impl Background {
         }
     }
 
-    /// The same without that of its sun.
+    /// Returns the radiance without the sun's.
     #[inline(always)]
     pub fn without_sun<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         match self {
@@ -93,7 +93,7 @@ impl Background {
         }
     }
 
-    /// Its picture, if it has one.
+    /// Returns the picture if there is one.
     pub fn environment_map(&self) -> Option<&EnvironmentMap> {
         match self {
             Self::Gradient(_) => None,
@@ -102,7 +102,7 @@ impl Background {
         }
     }
 
-    /// Its sun, if it has one.
+    /// Returns the sun if there is one.
     pub fn sun(&self) -> Option<&Sun> {
         match self {
             Self::Sky(sky) => Some(&sky.sun),

@@ -14,8 +14,8 @@ use super::sun::Sun;
 use crate::picture::{Picture, Texels};
 use crate::yaml::{self, Number};
 
-/// A clear sky by day, its sun, and a ground below the horizon that both light. A radiance
-/// of 1 is that of a white surface which faces the sun above the atmosphere.
+/// A clear sky by day, its sun, and a ground below the horizon that both illuminate. A white
+/// surface facing the sun above the atmosphere has radiance 1.
 ///
 /// ```
 /// # use scene::background::Background;
@@ -34,7 +34,7 @@ pub struct Sky {
     cos_zenith: f64,
     turbidity: f64,
     ground: DVec3,
-    /// The sky and the ground: white until it is [drawn](Self::draw).
+    /// The sky and the ground: white until they are [drawn](Self::draw).
     pub map: EnvironmentMap,
     /// The sun.
     pub sun: Sun,
@@ -46,7 +46,7 @@ pub struct Sky {
     expecting = "a sky such as { sun: { elevation_deg: 40 } }"
 )]
 struct SkyKeys {
-    /// The place of the sun.
+    /// The position of the sun.
     sun: SunKeys,
     /// The haze of the air, 2 to 10: 2 for very clear air; 3 by default.
     #[serde(default = "turbidity", deserialize_with = "turbidities")]
@@ -127,16 +127,15 @@ impl From<SkyKeys> for Sky {
     }
 }
 
-/// Columns and rows of the map: its light is smooth.
+/// Columns and rows of the map, which is smooth.
 const SIZE: [u32; 2] = [256, 128];
 
-/// The luminance that is a radiance of 1, in kcd/m²: of a white surface under 127.5 klx,
-/// the solar illuminance constant of the IES, "Recommended Practice for the Calculation of
-/// Daylight Availability", 1984.
+/// The luminance of radiance 1, in kcd/m²: a white surface under 127.5 klx, the solar illuminance
+/// constant of the IES, "Recommended Practice for the Calculation of Daylight Availability", 1984.
 const UNIT: f64 = 127.5 / PI;
 
 impl Sky {
-    /// Draws the map: with the sun above the middle column.
+    /// Draws the map, with the sun above the middle column.
     pub fn draw(&mut self) {
         let [width, height] = SIZE;
         let zenith = Zenith::new(self.cos_zenith, self.turbidity);
@@ -168,9 +167,8 @@ fn texel(light: DVec3) -> [f32; 4] {
     light.as_vec3().extend(1.0).to_array()
 }
 
-/// The radiance of a white surface that faces the sun, weakened by the scattering of air
-/// and of haze: appendix A.1 of the paper, at the dominant wavelengths of the primaries of
-/// sRGB, in micrometers.
+/// Returns the radiance of a white surface that faces the sun, after scattering by air and haze:
+/// appendix A.1 of the paper, at the dominant wavelengths of the sRGB primaries, in micrometers.
 fn sunlight(cos_zenith: f64, turbidity: f64) -> DVec3 {
     let degrees = libm::acos(cos_zenith.clamp(0.0, 1.0)).to_degrees();
     let air_mass = 1.0 / (cos_zenith + 0.15 * libm::pow(93.885 - degrees, -1.253));
@@ -183,13 +181,13 @@ fn sunlight(cos_zenith: f64, turbidity: f64) -> DVec3 {
     DVec3::from([0.611, 0.549, 0.464].map(transmittance))
 }
 
-/// The sky over its color at the zenith: appendix A.2 of the paper. Each has the luminance
-/// in kcd/m² and the chromaticities x and y of CIE 1931.
+/// The sky relative to its color at the zenith: appendix A.2 of the paper. Each array has the
+/// luminance in kcd/m² and the chromaticities x and y of CIE 1931.
 struct Zenith {
     color: [f64; 3],
     /// The coefficients A to E of Perez' formula.
     coefficients: [[f64; 5]; 3],
-    /// What the formula has at the zenith.
+    /// The value of the formula at the zenith.
     there: [f64; 3],
 }
 
@@ -216,8 +214,8 @@ impl Zenith {
         }
     }
 
-    /// The radiance in a direction, by the cosines of its angles with the zenith and with
-    /// the sun.
+    /// Returns the radiance in a direction, given the cosines of its angles with the zenith and the
+    /// sun.
     fn radiance(&self, cos_zenith: f64, cos_sun: f64) -> DVec3 {
         let value = |i: usize| {
             self.color[i] * perez(self.coefficients[i], cos_zenith, cos_sun) / self.there[i]
@@ -228,14 +226,14 @@ impl Zenith {
     }
 }
 
-/// Perez' formula for skies: equation 3 of the paper.
+/// Evaluates Perez' formula for skies: equation 3 of the paper.
 fn perez([a, b, c, d, e]: [f64; 5], cos_zenith: f64, cos_sun: f64) -> f64 {
     let to_sun = libm::acos(cos_sun.clamp(-1.0, 1.0));
     let gradient = 1.0 + a * libm::exp(b / cos_zenith.max(1e-3));
     gradient * (1.0 + c * libm::exp(d * to_sun) + e * cos_sun * cos_sun)
 }
 
-/// Of luminance, x and y: A to E, linear in the turbidity.
+/// Coefficients A to E of luminance, x and y, linear in the turbidity.
 const PEREZ: [[[f64; 2]; 5]; 3] = [
     [
         [0.1787, -1.4630],
@@ -260,7 +258,8 @@ const PEREZ: [[[f64; 2]; 5]; 3] = [
     ],
 ];
 
-/// Cubic in the sun's angle from the zenith: of the turbidity's square, of itself, of 1.
+/// Cubic polynomials in the sun's angle from the zenith: coefficients of the turbidity squared, the
+/// turbidity, and 1.
 const ZENITH_X: [[f64; 4]; 3] = [
     [0.00166, -0.00375, 0.00209, 0.0],
     [-0.02903, 0.06377, -0.03202, 0.00394],
@@ -323,9 +322,9 @@ mod tests {
         assert!(Vec3::from(sky.sun.radiance(sun.into())).y > 1e3 * near);
     }
 
-    /// Clear skies give some 10 to 20 klx besides the sun at this height, and the model more:
-    /// Zotti, Wilkie and Purgathofer, "A Critical Review of the Preetham Skylight Model",
-    /// WSCG 2007. The sun gives 80 to 110 to a surface that faces it.
+    /// Clear skies give about 10 to 20 klx besides the sun at this height, and the model more:
+    /// Zotti, Wilkie and Purgathofer, "A Critical Review of the Preetham Skylight Model", WSCG
+    /// 2007. The sun gives 80 to 110 klx to a surface that faces it.
     #[test]
     fn light_is_as_much_as_outdoors() {
         let sky = sky(60.0, 2.5);

@@ -8,22 +8,21 @@ use crate::light::Illumination;
 use math::sampling::disk;
 use math::simd::{Real, Vector};
 
-/// A disk of light infinitely far away, as large as the sun is seen from Earth.
+/// A disk of light infinitely far away, as large as the sun seen from Earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sun {
-    /// The direction to its center, a unit vector.
+    /// The direction to the center, a unit vector.
     direction: Vec3,
-    /// Its radiance, the same everywhere on the disk.
+    /// The radiance, uniform over the disk.
     radiance: Vec3,
 }
 
-/// The sine of the angle from its center to its edge: of 0.2666 degrees, the mean over a
-/// year.
+/// The sine of the angle from the center to the edge: 0.2666 degrees, the mean over a year.
 const SINE: f32 = 0.004_653;
 
 impl Sun {
-    /// The sun in a direction, a unit vector, of which a white surface that faces it gets
-    /// this radiance.
+    /// Creates the sun in a direction, a unit vector; `of_white` is the radiance of a white surface
+    /// that faces it.
     pub(super) fn new(direction: Vec3, of_white: Vec3) -> Self {
         Self {
             direction,
@@ -31,12 +30,12 @@ impl Sun {
         }
     }
 
-    /// The radiance of a white surface that faces it.
+    /// Returns the radiance of a white surface that faces it.
     pub fn of_white(&self) -> Vec3 {
         self.radiance * (SINE * SINE)
     }
 
-    /// The radiance from a direction, a unit vector.
+    /// Returns the radiance from a direction, a unit vector.
     #[inline(always)]
     pub fn radiance<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         let like = direction.x;
@@ -45,8 +44,8 @@ impl Sun {
         Vector::select(self.is_hit(direction), radiance, none)
     }
 
-    /// The light that arrives at any point from a direction that two numbers in [0, 1)
-    /// choose, unless it is occluded: points of the disk with the same density.
+    /// Samples a direction to the sun with two numbers in [0, 1), uniformly over the disk, and
+    /// returns the light that arrives from it at any point, unless it is occluded.
     #[inline(always)]
     pub fn illuminate<R: Real>(&self, numbers: [R; 2]) -> Illumination<R> {
         let [x, y] = disk(numbers);
@@ -62,7 +61,7 @@ impl Sun {
         }
     }
 
-    /// The density with which a direction is chosen, per steradian.
+    /// Returns the probability density of a direction, per steradian.
     #[inline(always)]
     pub fn density<R: Real>(&self, direction: Vector<R>) -> R {
         let cos = direction.dot(Vector::splat(direction.x, self.direction));
@@ -72,7 +71,7 @@ impl Sun {
     #[inline(always)]
     fn is_hit<R: Real>(&self, direction: Vector<R>) -> R::Mask {
         let axis = Vector::splat(direction.x, self.direction);
-        // The cosine alone would be too coarse.
+        // The cosine itself would be too coarse.
         let across = direction.cross(axis);
         let zero = direction.x.splat(0.0);
         let square = zero.splat(SINE * SINE);
@@ -80,7 +79,7 @@ impl Sun {
     }
 }
 
-/// The density of directions at this cosine from the center, per steradian.
+/// Returns the density at this cosine from the center, per steradian.
 #[inline(always)]
 fn density<R: Real>(cos: R) -> R {
     cos * cos.splat(1.0 / (PI * SINE * SINE))

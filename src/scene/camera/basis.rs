@@ -11,17 +11,17 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    /// The basis of a camera that looks from `eye` to `target`, with `up` pointing
-    /// upward in the image.
+    /// Returns the basis of a camera that looks from `eye` to `target`, with `up` pointing upward
+    /// in the image.
     ///
     /// # Errors
-    /// What is wrong with the three.
+    /// The three do not define an orientation.
     pub(super) fn look_at(eye: DVec3, target: DVec3, up: Vec3) -> Result<Self, &'static str> {
         let forward = (target - eye)
             .try_normalize()
             .ok_or("cannot have its eye in its target, expected two different points")?
             .as_vec3();
-        // Right-handed, as in ParaView: seen toward -z, x points to the right.
+        // Right-handed, as in ParaView: looking toward -z, x points to the right.
         let right = forward.cross(up);
         if right.length_squared() < 1e-12 {
             return Err(
@@ -38,7 +38,7 @@ impl Basis {
     }
 }
 
-/// The default of a camera's `up`.
+/// Returns the default `up` of a camera.
 pub(super) fn up() -> Vec3 {
     Vec3::Y
 }

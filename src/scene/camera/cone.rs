@@ -3,26 +3,26 @@
 use super::image_plane::{ImagePlane, Projection};
 use math::simd::Real;
 
-/// The part of a scene that a camera ray stands for, as a cone around the ray. Mirrors and
-/// surfaces of media are taken for planes: they bend the cone and leave its spread.
+/// The footprint of a camera ray in the scene, as a cone around the ray. Mirrors and surfaces of
+/// media are treated as planes: they deflect the cone and keep its spread.
 ///
-/// Akenine-Möller et al., "Improved Shader and Texture Level of Detail Using Ray Cones",
-/// JCGT 10(1), 2021.
+/// Akenine-Möller et al., "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT
+/// 10(1), 2021.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayCone {
-    /// The width where the ray starts.
+    /// The width at the ray's origin.
     pub width: f32,
-    /// What it grows by per length.
+    /// The growth of the width per length.
     pub spread: f32,
 }
 
-/// The least share of a pixel's side that a sample stands for.
+/// The least fraction of a pixel's side that a sample represents.
 const LEAST_SHARE: f32 = 1.0 / 8.0;
 
 impl ImagePlane {
-    /// The cone of a ray through the center of the picture, of which each pixel has
-    /// `n_samples`: it is as wide as their share of a pixel. Rays through pixels beside the
-    /// center are narrower, and a lens makes them no wider.
+    /// Returns the cone of a ray through the center of the picture with `n_samples` per pixel: its
+    /// width is a sample's share of a pixel. Rays toward the edges are narrower, and a lens does
+    /// not widen them.
     pub fn ray_cone(&self, n_samples: u32) -> RayCone {
         let share = (1.0 / (n_samples as f32).sqrt()).max(LEAST_SHARE);
         let side = share * self.pitch();
@@ -36,7 +36,7 @@ impl ImagePlane {
 }
 
 impl RayCone {
-    /// The width at a distance from the camera along the path.
+    /// Returns the width at a distance from the camera along the path.
     #[inline(always)]
     pub fn width_at<R: Real>(&self, distance: R) -> R {
         distance.splat(self.width) + distance.splat(self.spread) * distance

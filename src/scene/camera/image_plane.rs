@@ -17,26 +17,26 @@ pub struct ImagePlane {
     pub projection: Projection,
     /// The lens around the eye of a perspective camera; `None` for a pinhole.
     pub lens: Option<Lens>,
-    /// The space of all of its vectors.
+    /// The space of all vectors here.
     pub space: RenderSpace,
     /// [`eye`](Self::eye) in world space, exactly.
     pub eye_in_world: DVec3,
-    /// The point from which the picture is seen; of parallel rays the center of the image.
+    /// The point from which the picture is seen; for parallel rays, the center of the image.
     pub eye: Vec3,
-    /// From the eye to the center of pixel (0, 0): column 0 of the top row. Relative to the
-    /// eye, so that the directions of rays have all digits wherever it is.
+    /// From the eye to the center of pixel (0, 0): column 0 of the top row. Relative to the eye, so
+    /// that ray directions keep all digits wherever it is.
     pub to_first: Vec3,
     /// From a pixel's center to the next column's.
     pub right: Vec3,
-    /// From a pixel's center to that of the row below.
+    /// From a pixel's center to the center of the pixel below.
     pub down: Vec3,
     /// Numbers of columns and rows.
     pub size: [u32; 2],
 }
 
 impl ImagePlane {
-    /// The part of the plane with these numbers of columns and rows, from this column and this
-    /// row on.
+    /// Returns the part of the plane with these numbers of columns and rows, starting at this
+    /// column and row.
     pub fn part(&self, origin: [u32; 2], size: [u32; 2]) -> Self {
         let [left, top] = origin.map(|n| n as f32);
         Self {
@@ -50,14 +50,14 @@ impl ImagePlane {
 /// How rays pass through the image plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
-    /// All start in the eye, or around it on a lens.
+    /// All start at the eye, or around it on a lens.
     Perspective,
     /// All start on the plane, in one direction.
     Parallel {
-        /// That direction, a unit vector.
+        /// The direction, a unit vector.
         direction: Vec3,
     },
-    /// All start in the eye, in all directions.
+    /// All start at the eye, in all directions.
     Panorama {
         /// The directions of the columns and rows.
         axes: SphereAxes,
@@ -65,11 +65,11 @@ pub enum Projection {
 }
 
 impl ImagePlane {
-    /// An image plane of square pixels, whose center is at `to_center` from the eye, a point of
-    /// world space.
+    /// Creates an image plane of square pixels, whose center is at `to_center` from the eye, a
+    /// point in world space.
     ///
-    /// `right` and `up` are unit vectors, `height` is the plane's height, `size` is the number
-    /// of columns and rows.
+    /// `right` and `up` are unit vectors, `height` is the plane's height, `size` is the number of
+    /// columns and rows.
     pub(super) fn centered(
         projection: Projection,
         (space, eye): (RenderSpace, DVec3),
@@ -92,12 +92,12 @@ impl ImagePlane {
         }
     }
 
-    /// The same plane without a lens.
+    /// Returns the plane without its lens.
     pub fn of_pinhole(self) -> Self {
         Self { lens: None, ..self }
     }
 
-    /// The point at which all camera rays start, if there is one.
+    /// Returns the point at which all camera rays start, if there is one.
     #[inline]
     pub fn eye(&self) -> Option<Vec3> {
         let is_point = match self.projection {
@@ -108,16 +108,16 @@ impl ImagePlane {
         is_point.then_some(self.eye)
     }
 
-    /// The ray through pixel coordinates (x, y), with a lens through its center. The
-    /// centers of the pixels have integer coordinates, (0, 0) at the top left; a pixel
-    /// extends half a unit to each side.
+    /// Returns the ray through pixel coordinates (x, y), with a lens through its center. The
+    /// centers of the pixels have integer coordinates, (0, 0) at the top left; a pixel extends half
+    /// a unit to each side.
     #[inline]
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let [origin, direction] = self.rays(x, y).map(Vec3::from);
         Ray { origin, direction }
     }
 
-    /// The origins and the directions of the rays through these pixel coordinates:
+    /// Returns the origins and the directions of the rays through these pixel coordinates:
     /// [`ray`](Self::ray) for one pair or for lanes of them.
     #[inline(always)]
     pub fn rays<R: Real>(&self, x: R, y: R) -> [Vector<R>; 2] {
@@ -131,21 +131,20 @@ impl ImagePlane {
         }
     }
 
-    /// The lens, if there is one: it refracts the rays of a pinhole.
+    /// Returns the lens if there is one: it refracts the rays of a pinhole.
     #[inline(always)]
     pub fn lens(&self) -> Option<&Lens> {
         self.lens.as_ref()
     }
 
-    /// The side of a square with the area of a pixel on the plane.
+    /// Returns the side of a square with the area of a pixel on the plane.
     #[inline]
     pub fn pitch(&self) -> f32 {
         (self.right.length() * self.down.length()).sqrt()
     }
 
-    /// The size of pixel (x, y), or of one per lane, at a distance along its
-    /// ray: the side of a square with the pixel's area. `pitch` is that of the plane
-    /// ([`pitch`](Self::pitch)).
+    /// Returns the size of pixel (x, y), or of one pixel per lane, at a distance along its ray: the
+    /// side of a square with the pixel's area. `pitch` is the plane's [`pitch`](Self::pitch).
     #[inline(always)]
     pub fn footprints<R: Real>(&self, pitch: f32, [x, y]: [R; 2], distance: R) -> R {
         let pitch = x.splat(pitch);
@@ -156,28 +155,28 @@ impl ImagePlane {
         }
     }
 
-    /// The size of a pixel at a point that it sees through the lens; `None`
-    /// without a lens. `pitch` is that of the plane.
+    /// Returns the size of a pixel at a point seen through the lens; `None` without a lens. `pitch`
+    /// is the plane's.
     pub fn footprint_behind_lens(&self, pitch: f32, point: Vec3) -> Option<f32> {
-        // The plane of a camera with a lens is at distance 1.
+        // The image plane of a camera with a lens is at distance 1.
         let lens = self.lens.as_ref()?;
         Some(pitch * lens.depth(self.eye, point))
     }
 
-    /// The point of pixel coordinates (x, y).
+    /// Returns the point at pixel coordinates (x, y).
     #[inline]
     pub fn point(&self, x: f32, y: f32) -> Vec3 {
         self.eye + Vec3::from(self.offset(x, y))
     }
 
-    /// From the eye to the point of a pair of coordinates, or of one per lane.
+    /// Returns the vector from the eye to a pair of pixel coordinates, or to one pair per lane.
     #[inline(always)]
     fn offset<R: Real>(&self, x: R, y: R) -> Vector<R> {
         let [first, right, down] = [self.to_first, self.right, self.down];
         Vector::splat(x, first) + Vector::splat(x, right) * x + Vector::splat(x, down) * y
     }
 
-    /// The center of the image.
+    /// Returns the center of the image.
     pub fn center(&self) -> Vec3 {
         let [x, y] = self.size.map(|n| 0.5 * (n as f32 - 1.0));
         self.point(x, y)

@@ -1,8 +1,8 @@
 //! The thin lens of a perspective camera.
 //!
-//! All rays of a pixel meet in one point of the plane in focus. Points before and behind
-//! it become blur circles: a point at depth `d` fills a circle of diameter
-//! `2 radius |d - focus| / d` on the plane in focus.
+//! All rays of a pixel meet at one point of the plane in focus. Points in front of it and beyond it
+//! become blur circles: a point at depth `d` fills a circle of diameter `2 radius |d - focus| / d`
+//! on the plane in focus.
 
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
@@ -13,7 +13,7 @@ use crate::yaml::{self, Number};
 use math::sampling::{Polygon, disk};
 use math::simd::{Real, Vector};
 
-/// Height of a photographic film frame in meters: that of the 36 x 24 mm format.
+/// Height of a photographic film frame in meters: the 36 x 24 mm format.
 pub(super) const FRAME_HEIGHT: f32 = 0.024;
 
 /// A thin lens.
@@ -23,7 +23,7 @@ pub struct Lens {
     pub radius: f32,
     /// The distance from the lens to the plane in focus, greater than 0.
     pub focus_distance: f32,
-    /// `None` for a round aperture.
+    /// The shape of the aperture; `None` for a round one.
     blades: Option<Polygon>,
     basis: Basis,
 }
@@ -39,13 +39,13 @@ pub(super) struct LensKeys {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum LensSize {
-    /// In world units, at least 0.
+    /// Radius in world units, at least 0.
     Radius(f32),
-    /// The focal length over the diameter.
+    /// Ratio of the focal length to the diameter.
     FNumber(f32),
 }
 
-/// What is in focus.
+/// The point in focus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Focus {
     /// The target of the camera.
@@ -62,20 +62,19 @@ struct LensFields {
     /// The radius of the lens in world units; 0 is a pinhole.
     #[serde(default, deserialize_with = "radius")]
     radius: Option<f32>,
-    /// In place of the radius: the focal length divided by the diameter.
+    /// Instead of the radius: the focal length divided by the diameter.
     #[serde(default, deserialize_with = "f_number")]
     f_number: Option<f32>,
     /// The distance of the plane in focus from the eye, in world units.
     #[serde(default, deserialize_with = "distance")]
     focus_distance: Option<f32>,
-    /// In place of the distance: a point of the plane in focus; the target if neither is
-    /// given.
+    /// Instead of the distance: a point of the plane in focus; the target if neither is given.
     #[serde(default, deserialize_with = "point")]
     focus_point: Option<DVec3>,
-    /// The corners of the aperture, 3 to 32; 0 for a circle, as if not given.
+    /// The number of corners of the aperture, 3 to 32; 0 for a circle, as if not given.
     #[serde(default, deserialize_with = "blades")]
     blades: u32,
-    /// The turn of the aperture in degrees, counterclockwise; at 0 a corner is on top.
+    /// The rotation of the aperture in degrees, counterclockwise; at 0 a corner is on top.
     #[serde(default, deserialize_with = "yaml::coordinate")]
     rotation_deg: f32,
 }
@@ -132,7 +131,7 @@ impl TryFrom<LensFields> for LensKeys {
                 );
             }
         };
-        // The first corner is at the top.
+        // The first corner is on top.
         let polygon = |n| Polygon::new(n, 0.25 + fields.rotation_deg / 360.0);
         let blades = (fields.blades > 0).then(|| polygon(fields.blades));
         Ok(Self {
@@ -144,8 +143,8 @@ impl TryFrom<LensFields> for LensKeys {
 }
 
 impl LensKeys {
-    /// The lens of a camera at `eye` that looks at `target`, with half of its height of
-    /// view at distance 1; `None` for a pinhole.
+    /// Returns the lens of a camera at `eye` that looks at `target`; `half_height` is half the
+    /// height of view at distance 1. `None` for a pinhole.
     ///
     /// # Errors
     /// The point in focus is not in front of the camera.
@@ -181,7 +180,7 @@ impl LensKeys {
 }
 
 impl Lens {
-    /// The lens, which is in world space, in render space.
+    /// Converts the lens from world space to render space.
     pub(super) fn in_space(self, space: &RenderSpace) -> Self {
         Self {
             radius: space.length(self.radius),
@@ -190,8 +189,8 @@ impl Lens {
         }
     }
 
-    /// The rays of a pinhole, moved to points of the lens which the numbers `uv` in [0, 1)
-    /// choose uniformly: origins and unit directions, of one ray or of one per lane.
+    /// Moves pinhole rays to points of the lens that `uv`, numbers in [0, 1), samples uniformly:
+    /// returns origins and unit directions, of one ray or one per lane.
     #[inline(always)]
     pub fn refracted<R: Real>(
         &self,
@@ -211,7 +210,7 @@ impl Lens {
         [center + on_lens, (to_focus - on_lens).normalize()]
     }
 
-    /// The distance of a point from the plane of the lens.
+    /// Returns the distance of a point from the plane of the lens.
     pub(super) fn depth(&self, eye: Vec3, point: Vec3) -> f32 {
         (point - eye).dot(self.basis.forward)
     }

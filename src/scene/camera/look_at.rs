@@ -24,7 +24,7 @@ pub struct LookAt {
     /// The distance of the target.
     distance: f64,
     basis: Basis,
-    /// Half of the height of view at distance 1.
+    /// Half the height of view at distance 1.
     half_height: f32,
     lens: Option<Lens>,
 }
@@ -38,13 +38,13 @@ struct LookAtKeys {
     /// The point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     target: DVec3,
-    /// The direction that is up in the picture; +y if not given.
+    /// The upward direction in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
     /// The angle of view from the bottom to the top of the picture, in degrees.
     #[serde(deserialize_with = "fov_deg", default)]
     fov_y_deg: Option<f32>,
-    /// In place of the angle: the focal length in millimeters, for frames of 36 x 24 mm.
+    /// Instead of the angle: the focal length in millimeters, for frames of 36 x 24 mm.
     #[serde(deserialize_with = "focal_length_mm", default)]
     focal_length_mm: Option<f32>,
     /// A thin lens; a pinhole if not given.
@@ -108,7 +108,7 @@ impl LookAt {
         ]
     }
 
-    /// At distance 1 in render space.
+    /// Returns the image plane at distance 1 in render space.
     pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         let Basis { forward, right, up } = self.basis;
         let half_height = self.half_height;

@@ -42,14 +42,14 @@ macro_rules! cameras {
         }
 
         impl Camera {
-            /// The image plane, in render space, of an image of `size[0] * size[1]` pixels.
+            /// Returns the image plane, in render space, of an image of `size[0] * size[1]` pixels.
             pub fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
                 match self {
                     $(Self::$kind(camera) => camera.image_plane(size, space),)*
                 }
             }
 
-            /// The eye, and a point in the middle of what it looks at, in world space.
+            /// Returns the eye, and a point in the middle of the view, in world space.
             pub fn focus(&self) -> [DVec3; 2] {
                 match self {
                     $(Self::$kind(camera) => camera.focus(),)*

@@ -8,8 +8,7 @@ use super::image_plane::{ImagePlane, Projection};
 use crate::geometry::RenderSpace;
 use crate::yaml;
 
-/// An orthographic camera. It does not see what lies behind the plane through
-/// `eye`.
+/// An orthographic camera. It sees only what lies in front of the plane through `eye`.
 ///
 /// ```
 /// # use scene::camera::Camera;
@@ -28,13 +27,13 @@ pub struct Orthographic {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OrthographicKeys {
-    /// A point of the plane behind which it sees nothing, in the middle of the picture.
+    /// A point of the plane where the view begins, in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     eye: DVec3,
     /// Another point in the middle of the picture.
     #[serde(deserialize_with = "yaml::point")]
     target: DVec3,
-    /// The direction that is up in the picture; +y if not given.
+    /// The upward direction in the picture; +y if not given.
     #[serde(deserialize_with = "yaml::direction", default = "up")]
     up: Vec3,
     /// World-space height of the image.

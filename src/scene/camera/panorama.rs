@@ -30,7 +30,7 @@ pub struct Panorama {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PanoramaKeys {
-    /// The point from which it sees.
+    /// The center of the panorama.
     #[serde(deserialize_with = "yaml::point")]
     eye: DVec3,
     /// A point on the middle column of the picture.
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn directions_go_around_and_up() {
-        // The horizon is level though the target is below it.
+        // The horizon is level although the target is below it.
         let plane = plane("{ eye: [1, 2, 3], target: [1, 1, 2] }");
         for (x, y, expected) in [
             (19.5, 9.5, Vec3::NEG_Z),

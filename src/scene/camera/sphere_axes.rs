@@ -7,16 +7,16 @@ use math::simd::{Real, Vector, cos_sin};
 /// The axes of a sphere of directions: orthonormal vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphereAxes {
-    /// Longitude and latitude 0.
+    /// The direction at longitude and latitude 0.
     pub(super) forward: Vec3,
-    /// A quarter of a turn to the east.
+    /// The direction a quarter turn to the east.
     pub(super) right: Vec3,
-    /// The north pole.
+    /// The direction of the north pole.
     pub(super) up: Vec3,
 }
 
 impl SphereAxes {
-    /// The unit direction at pixel coordinates (x, y) of a map of this size.
+    /// Returns the unit direction at pixel coordinates (x, y) of a map of this size.
     #[inline(always)]
     pub(super) fn direction<R: Real>(
         &self,
@@ -33,15 +33,15 @@ impl SphereAxes {
     }
 }
 
-/// The side of a square with the solid angle of a pixel of row `y`, over that of a pixel
-/// at the horizon, in a map of this height.
+/// Returns the side of a square with the solid angle of a pixel of row `y`, relative to a pixel at
+/// the horizon, in a map of this height.
 #[inline(always)]
 pub(super) fn shrinkage<R: Real>(y: R, height: u32) -> R {
     let [cosine, _] = cos_sin(latitude(y, height));
     cosine.sqrt()
 }
 
-/// The latitude of a row in turns, from a quarter to minus a quarter.
+/// Returns the latitude of a row in turns, from 1/4 to -1/4.
 #[inline(always)]
 fn latitude<R: Real>(y: R, height: u32) -> R {
     y.splat(0.25) - (y + y.splat(0.5)) / y.splat(2.0 * height as f32)

@@ -44,13 +44,13 @@ struct WindowKeys {
     /// The left and the right edge of the window.
     #[serde(deserialize_with = "yaml::range")]
     x: [f64; 2],
-    /// The bottom and the top edge.
+    /// The bottom and the top edge of the window.
     #[serde(deserialize_with = "yaml::range")]
     y: [f64; 2],
-    /// The plane of the window.
+    /// The z coordinate of the window.
     #[serde(deserialize_with = "yaml::exact_coordinate")]
     z: f64,
-    /// Where samples are in the cells of the window.
+    /// The positions of the samples in the cells of the window.
     #[serde(default)]
     samples: WindowSamples,
 }
@@ -99,7 +99,7 @@ impl Window {
 }
 
 impl WindowSamples {
-    /// The first of `n` sample points in the interval, and the step between them.
+    /// Returns the first of `n` sample points in the interval, and the step between them.
     fn grid(self, [from, to]: [f64; 2], n: u32) -> (f64, f64) {
         match self {
             Self::Edges => (from, (to - from) / f64::from(n.max(2) - 1)),

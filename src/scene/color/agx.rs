@@ -1,7 +1,7 @@
-//! AgX by Troy Sobotka (2022), in the form with the primaries of Rec. 2020 that Blender,
-//! Filament and three.js have: the inset matrix brings saturated colors closer to gray,
-//! so that they fade to white where they are bright; a sigmoid over the logarithm of
-//! the light is the curve, and the outset matrix restores part of the saturation.
+//! AgX by Troy Sobotka (2022), in the Rec. 2020 form used by Blender, Filament and three.js: the
+//! inset matrix moves saturated colors toward gray, so that they fade to white where they are
+//! bright; the curve is a sigmoid over the logarithm of the light; and the outset matrix restores
+//! part of the saturation.
 
 use glam::{Mat3, Vec3, vec3};
 
@@ -31,14 +31,14 @@ const OUTSET: Mat3 = Mat3::from_cols(
     vec3(-0.016_493_94, -0.016_493_94, 1.251_936_4),
 );
 
-/// The exponents of two of the darkest and the brightest light of the curve: 10 stops
-/// below middle gray, 0.18, and 6.5 above.
+/// The binary logarithms of the darkest and the brightest light of the curve: 10 stops below middle
+/// gray, 0.18, and 6.5 above.
 const EXPONENTS: [f32; 2] = [-12.473_931, 4.026_069];
 
-/// Where the sigmoid has the value 0.5 and the slope 2: at middle gray.
+/// The position where the sigmoid has the value 0.5 and the slope 2: middle gray.
 const PIVOT: f32 = 10.0 / 16.5;
 
-/// Returns the light of the display.
+/// Returns the light that the display shows.
 pub(super) fn displayed(light: Vec3) -> Vec3 {
     let [least, most] = EXPONENTS;
     let position = |light: f32| {
@@ -46,12 +46,12 @@ pub(super) fn displayed(light: Vec3) -> Vec3 {
         ((exponent - least) / (most - least)).clamp(0.0, 1.0)
     };
     let curved = (INSET * (REC2020 * light)).map(|light| sigmoid(position(light)));
-    // The curve ends in numbers for a display whose light is their power of 2.2.
+    // The curve's output is encoded for a display with a gamma of 2.2.
     SRGB * (OUTSET * curved).map(|number| libm::powf(number.max(0.0), 2.2))
 }
 
-/// From 0 to 1 on 0 to 1. The toe's power is 3, the shoulder's 3.25; the factors are
-/// those with which the curve ends at 0 and at 1.
+/// Maps 0..1 to 0..1. The toe's power is 3, the shoulder's 3.25; the factors make the curve end at
+/// 0 and at 1.
 fn sigmoid(x: f32) -> f32 {
     let offset = x - PIVOT;
     let (factor, power) = if offset < 0.0 {
@@ -67,7 +67,7 @@ fn sigmoid(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Wrensch, "Minimal AgX Implementation", 2023.
+    /// The polynomial fit of Wrensch, "Minimal AgX Implementation", 2023.
     fn polynomial(x: f32) -> f32 {
         let terms = [-0.002_32, 0.1191, 0.4298, -6.868, 31.96, -40.14, 15.5];
         terms.iter().rev().fold(0.0, |sum, term| sum * x + term)

@@ -8,7 +8,7 @@ use super::srgb::{decoded, encoded};
 /// Colors in Msh.
 type Msh = [f64; 3];
 
-/// The ends as sRGB, in 255ths.
+/// The colors at the ends, as sRGB in 255ths.
 const COOL: [f64; 3] = [59.0, 76.0, 192.0];
 const WARM: [f64; 3] = [180.0, 4.0, 38.0];
 /// The magnitude of the gray in the middle.
@@ -16,7 +16,7 @@ const GRAY: f64 = 88.0;
 /// CIE XYZ of the white of sRGB.
 const WHITE: [f64; 3] = [0.9505, 1.0, 1.089];
 
-/// The color at a position from 0 to 1, as sRGB.
+/// Returns the color at a position from 0 to 1, as sRGB.
 pub(super) fn cool_to_warm(position: f64) -> [f64; 3] {
     let end = of_srgb((if position < 0.5 { COOL } else { WARM }).map(|x| x / 255.0));
     let gray = [GRAY, 0.0, hue_beside(end)];
@@ -24,8 +24,8 @@ pub(super) fn cool_to_warm(position: f64) -> [f64; 3] {
     to_srgb([0, 1, 2].map(|i| gray[i] + share * (end[i] - gray[i])))
 }
 
-/// The hue of the gray next to a color: with it the interpolated lightness and saturation
-/// change evenly.
+/// Returns the hue of the gray next to a color, with which the interpolated lightness and
+/// saturation change evenly.
 fn hue_beside([magnitude, saturation, hue]: Msh) -> f64 {
     if magnitude >= GRAY {
         return hue;
@@ -72,7 +72,7 @@ fn to_srgb([magnitude, saturation, hue]: Msh) -> [f64; 3] {
     linear.map(|light| encoded(light.clamp(0.0, 1.0)))
 }
 
-/// CIELAB's cube root, which is linear near 0.
+/// Returns CIELAB's cube root, which is linear near 0.
 fn compressed(share: f64) -> f64 {
     if share > 0.008_856 {
         libm::cbrt(share)
@@ -81,7 +81,7 @@ fn compressed(share: f64) -> f64 {
     }
 }
 
-/// The inverse of [`compressed`].
+/// Inverts [`compressed`].
 fn expanded(root: f64) -> f64 {
     if root > 0.206_893 {
         root * root * root

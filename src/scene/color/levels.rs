@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// The color clamped to 0..1 and rounded to 8 bits per channel, without a transfer
+/// Returns the color clamped to 0..1 and rounded to 8 bits per channel, without a transfer
 /// function.
 pub(super) fn linear8(color: Vec3) -> [u8; 3] {
     (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0)
@@ -10,8 +10,8 @@ pub(super) fn linear8(color: Vec3) -> [u8; 3] {
         .map(rounded)
 }
 
-/// The integer nearest to a number from 0 to 255, halves rounded up: that of
-/// `f32::round`, which is a function call on x86-64 without SSE 4.1.
+/// Returns the integer nearest to a number from 0 to 255, halves rounded up, as `f32::round` does,
+/// which is a function call on x86-64 without SSE 4.1.
 #[inline(always)]
 fn rounded(channel: f32) -> u8 {
     let whole = channel as u8;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer};
 use super::{diverging, tables};
 use base::text;
 
-/// Number of colors of a named map for numbers: as matplotlib and VTK draw it.
+/// Number of colors of a named map for numbers, as matplotlib and VTK draw it.
 const N_STEPS: f64 = 256.0;
 
 /// Defines [`ColorMap`] and its colors from one list.
@@ -27,7 +27,7 @@ macro_rules! maps {
         }
 
         impl ColorMap {
-            /// Red, green and blue at a position from 0 to 1, as numbers of sRGB from 0 to 1.
+            /// Returns red, green and blue at a position from 0 to 1, as sRGB numbers from 0 to 1.
             pub fn at(self, position: f64) -> [f64; 3] {
                 match self {
                     Self::CoolToWarm => diverging::cool_to_warm(position),
@@ -36,7 +36,7 @@ macro_rules! maps {
                 }
             }
 
-            /// Number of its colors, if it is one of categories.
+            /// Returns the number of colors of a map for categories.
             pub fn n_categories(self) -> Option<usize> {
                 match self {
                     $(Self::$list => Some(tables::$colors.len()),)*
@@ -88,12 +88,12 @@ maps! {
     }
 }
 
-/// Numbers of the screen in 8 bits each.
+/// Converts sRGB numbers to 8 bits each.
 pub fn rgb8(color: [f64; 3]) -> [u8; 3] {
     color.map(|number| (255.0 * number).round() as u8)
 }
 
-/// The color of the step that the position is in.
+/// Returns the color of the step that contains the position.
 fn of_numbers(colors: &[u32], position: f64) -> [f64; 3] {
     let step = (position * N_STEPS).floor().clamp(0.0, N_STEPS - 1.0);
     let color = |i: usize| channels(&colors[i]);
@@ -105,7 +105,7 @@ fn channels(rgb: &u32) -> [f64; 3] {
     channels.map(|channel| f64::from(channel) / 255.0)
 }
 
-/// The color at a position among `n` evenly spread ones.
+/// Returns the color at a position among `n` evenly spread colors.
 pub(super) fn interpolated(n: usize, color: impl Fn(usize) -> [f64; 3], position: f64) -> [f64; 3] {
     let place = position.clamp(0.0, 1.0) * (n - 1) as f64;
     let first = (place as usize).min(n - 1);
@@ -114,7 +114,7 @@ pub(super) fn interpolated(n: usize, color: impl Fn(usize) -> [f64; 3], position
     [0, 1, 2].map(|i| a[i] + share * (b[i] - a[i]))
 }
 
-/// The color of the part of equal width that the position is in.
+/// Returns the color of the interval that contains the position, of `colors.len()` equal ones.
 pub(super) fn nearest<T>(colors: &[T], position: f64) -> &T {
     let n = colors.len();
     &colors[((position * n as f64) as usize).min(n - 1)]

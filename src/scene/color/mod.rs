@@ -1,8 +1,8 @@
 //! Radiance → the numbers of a picture.
 //!
-//! All light is linear: numbers are proportional to radiance, with the primaries of
-//! sRGB. A [`Development`] makes a picture of it, as a darkroom does of a negative:
-//! exposure, a tone curve, the transfer function of the display, and whole numbers.
+//! All light is linear: numbers are proportional to radiance, with the primaries of sRGB. A
+//! [`Development`] turns it into a picture, as a darkroom does with a negative: exposure, a tone
+//! curve, the transfer function of the display, and rounding to whole numbers.
 
 mod aces;
 mod agx;
@@ -26,7 +26,7 @@ pub use map::rgb8;
 pub use palette::Palette;
 pub use tone_curve::ToneCurve;
 
-/// How radiance becomes the numbers of a picture.
+/// The conversion of radiance to the numbers of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Development {
     /// The factor of the radiance: 2 to the power of the exposure.
@@ -47,7 +47,7 @@ pub enum Transfer {
 }
 
 impl Development {
-    /// Exposes by `exposure` stops, each of which doubles the light.
+    /// Creates a development that exposes by `exposure` stops, each of which doubles the light.
     pub fn new(exposure: f32, curve: ToneCurve, transfer: Transfer) -> Self {
         Self {
             gain: libm::exp2f(exposure),
@@ -56,24 +56,24 @@ impl Development {
         }
     }
 
-    /// The factor from radiance to light in the picture.
+    /// Returns the factor from radiance to light in the picture.
     pub fn gain(&self) -> f32 {
         self.gain
     }
 
-    /// Returns the numbers of a picture of 8 bits per channel: the nearest ones.
+    /// Converts radiance to a pixel of 8 bits per channel, rounded.
     pub fn rgb8(&self, radiance: Vec3) -> [u8; 3] {
         let mut numbers = [[0; 3]];
         self.develop8(&[radiance], &mut numbers);
         numbers[0]
     }
 
-    /// Overwrites `numbers` with those of the `radiance` of all pixels, in the manner of
-    /// [`rgb8`](Self::rgb8).
+    /// Overwrites `numbers` with the developed `radiance` of all pixels, as [`rgb8`](Self::rgb8)
+    /// does.
     pub fn develop8(&self, radiance: &[Vec3], numbers: &mut [[u8; 3]]) {
         let exposed = |radiance: &Vec3| self.gain * *radiance;
         let developed = |radiance: &Vec3| self.curve.displayed(exposed(radiance));
-        // A loop each, which decides nothing per pixel.
+        // One loop per case, without decisions per pixel.
         match (self.curve, self.transfer) {
             (ToneCurve::None, Transfer::Linear) => {
                 fill(radiance, numbers, |of| linear8(exposed(of)))
@@ -90,7 +90,7 @@ impl Development {
         }
     }
 
-    /// Returns the numbers of a picture of 16 bits per channel: the nearest ones.
+    /// Converts radiance to a pixel of 16 bits per channel, rounded.
     pub fn rgb16(&self, radiance: Vec3) -> [u16; 3] {
         let light = self.curve.displayed(self.gain * radiance);
         let encoded = |channel: f32| match self.transfer {
@@ -104,7 +104,7 @@ impl Development {
 }
 
 impl Transfer {
-    /// The linear light of all numbers of 8 bits.
+    /// Returns the linear light of every 8-bit number.
     #[inline(always)]
     pub fn light_of_bytes(self) -> &'static [f32; 256] {
         match self {
@@ -113,7 +113,7 @@ impl Transfer {
         }
     }
 
-    /// The nearest numbers of 8 bits of linear light, which is clamped to 0..1.
+    /// Converts linear light, clamped to 0..1, to 8-bit numbers, rounded.
     pub fn bytes(self, light: Vec3) -> [u8; 3] {
         match self {
             Self::Srgb => srgb::levels().of_color(light),
@@ -121,7 +121,7 @@ impl Transfer {
         }
     }
 
-    /// The linear light of a number from 0 to 1, or of a greater one in the same manner.
+    /// Returns the linear light of a number from 0 to 1, extrapolated above 1.
     pub fn light(self, number: f32) -> f32 {
         match self {
             Self::Srgb => srgb::decoded(number.into()) as f32,
@@ -144,7 +144,7 @@ fn fill<T>(pixels: &[T], numbers: &mut [[u8; 3]], of: impl Fn(&T) -> [u8; 3]) {
     }
 }
 
-/// sRGB without exposure and without a curve.
+/// sRGB without exposure or tone curve.
 impl Default for Development {
     fn default() -> Self {
         Self::new(0.0, ToneCurve::default(), Transfer::default())

@@ -1,4 +1,4 @@
-//! The colors of an array: a named map, or those that the scene file lists.
+//! The colors of an array: a named map, or colors listed in the scene file.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, MapAccess, V
 use super::map::{ColorMap, interpolated, nearest};
 use crate::yaml;
 
-/// The most colors of a list.
+/// Maximum number of colors of a list.
 const MAX_COLORS: usize = 1024;
 
-/// Colors for numbers, as they are on the screen.
+/// Colors for numbers, in sRGB.
 ///
 /// ```
 /// # use scene::color::Palette;
@@ -29,9 +29,9 @@ pub enum Palette {
     Named(ColorMap),
     /// Evenly spread colors, interpolated between them.
     Colors(ColorList),
-    /// Steps of equal width, one color for each.
+    /// Steps of equal width, one color per step.
     Bands(ColorList),
-    /// A color for each category.
+    /// One color per category.
     Categories(ColorList),
 }
 
@@ -67,12 +67,13 @@ enum PaletteKeys {
     Colors(ColorList),
     /// The colors of equally wide parts of the range.
     Bands(ColorList),
-    /// The colors of categories, of which the whole number nearest to each value picks one in turn.
+    /// The colors of categories: the whole number nearest to each value selects one, modulo their
+    /// number.
     Categories(ColorList),
 }
 
 impl Palette {
-    /// Red, green and blue at a position from 0 to 1, as numbers of the screen from 0 to 1.
+    /// Returns red, green and blue at a position from 0 to 1, as sRGB numbers from 0 to 1.
     pub fn at(&self, position: f64) -> [f64; 3] {
         match self {
             Self::Named(map) => map.at(position),
@@ -81,7 +82,7 @@ impl Palette {
         }
     }
 
-    /// Number of its colors, if it is one of categories.
+    /// Returns the number of colors of a palette for categories.
     pub fn n_categories(&self) -> Option<usize> {
         match self {
             Self::Named(map) => map.n_categories(),
@@ -90,7 +91,7 @@ impl Palette {
         }
     }
 
-    /// Number of its colors, if it is one of bands.
+    /// Returns the number of colors of a palette of bands.
     pub fn n_bands(&self) -> Option<usize> {
         match self {
             Self::Bands(list) => Some(list.0.len()),

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-/// Returns the sRGB number of linear light, both from 0 to 1.
+/// Encodes linear light as an sRGB number, both from 0 to 1.
 pub(super) fn encoded(light: f64) -> f64 {
     if light <= 0.003_130_8 {
         12.92 * light
@@ -13,7 +13,7 @@ pub(super) fn encoded(light: f64) -> f64 {
     }
 }
 
-/// Returns the linear light of an sRGB number, both from 0 to 1.
+/// Decodes an sRGB number to linear light, both from 0 to 1.
 pub(super) fn decoded(number: f64) -> f64 {
     if number <= 0.040_45 {
         number / 12.92
@@ -22,9 +22,9 @@ pub(super) fn decoded(number: f64) -> f64 {
     }
 }
 
-/// The levels of linear light.
+/// Returns the table of levels of linear light.
 ///
-/// Three powers would take longer than to trace a ray: levels are looked up instead.
+/// Three powers would take longer than tracing a ray, so levels are looked up.
 pub(super) fn levels() -> &'static Levels {
     &LEVELS
 }
@@ -35,16 +35,16 @@ const DARKEST: f32 = 1.0 / 8192.0;
 /// The largest number below 1.
 const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// Numbers whose bits are equal but for this many share a bucket: 128 buckets for each
-/// power of two, so that no bucket has more than two levels.
+/// Numbers that differ only in this many low bits share a bucket: 128 buckets per power of two, so
+/// that no bucket has more than two levels.
 const BUCKET_BITS: u32 = f32::MANTISSA_DIGITS - 1 - 7;
 
 const N_BUCKETS: usize = ((1_f32.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS) as usize;
 
 static LEVELS: LazyLock<Levels> = LazyLock::new(Levels::new);
 
-/// The nearest of 256 levels for any linear light: 255 times [`encoded`], rounded. Light
-/// is clamped to 0..1; NaN is 0.
+/// Maps linear light to the nearest of 256 levels: 255 times [`encoded`], rounded. Light is clamped
+/// to 0..1; NaN becomes 0.
 pub(super) struct Levels {
     /// The least light of each level, and infinity.
     least: [f32; 257],
@@ -75,7 +75,7 @@ impl Levels {
 
     #[inline(always)]
     fn of(&self, light: f32) -> u8 {
-        // One instruction each, which take NaN for the darkest.
+        // One instruction each; NaN becomes the darkest.
         let light = if light > DARKEST { light } else { DARKEST };
         let light = if light < BRIGHTEST { light } else { BRIGHTEST };
         let bucket = (light.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS;

@@ -1,9 +1,9 @@
 //! The colors of named maps, as 0xRRGGBB.
 //!
-//! Maps of numbers are evenly spread over the map: as many colors of matplotlib's tables
-//! of 256 as give each entry within 1/255 by interpolation. Viridis, Inferno, Magma and
-//! Plasma: Smith and van der Walt (2015), CC0; Cividis: Nuñez, Anderton and Renslow (PLOS
-//! ONE, 2018); Turbo: Mikhailov (2019), Apache-2.0; Cubehelix: Green (2011).
+//! Maps for numbers are evenly sampled from matplotlib's tables of 256 colors, with enough colors
+//! to restore each entry within 1/255 by interpolation. Viridis, Inferno, Magma and Plasma: Smith
+//! and van der Walt (2015), CC0; Cividis: Nuñez, Anderton and Renslow (PLOS ONE, 2018); Turbo:
+//! Mikhailov (2019), Apache-2.0; Cubehelix: Green (2011).
 
 pub(super) const VIRIDIS: &[u32] = &[
     0x440154, 0x460b5e, 0x481467, 0x481d6f, 0x482576, 0x472e7c, 0x453581, 0x433e85, 0x404588,

@@ -1,4 +1,4 @@
-//! Tone curves: bright light → what a display can show.
+//! Tone curves: bright light → light that a display can show.
 
 use glam::Vec3;
 use serde::{Deserialize, Deserializer};
@@ -6,8 +6,7 @@ use serde::{Deserialize, Deserializer};
 use super::{aces, agx};
 use base::text;
 
-/// A function from exposed light to that of a display, both linear and with the
-/// primaries of sRGB.
+/// A function from exposed light to displayed light, both linear and with the primaries of sRGB.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum ToneCurve {
@@ -21,7 +20,7 @@ pub enum ToneCurve {
 }
 
 impl ToneCurve {
-    /// Returns the light of the display; channels may lie outside of 0 to 1.
+    /// Returns the light that the display shows; channels may lie outside of 0 to 1.
     #[inline]
     pub(super) fn displayed(self, light: Vec3) -> Vec3 {
         match self {

@@ -19,13 +19,13 @@ use base::text;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acceleration {
-    /// A bounding volume hierarchy over all shapes but planes.
+    /// A bounding volume hierarchy over all shapes except planes.
     Bvh(Quality),
     /// Tests every ray against every shape: the reference for the others.
     BruteForce,
 }
 
-/// The effort spent on building a hierarchy. All of them find the same hits.
+/// The effort spent on building a hierarchy. All qualities find the same hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`fast`, `balanced` or `high`")]
 pub enum Quality {
@@ -40,7 +40,7 @@ pub enum Quality {
     High,
 }
 
-/// Its name in scene files.
+/// Formats the name in scene files.
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

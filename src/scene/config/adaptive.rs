@@ -6,7 +6,7 @@ use serde::de::{DeserializeSeed, Deserializer};
 use crate::yaml::{self, Number};
 use base::text::numbers::counted;
 
-/// Most camera rays through a pixel.
+/// Maximum number of camera rays through a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
 
 /// Adaptive sampling: a pixel gets more samples while it is noisy.
@@ -32,7 +32,7 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// The number of samples per pixel, at most `most`, for people.
+    /// Formats the number of samples per pixel, at most `most`, for people.
     pub fn samples(this: Option<Self>, most: u32) -> String {
         let text = counted(most.into(), "sample");
         match this {

@@ -37,8 +37,8 @@ impl Config {
 }
 
 impl PixelArray {
-    /// What a rendering with these settings lacks to have the array, and what gives it;
-    /// `None` if it has it.
+    /// Returns the missing condition for a rendering with these settings to have the array, and the
+    /// setting that fulfills it; `None` if the array is available.
     fn lacks(self, config: &Config) -> Option<[String; 2]> {
         let cost = config.cost;
         let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
@@ -73,7 +73,8 @@ impl PixelArray {
     }
 }
 
-/// What another mode of `cost` lacks to have an array of this mode, and what gives it.
+/// Returns the missing condition for an array of this mode in another mode of `cost`, and the
+/// setting that fulfills it.
 fn of_mode(mode: CostMode, found: CostMode) -> [String; 2] {
     let [mode, found] = [mode, found].map(|mode| keyword_name(&mode));
     [

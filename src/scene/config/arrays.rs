@@ -72,15 +72,15 @@ pub enum PixelArray {
     Group,
 }
 
-/// Which arrays the cloud and the frame have: all, or those that were chosen.
+/// The arrays that the cloud and the frame have: all, or the chosen ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WrittenArrays {
-    /// A bit for each [`PixelArray`].
+    /// One bit per [`PixelArray`].
     left_out: u32,
 }
 
 impl WrittenArrays {
-    /// Those that were chosen, and no other.
+    /// Creates a set of only the chosen arrays.
     pub fn only(chosen: &[PixelArray]) -> Self {
         let others = PixelArray::value_variants()
             .iter()
@@ -90,21 +90,21 @@ impl WrittenArrays {
         }
     }
 
-    /// Whether an array of this name is written.
+    /// Returns true if an array of this name is written.
     pub fn has(self, name: &str) -> bool {
         let mut arrays = PixelArray::value_variants().iter();
         let array = arrays.find(|array| array.name() == name);
         array.is_none_or(|array| self.left_out & array.bit() == 0)
     }
 
-    /// Whether arrays of all these names are written.
+    /// Returns true if arrays of all these names are written.
     pub fn has_all(self, names: &[&str]) -> bool {
         names.iter().all(|name| self.has(name))
     }
 }
 
 impl PixelArray {
-    /// Its name in files.
+    /// Returns the name in files.
     pub fn name(self) -> String {
         keyword_name(&self)
     }

@@ -29,18 +29,18 @@ pub enum CostMode {
 }
 
 impl CostMode {
-    /// Whether node visits, primitive tests and rays are counted.
+    /// Returns true if node visits, primitive tests and rays are counted.
     pub fn has_counters(self) -> bool {
         self != Self::None
     }
 
-    /// Whether each pixel has a time: its own, or its share of its group's.
+    /// Returns true if each pixel has a time, measured or its share of its group's.
     pub fn has_time(self) -> bool {
         matches!(self, Self::SingleRayTime | Self::Time)
     }
 
-    /// The name of the kernel: `single_ray` if each pixel is timed alone, which excludes
-    /// the other, `stream`, as it traces the rays of many pixels together.
+    /// Returns the name of the kernel: `single_ray` if pixels are timed individually, which rules
+    /// out `stream`, the tracing of many pixels' rays together.
     pub fn kernel(self) -> &'static str {
         match self {
             Self::None | Self::Counters | Self::Time => "stream",

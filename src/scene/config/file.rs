@@ -1,4 +1,4 @@
-//! Objects of many shapes that are read from files.
+//! Objects of many shapes read from files.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ impl GeometryFile {
         }
     }
 
-    /// The file, relative to the scene file's folder, or a series of files.
+    /// Returns the file, relative to the scene file's folder, or a series of files.
     pub fn file(&self) -> &Path {
         match self {
             Self::Mesh(mesh) => &mesh.file,
@@ -52,7 +52,7 @@ impl GeometryFile {
         }
     }
 
-    /// The file at its path, with the time step that the scene chooses.
+    /// Returns the file with the time step that the scene chooses.
     pub fn data_file(&self) -> DataFile<'_> {
         let step = match self {
             Self::Mesh(mesh) => mesh.step,
@@ -63,7 +63,7 @@ impl GeometryFile {
         DataFile { path, step }
     }
 
-    /// The same at a time step.
+    /// Returns the same file at a time step.
     pub fn at(&self, step: &TimeStep) -> Self {
         let (file, step) = (step.file.clone(), step.step);
         match self.clone() {
@@ -82,7 +82,7 @@ impl GeometryFile {
     }
 }
 
-/// The YAML key.
+/// Formats the YAML key.
 impl fmt::Display for GeometryFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -94,7 +94,7 @@ impl fmt::Display for GeometryFile {
 }
 
 /// A triangle mesh in an OBJ, PLY, STL or glTF file, or the surface of a data set in a VTK file.
-/// Without a `material` beside it, it has the materials of the file.
+/// Without a `material` next to it, it has the materials of the file.
 ///
 /// ```
 /// # use scene::config::MeshFile;
@@ -119,8 +119,8 @@ pub struct MeshFile {
     /// The shading normals.
     #[serde(default)]
     pub normals: MeshNormals,
-    /// Instead of the surface of the data set in a VTK file, the surface within it where an
-    /// array has a value.
+    /// Instead of the surface of the data set in a VTK file, the surface within it where an array
+    /// has a value.
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
 }
@@ -226,7 +226,7 @@ fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
 const MAX_STEP: u32 = 999_999;
 
 impl MeshFile {
-    /// The file at `path`, with the time step.
+    /// Returns the file at `path`, with the time step.
     pub fn data_file<'a>(&self, path: &'a Path) -> DataFile<'a> {
         let step = self.step;
         DataFile { path, step }
@@ -237,7 +237,7 @@ impl SpheresFile {
     /// Reads the spheres from their file at `path`, with the numbers of an array.
     ///
     /// # Errors
-    /// A file that cannot be read, is damaged, or has no radius, no such array or no sphere.
+    /// The file cannot be read, is damaged, or lacks a radius, this array or any sphere.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
         let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
         let file = DataFile { path, step };
@@ -253,7 +253,7 @@ impl TubesFile {
     /// Reads the tubes from their file at `path`, with the numbers of an array.
     ///
     /// # Errors
-    /// A file that cannot be read, is damaged, or has no radius, no such array or no line.
+    /// The file cannot be read, is damaged, or lacks a radius, this array or any line.
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Tubes> {
         let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
         let file = DataFile { path, step };

@@ -9,7 +9,7 @@ use super::ShadingModel;
 use crate::color::{Development, ToneCurve, Transfer};
 use crate::yaml::{self, Number};
 
-/// How the light of a pixel becomes the numbers of the picture.
+/// The conversion of a pixel's light to the numbers of the picture.
 ///
 /// ```
 /// # use scene::config::FilmSettings;
@@ -26,38 +26,38 @@ use crate::yaml::{self, Number};
     expecting = "a film such as { exposure: 1, tone_curve: agx }"
 )]
 pub struct FilmSettings {
-    /// Stops, -32 to 32: the light is doubled for each; 0 if not given.
+    /// Stops, -32 to 32, each of which doubles the light; 0 if not given.
     #[serde(deserialize_with = "stops")]
     pub exposure: f32,
     /// The tone curve; none if not given.
     pub tone_curve: ToneCurve,
-    /// The transfer function; if not given, that of [`ShadingModel::transfer`].
+    /// The transfer function; if not given, the shading model's ([`ShadingModel::transfer`]).
     pub transfer: Option<Transfer>,
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
     #[serde(deserialize_with = "bits")]
     pub bits: u8,
-    /// The greatest value of a channel of a sample, greater than 0: brighter ones are
-    /// limited before the mean is taken, which removes single bright pixels and some light;
-    /// if not given, that of [`ShadingModel::sample_limit`].
+    /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
+    /// the mean is taken, which removes single bright pixels and some light; if not given, the
+    /// shading model's ([`ShadingModel::sample_limit`]).
     #[serde(deserialize_with = "limit")]
     pub sample_limit: Option<f32>,
 }
 
 impl FilmSettings {
-    /// The exposures of pictures.
+    /// The permitted exposures in stops.
     pub const STOPS: RangeInclusive<f64> = -32.0..=32.0;
 
-    /// How light becomes numbers, with this shading model.
+    /// Returns the conversion of light to numbers with this shading model.
     pub fn development(&self, model: ShadingModel) -> Development {
         Development::new(self.exposure, self.tone_curve, self.transfer(model))
     }
 
-    /// The greatest value of a channel of a sample with this shading model.
+    /// Returns the greatest value of a channel of a sample with this shading model.
     pub fn sample_limit(&self, model: ShadingModel) -> f32 {
         self.sample_limit.unwrap_or(model.sample_limit())
     }
 
-    /// The transfer function with this shading model.
+    /// Returns the transfer function with this shading model.
     pub fn transfer(&self, model: ShadingModel) -> Transfer {
         self.transfer.unwrap_or(model.transfer())
     }

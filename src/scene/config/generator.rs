@@ -10,7 +10,7 @@ use crate::geometry::{Located, Sphere, located};
 use crate::yaml;
 use math::sampling::uniform;
 
-/// Most shapes of one generator.
+/// Maximum number of shapes of one generator.
 pub const MAX_SHAPES: u32 = 1_000_000_000;
 
 /// A procedural set of spheres.
@@ -39,7 +39,7 @@ impl Generator {
         }
     }
 
-    /// The number of spheres.
+    /// Returns the number of spheres.
     pub fn n_spheres(&self) -> usize {
         match self {
             Self::SphereCloud(cloud) => cloud.count as usize,
@@ -47,7 +47,7 @@ impl Generator {
         }
     }
 
-    /// The corners of the box of the centers, around the origin of the spheres.
+    /// Returns the corners of the box of the centers, around the origin of the spheres.
     pub fn corners(&self) -> Located<[Vec3; 2]> {
         located(match self {
             Self::SphereCloud(cloud) => [cloud.min, cloud.max],
@@ -55,7 +55,7 @@ impl Generator {
         })
     }
 
-    /// The greatest radius.
+    /// Returns the greatest radius.
     pub fn max_radius(&self) -> f32 {
         match self {
             Self::SphereCloud(cloud) => cloud.radius[1],
@@ -63,9 +63,8 @@ impl Generator {
         }
     }
 
-    /// Returns sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and the
-    /// index of its material among `n_materials`. `corners` are those of its
-    /// [`corners`](Self::corners).
+    /// Returns sphere `i`, from 0 to [`n_spheres`](Self::n_spheres) - 1, and the index of its
+    /// material among `n_materials`. `corners` come from [`corners`](Self::corners).
     pub fn sphere(&self, corners: [Vec3; 2], i: usize, n_materials: usize) -> (Sphere, usize) {
         match self {
             Self::SphereCloud(cloud) => cloud.sphere(corners, i, n_materials),
@@ -74,7 +73,7 @@ impl Generator {
     }
 }
 
-/// The YAML key.
+/// Formats the YAML key.
 impl fmt::Display for Generator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -105,7 +104,7 @@ pub struct SphereCloud {
     /// The opposite corner.
     #[serde(deserialize_with = "yaml::point")]
     pub max: DVec3,
-    /// Least and greatest radius, or one for all.
+    /// Least and greatest radius, or a single one for all.
     #[serde(deserialize_with = "yaml::positive_range")]
     pub radius: [f32; 2],
     /// The seed of centers, radii and materials; 0 if not given.

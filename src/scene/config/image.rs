@@ -47,38 +47,38 @@ pub struct Image {
     /// given.
     #[serde(deserialize_with = "filter_radius", default)]
     pub filter_radius: Option<f32>,
-    /// Adaptive sampling, which needs [`PixelPattern::Sobol`]: then `samples_per_pixel`
-    /// is the most that a pixel gets.
+    /// Adaptive sampling, which needs [`PixelPattern::Sobol`]: then `samples_per_pixel` is the
+    /// maximum per pixel.
     #[serde(default)]
     pub adaptive: Option<Adaptive>,
-    /// Where it is in a larger picture, if it is a window of one.
+    /// The position in a larger picture, for a window of one.
     #[serde(skip)]
     pub window: Option<PictureWindow>,
 }
 
-/// The place of a window in a picture.
+/// The position of a window in a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PictureWindow {
-    /// The column and the row of its first pixel in the picture.
+    /// The column and the row of the window's first pixel in the picture.
     pub origin: [u32; 2],
     /// Columns and rows of the picture.
     pub picture: [u32; 2],
 }
 
 impl Image {
-    /// Columns and rows of the whole picture.
+    /// Returns columns and rows of the whole picture.
     pub fn picture_size(&self) -> [u32; 2] {
         let size = [self.width, self.height];
         self.window.map_or(size, |window| window.picture)
     }
 
-    /// The column and the row of the first pixel in the whole picture.
+    /// Returns the column and the row of the first pixel in the whole picture.
     pub fn origin(&self) -> [u32; 2] {
         self.window.map_or([0; 2], |window| window.origin)
     }
 
-    /// Only this window, by its first column and row, its width and its height; `None` if it
-    /// is empty or reaches beyond the image.
+    /// Returns only this window, given by its first column and row, its width and its height;
+    /// `None` if it is empty or extends beyond the image.
     pub fn cropped(&self, [x, y, width, height]: [u32; 4]) -> Option<Self> {
         let fits = |first: u32, n: u32, all: u32| n > 0 && first <= all && n <= all - first;
         let [left, top] = self.origin();
@@ -94,7 +94,7 @@ impl Image {
         })
     }
 
-    /// An image with the sides that `shrink` returns, and one sample per pixel.
+    /// Returns an image with the sides that `shrink` returns, and one sample per pixel.
     pub fn shrunk(&self, shrink: impl Fn(u32) -> u32) -> Self {
         let [width, height] = [self.width, self.height].map(&shrink);
         let window = self.window.map(|window| {
@@ -116,22 +116,22 @@ impl Image {
         }
     }
 
-    /// The number of pixels.
+    /// Returns the number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// The number of camera rays of the picture; the most if sampling is adaptive.
+    /// Returns the number of camera rays of the picture; the maximum if sampling is adaptive.
     pub fn n_camera_rays(&self) -> u64 {
         self.n_pixels() as u64 * u64::from(self.samples_per_pixel)
     }
 
-    /// The number of samples per pixel, for people: "64 samples", "16 to 64 samples".
+    /// Formats the number of samples per pixel, for people: "64 samples", "16 to 64 samples".
     pub fn samples(&self) -> String {
         Adaptive::samples(self.adaptive, self.samples_per_pixel)
     }
 
-    /// The samples of every pixel; 0 if sampling is adaptive.
+    /// Returns the samples of every pixel; 0 if sampling is adaptive.
     pub fn uniform_samples(&self) -> u32 {
         match self.adaptive {
             None => self.samples_per_pixel,
@@ -139,10 +139,10 @@ impl Image {
         }
     }
 
-    /// Checks that the settings of samples fit together.
+    /// Checks that the sampling settings fit together.
     ///
     /// # Errors
-    /// The key that does not.
+    /// The first key that does not fit.
     pub fn check_sampling(&self) -> Result<(), Fault> {
         if self.adaptive.is_none() || self.sampler == PixelPattern::Sobol {
             return Ok(());
@@ -155,7 +155,7 @@ impl Image {
         )
     }
 
-    /// The radius of the filter in pixels.
+    /// Returns the radius of the filter in pixels.
     pub fn filter_radius(&self) -> f32 {
         self.filter_radius.unwrap_or(self.filter.usual_radius())
     }

@@ -1,4 +1,4 @@
-//! A mesh that is placed many times.
+//! An instanced mesh.
 
 use std::path::{Path, PathBuf};
 
@@ -14,8 +14,8 @@ use crate::import::{self, ArrayChoice, InstancePlace, PlaceArrays};
 use crate::yaml;
 use math::sampling::uniform;
 
-/// Instances of a mesh: it is stored once, and each instance costs only its place. The
-/// object's `transform` applies to all of them.
+/// Instances of a mesh: it is stored once, and each instance costs only the memory of its
+/// placement. The object's `transform` applies to all of them.
 ///
 /// ```
 /// # use scene::config::InstancedMesh;
@@ -39,14 +39,14 @@ use math::sampling::uniform;
 pub struct InstancedMesh {
     /// The mesh.
     pub mesh: MeshFile,
-    /// Where it is placed.
+    /// The places of the instances.
     pub places: InstancePlaces,
 }
 
 /// The places of instances.
 #[derive(Debug, Clone, PartialEq)]
 pub enum InstancePlaces {
-    /// For each instance a list of steps, at least one instance.
+    /// A list of steps per instance; at least one instance.
     Listed(Vec<Vec<TransformStep>>),
     /// The points of a file.
     Points(PlacePoints),
@@ -92,7 +92,7 @@ impl InstancedMesh {
     /// The YAML key.
     pub const KEY: &'static str = "instances";
 
-    /// The file of the points, relative to the scene file's folder, if there is one.
+    /// Returns the file of the points, relative to the scene file's folder, if there is one.
     pub fn points_file(&self) -> Option<&Path> {
         match &self.places {
             InstancePlaces::Points(points) => Some(&points.file),
@@ -105,10 +105,10 @@ fn places<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec<Vec<TransformSte
     yaml::non_empty(d, "place").map(Some)
 }
 
-/// A table of places: comma-separated values below a header with the columns `x`, `y` and `z`,
-/// and optionally `scale`, or `scale_x`, `scale_y` and `scale_z`, and `direction_x`,
-/// `direction_y` and `direction_z`, which the x axis of the mesh is turned to. Or a VTK file:
-/// an instance at each of its points.
+/// A table of places: comma-separated values below a header with the columns `x`, `y` and `z`, and
+/// optionally `scale`, or `scale_x`, `scale_y` and `scale_z`, and `direction_x`, `direction_y` and
+/// `direction_z`, to which the x axis of the mesh is turned. Or a VTK file: an instance at each of
+/// its points.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "points such as { file: trees.csv }")]
 pub struct PlacePoints {
@@ -117,7 +117,7 @@ pub struct PlacePoints {
     /// The scale of all instances, other than 0; of a VTK file also an array at its points.
     #[serde(default)]
     pub scale: PlaceScale,
-    /// The array of vectors at the points of a VTK file that the x axis of the mesh is turned to.
+    /// The array of vectors at the points of a VTK file to which the x axis of the mesh is turned.
     #[serde(default)]
     pub orient: Option<OrientArray>,
 }
@@ -138,7 +138,7 @@ impl PlacePoints {
     /// Reads the places from their file at `path`, with the numbers of an array.
     ///
     /// # Errors
-    /// A file that cannot be read, is damaged, or has no such array or no place.
+    /// The file cannot be read, is damaged, or lacks this array or any place.
     pub fn read(
         &self,
         path: &Path,
@@ -172,10 +172,10 @@ pub struct PlaceCloud {
     /// The opposite corner.
     #[serde(deserialize_with = "yaml::point")]
     pub max: DVec3,
-    /// Least and greatest scale, or one for all; 1 if not given.
+    /// Least and greatest scale, or a single one for all; 1 if not given.
     #[serde(default = "same_size", deserialize_with = "yaml::positive_range")]
     pub scale: [f32; 2],
-    /// The axis about which each instance is turned by a random angle; no turn if not given.
+    /// The axis about which each instance is rotated by a random angle; no rotation if not given.
     #[serde(default, deserialize_with = "axis")]
     pub turn: Option<Vec3>,
     /// The seed of positions, scales and angles; 0 if not given.
@@ -192,7 +192,7 @@ fn axis<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
 }
 
 impl PlaceCloud {
-    /// The place of instance `i`.
+    /// Returns the place of instance `i`.
     pub fn place(&self, i: usize) -> DAffine3 {
         let [x, y, z, s] = uniform([self.seed, i as u64, 0]);
         let [angle, ..] = uniform([self.seed, i as u64, 1]);

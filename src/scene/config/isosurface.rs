@@ -26,16 +26,16 @@ pub struct Isosurface {
     /// The name of the array of points.
     #[serde(deserialize_with = "yaml::name")]
     array: String,
-    /// The component of vectors, of which the first is 0; their magnitude by default.
+    /// The component of a vector array, counted from 0; the magnitude by default.
     #[serde(default, deserialize_with = "component")]
     component: Option<u32>,
-    /// The value, or a list with one for each surface.
+    /// The value, or a list with one per surface.
     #[serde(deserialize_with = "values")]
     value: Vec<f32>,
 }
 
 impl Isosurface {
-    /// What is read of the file.
+    /// Returns the choice of arrays to read from the file.
     pub fn choice(&self) -> IsosurfaceChoice {
         IsosurfaceChoice {
             array: ArrayChoice {

@@ -1,4 +1,4 @@
-//! How rays are traced, besides what the scene says: the results are the same.
+//! How rays are traced, apart from the scene: the results are the same.
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -31,7 +31,7 @@ pub enum Traversal {
 }
 
 impl SimdSet {
-    /// The instructions of this set.
+    /// Returns the instructions of this set.
     ///
     /// # Errors
     /// The processor does not have them.

@@ -90,7 +90,7 @@ pub struct Config {
     pub image: Image,
     /// The camera.
     pub camera: Camera,
-    /// What rays see that hit nothing; black if not given.
+    /// The color seen by rays without a hit; black if not given.
     #[serde(default)]
     pub background: Background,
     /// The fog around the objects; none if not given.
@@ -102,7 +102,7 @@ pub struct Config {
     /// The frames of a moving picture; a still if not given.
     #[serde(default)]
     pub animation: Option<Animation>,
-    /// How light becomes the numbers of the picture.
+    /// The conversion of light to the numbers of the picture.
     #[serde(default)]
     pub film: FilmSettings,
     /// The acceleration structure.
@@ -138,7 +138,8 @@ impl Config {
         lists: &["lights", "objects"],
     };
 
-    /// What the film has to keep for the pictures and outputs that are requested.
+    /// Returns the additional arrays that the film must keep for the requested pictures and
+    /// outputs.
     pub fn extra_arrays(&self) -> ExtraArrays {
         let has_exr = self.output.has(OptionalOutput::Exr);
         let radiance_in_vtk = self.output.has(OptionalOutput::Radiance);
@@ -153,7 +154,7 @@ impl Config {
         }
     }
 
-    /// Whether meshes are placed many times.
+    /// Returns true if there are instanced meshes.
     pub fn has_instances(&self) -> bool {
         let is_placed = |object: &Object| matches!(object.geometry, Geometry::Instances(_));
         self.objects.iter().any(is_placed)
@@ -162,7 +163,7 @@ impl Config {
     /// Checks that the other settings allow all requested outputs.
     ///
     /// # Errors
-    /// The output that is impossible, and the fault of the section `output`.
+    /// The impossible output, and the fault in the section `output`.
     pub fn check_output(&self) -> Result<(), (OptionalOutput, Fault)> {
         self.output.check(self.cost)
     }
@@ -207,7 +208,7 @@ impl Config {
     /// Checks that pixels are timed if several repeats are requested.
     ///
     /// # Errors
-    /// The fault of the section `repeats`.
+    /// The fault in the section `repeats`.
     pub fn check_repeats(&self) -> Result<(), Fault> {
         let is_once = matches!(self.repeats, Repeats::Auto | Repeats::ONCE);
         if is_once || self.cost.has_time() {

@@ -20,12 +20,11 @@ use crate::yaml::Number;
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum MeshNormals {
-    /// Those of the file, or flat normals if it has none; of an isosurface those of the
-    /// gradient.
+    /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
+    /// the gradient.
     #[default]
     File,
-    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are
-    /// any.
+    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are any.
     Smooth(Option<Creases>),
     /// The geometric normals of the triangles.
     Flat,
@@ -35,7 +34,7 @@ pub enum MeshNormals {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "creases such as { angle_deg: 30 }")]
 pub struct Creases {
-    /// The largest angle between the normals of two triangles of a smooth edge, 0 to 180.
+    /// The largest angle between the normals of two triangles at a smooth edge, 0 to 180.
     #[serde(deserialize_with = "crease_angle")]
     pub angle_deg: f32,
 }

@@ -30,14 +30,14 @@ use crate::yaml;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
-    /// Its name, if the file gives one.
+    /// The name, if the file gives one.
     pub name: Option<String>,
-    /// Its geometry.
+    /// The geometry.
     pub geometry: Geometry,
-    /// The name of its material; an object of many spheres may have several, and a mesh none:
-    /// those of its file.
+    /// The name of the material; an object of many spheres may have several, and a mesh none, for
+    /// the materials of its file.
     pub material: MaterialNames,
-    /// Its transform to world space; empty for the identity.
+    /// The transform to world space; empty for the identity.
     pub transform: Vec<TransformStep>,
 }
 
@@ -60,7 +60,7 @@ pub enum Geometry {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MaterialNames(pub Vec<String>);
 
-/// The YAML key.
+/// Formats the YAML key.
 impl fmt::Display for Geometry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -73,7 +73,7 @@ impl fmt::Display for Geometry {
     }
 }
 
-/// The keys of all objects.
+/// The keys that all objects share.
 const COMMON: [&str; 3] = ["material", "name", "transform"];
 
 /// The keys of geometries.
@@ -138,7 +138,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
 #[derive(serde::Deserialize)]
 struct Name(#[serde(deserialize_with = "yaml::name")] String);
 
-/// Deserializing it always fails, at the position of the second shape.
+/// A value whose deserialization always fails, at the position of the second shape.
 struct SecondShape;
 
 impl<'de> Deserialize<'de> for SecondShape {

@@ -32,7 +32,7 @@ pub struct Outputs {
     arrays: Option<Vec<PixelArray>>,
     /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
-    /// Outputs that were requested and have nothing to show.
+    /// Requested outputs that have nothing to show.
     left_out: Vec<OptionalOutput>,
 }
 
@@ -58,22 +58,22 @@ pub enum OptionalOutput {
     Exr,
 }
 
-/// What a film keeps of its pixels besides what every film keeps.
+/// The arrays of a film beyond what every film keeps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExtraArrays {
-    /// The radiance.
+    /// True to keep the radiance.
     pub radiance: bool,
-    /// Whether VTK files have it, too.
+    /// True if VTK files also have the radiance.
     pub radiance_in_vtk: bool,
-    /// The color of the surface that the center sample hit.
+    /// True to keep the color of the surface that the center sample hit.
     pub albedo: bool,
-    /// The numbers of rays by bounce.
+    /// True to keep the numbers of rays by bounce.
     pub bounces: bool,
-    /// Whether VTK files have the groups of pixels.
+    /// True if VTK files have the groups of pixels.
     pub groups: bool,
-    /// The instance that the center sample hit.
+    /// True to keep the instance that the center sample hit.
     pub instance: bool,
-    /// Those of all arrays that cloud and frame have.
+    /// The arrays that cloud and frame have.
     pub written: WrittenArrays,
 }
 
@@ -98,24 +98,24 @@ fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 }
 
 impl OptionalOutput {
-    /// Its name in scene files and on the command line.
+    /// Returns the name in scene files and on the command line.
     pub fn name(self) -> String {
         text::keyword_name(&self)
     }
 
-    /// Whether it requires the cost attribution, and therefore counters.
+    /// Returns true if it requires the cost attribution, and therefore counters.
     pub fn needs_attribution(self) -> bool {
         matches!(self, Self::Objects | Self::Surface | Self::Bvh)
     }
 
-    /// Whether it requires a bounding volume hierarchy.
+    /// Returns true if it requires a bounding volume hierarchy.
     fn needs_hierarchy(self) -> bool {
         self == Self::Bvh
     }
 }
 
 impl BvhLimits {
-    /// Whether they include a node of this depth that this number of rays visited.
+    /// Returns true if they include a node of this depth that this number of rays visited.
     pub fn include(&self, depth: u32, n_visits: u64) -> bool {
         depth <= self.max_depth && n_visits >= self.min_visits
     }
@@ -131,7 +131,7 @@ impl Default for BvhLimits {
 }
 
 impl Outputs {
-    /// Whether the output is requested.
+    /// Returns true if the output is requested.
     pub fn has(&self, requested: OptionalOutput) -> bool {
         self.optional.contains(&requested)
     }
@@ -151,7 +151,7 @@ impl Outputs {
         }
     }
 
-    /// The requested outputs that have nothing to show without a hierarchy.
+    /// Returns the requested outputs that have nothing to show without a hierarchy.
     pub fn left_out(&self) -> &[OptionalOutput] {
         &self.left_out
     }
@@ -176,23 +176,23 @@ impl Outputs {
         Ok(())
     }
 
-    /// The chosen arrays of cloud and frame; `None` for all.
+    /// Returns the chosen arrays of cloud and frame; `None` for all.
     pub fn arrays(&self) -> Option<&[PixelArray]> {
         self.arrays.as_deref()
     }
 
-    /// The arrays that cloud and frame have.
+    /// Returns the arrays that cloud and frame have.
     pub fn written_arrays(&self) -> WrittenArrays {
         let chosen = self.arrays.as_deref();
         chosen.map_or(WrittenArrays::default(), WrittenArrays::only)
     }
 
-    /// The requested outputs, each once.
+    /// Returns the requested outputs, each once.
     pub fn iter(&self) -> impl Iterator<Item = OptionalOutput> {
         self.optional.iter().copied()
     }
 
-    /// Whether no output is requested.
+    /// Returns true if no output is requested.
     pub fn is_empty(&self) -> bool {
         self.optional.is_empty()
     }
@@ -226,7 +226,7 @@ impl<'de> Deserialize<'de> for Outputs {
     }
 }
 
-/// A list of optional outputs, or a mapping with such a list.
+/// Deserializes a list of optional outputs, or a mapping with such a list.
 struct OutputsVisitor;
 
 impl<'de> Visitor<'de> for OutputsVisitor {
@@ -294,6 +294,6 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// The boxes of the hierarchy and the cost of each; these limit how many.
+    /// The boxes of the hierarchy and the cost of each, within these limits.
     bvh: BvhLimits,
 }

@@ -20,7 +20,7 @@ pub struct ScaleArray {
     /// The name of the array of points.
     #[serde(deserialize_with = "yaml::name")]
     array: String,
-    /// The component of vectors, of which the first is 0; their magnitude by default.
+    /// The component of a vector array, counted from 0; the magnitude by default.
     #[serde(default, deserialize_with = "component")]
     component: Option<u32>,
     /// The factor from its numbers to scales, greater than 0; 1 by default.
@@ -47,7 +47,7 @@ impl Default for PlaceScale {
 }
 
 impl PlaceScale {
-    /// The array, if it is one.
+    /// Returns the array if there is one.
     pub(super) fn array(&self) -> Option<ArrayChoice> {
         match self {
             Self::Same(_) => None,
@@ -60,7 +60,7 @@ impl PlaceScale {
         }
     }
 
-    /// The factor of all instances.
+    /// Returns the factor of all instances.
     pub(super) fn factor(&self) -> f32 {
         match self {
             Self::Same(factor) => *factor,

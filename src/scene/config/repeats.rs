@@ -18,33 +18,32 @@ use serde::{Deserialize, Serialize, Serializer};
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Repeats {
-    /// If pixels are timed, up to [`Repeats::MAX_OF_AUTO`] times, within half a
-    /// second and with at most 64 MiB of samples. Otherwise once.
+    /// If pixels are timed, up to [`Repeats::MAX_OF_AUTO`] times, within half a second and with at
+    /// most 64 MiB of samples. Otherwise once.
     #[default]
     Auto,
     /// Exactly this many times.
     Exactly(NonZeroU8),
 }
 
-/// Most bytes of samples of [`Repeats::Auto`].
+/// Maximum number of bytes of samples of [`Repeats::Auto`].
 const MAX_SAMPLE_BYTES_OF_AUTO: usize = 64 << 20;
 
 impl Repeats {
     /// A single rendering, whose times are not checked.
     pub const ONCE: Self = Self::Exactly(NonZeroU8::MIN);
 
-    /// The most renderings of [`Repeats::Auto`].
+    /// Maximum number of renderings of [`Repeats::Auto`].
     pub const MAX_OF_AUTO: u8 = 5;
 
-    /// Whether timed pixels have a spread and a number of rejected samples. True
-    /// for [`Repeats::Auto`] after any number of renderings, so that the files of
-    /// a scene always have the same arrays.
+    /// Returns true if timed pixels have a spread and a number of rejected samples. Always true for
+    /// [`Repeats::Auto`], so that the files of a scene always have the same arrays.
     pub fn has_spread(self) -> bool {
         self != Self::ONCE
     }
 
-    /// Returns the largest number of renderings of a picture of `n_pixels`
-    /// pixels, whose samples take `sample_bytes` each.
+    /// Returns the maximum number of renderings of a picture of `n_pixels` pixels, whose samples
+    /// take `sample_bytes` each.
     pub fn most(self, n_pixels: usize, sample_bytes: usize) -> u8 {
         match self {
             Self::Exactly(n) => n.get(),

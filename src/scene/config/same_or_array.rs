@@ -1,4 +1,4 @@
-//! A number for all, or an array of a file.
+//! A single number, or an array of a file.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -14,13 +14,13 @@ use crate::yaml;
 pub enum SameOrArray<A> {
     /// The same for all.
     Same(f32),
-    /// Those of an array.
+    /// One number per element, from an array.
     Array(A),
 }
 
 /// The YAML mapping of an array.
 pub trait NumberArray: DeserializeOwned {
-    /// What is expected: a number, or such an array.
+    /// The expected value: a number, or such an array.
     const EXPECTED: &'static str;
 }
 

@@ -25,16 +25,16 @@ pub struct Shading {
     pub model: ShadingModel,
     /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
     pub ambient: Vec3,
-    /// Most bounces along a path, 0 to 255; 8 if not given.
+    /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
     pub max_depth: u8,
     /// The lights that are sampled at each point.
     pub light_sampling: LightSampling,
-    /// Which of the microscopic facets of rough surfaces hide each other in path tracing;
-    /// `height_correlated` if not given.
+    /// The masking-shadowing function of rough surfaces in path tracing; `height_correlated` if not
+    /// given.
     pub masking: Masking,
     /// Length of the rays of ambient occlusion in world units; infinite if not given.
     pub occlusion_distance: f32,
-    /// Whether objects throw shadows.
+    /// If true, objects cast shadows.
     pub shadows: bool,
 }
 
@@ -98,14 +98,14 @@ impl TryFrom<ShadingKeys> for Shading {
     }
 }
 
-/// The lights whose shadow rays leave a point.
+/// The lights toward which shadow rays are traced from a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum LightSampling {
-    /// Each light, one ray for each.
+    /// Every light, with one ray each.
     Each,
-    /// One light, chosen with a probability in proportion to the light that would arrive at
-    /// the point if nothing were in the way; of more than 16 lights, to its power.
+    /// One light, chosen with a probability proportional to the light that would arrive at the
+    /// point if nothing were in the way; for more than 16 lights, proportional to its power.
     Power,
 }
 
@@ -124,14 +124,14 @@ pub enum ShadingModel {
     BlinnPhong,
     /// The model of the course's NumPy code, for comparison with it.
     Seed,
-    /// Ambient occlusion: how much of the space around each point is free.
+    /// Ambient occlusion: the unoccluded fraction of the space around each point.
     AmbientOcclusion,
     /// Path tracing: all light that surfaces scatter to each other.
     Path,
 }
 
 impl ShadingModel {
-    /// The ambient light, unless the file has some.
+    /// Returns the default ambient light.
     fn ambient(self) -> Vec3 {
         match self {
             Self::BlinnPhong | Self::Seed => Vec3::splat(0.05),
@@ -139,7 +139,7 @@ impl ShadingModel {
         }
     }
 
-    /// The lights that are sampled, unless the file says it.
+    /// Returns the default light sampling.
     fn light_sampling(self) -> LightSampling {
         match self {
             Self::BlinnPhong | Self::Seed | Self::AmbientOcclusion => LightSampling::Each,
@@ -147,8 +147,7 @@ impl ShadingModel {
         }
     }
 
-    /// The transfer function of pictures, unless the film has one: none for the
-    /// seed's, whose pictures have none.
+    /// Returns the default transfer function of pictures: linear for `seed`, as in its pictures.
     pub fn transfer(self) -> Transfer {
         match self {
             Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => Transfer::Srgb,
@@ -156,9 +155,8 @@ impl ShadingModel {
         }
     }
 
-    /// The greatest value of a channel of a sample, to which brighter ones are limited
-    /// before the mean is taken, unless the film has one: 1e30, so that sums of samples stay
-    /// finite, but 1 for the seed's.
+    /// Returns the default limit of a sample's channels, applied before the mean is taken: 1e30, so
+    /// that sums of samples stay finite, but 1 for `seed`.
     pub fn sample_limit(self) -> f32 {
         match self {
             Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => 1e30,
@@ -190,7 +188,7 @@ fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
 }
 
 impl Shading {
-    /// The settings, whose lengths are those of world space, in render space.
+    /// Converts the settings' lengths from world space to render space.
     pub fn in_space(self, space: &RenderSpace) -> Self {
         Self {
             occlusion_distance: space.length(self.occlusion_distance),

@@ -5,16 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::yaml;
 use base::text;
 
-/// How the picture is divided among threads. It changes neither the picture nor
-/// its counters.
-///
-/// ```
-/// # use scene::config::{TileOrder, Tiling};
-/// let tiling: Tiling = scene::yaml::from_str("
-/// { size: 32, order: hilbert }
-/// ").unwrap();
-/// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });
-/// ```
+/// The division of the picture among threads. It changes neither the picture nor its counters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -44,10 +35,9 @@ pub enum TileOrder {
 }
 
 impl Tiling {
-    /// Least side in pixels: the number of tiles of the largest picture then
-    /// fits into 32 bits.
+    /// Minimum side in pixels: the number of tiles of the largest picture then fits into 32 bits.
     pub const MIN_SIZE: u32 = 2;
-    /// Greatest side in pixels.
+    /// Maximum side in pixels.
     pub const MAX_SIZE: u32 = 256;
 }
 
@@ -62,7 +52,7 @@ impl Default for Tiling {
 }
 
 impl TileOrder {
-    /// Its name in scene files.
+    /// Returns the name in scene files.
     pub fn name(self) -> String {
         text::keyword_name(&self)
     }

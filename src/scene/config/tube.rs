@@ -1,4 +1,4 @@
-//! A tube through points that the scene file gives.
+//! A tube through points listed in the scene file.
 
 use glam::DVec3;
 use serde::Deserialize;
@@ -26,9 +26,9 @@ pub struct Tube(Tubes);
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TubeKeys {
-    /// The points, of which two or more differ.
+    /// The points, at least two of which differ.
     points: Vec<LinePoint>,
-    /// The radius, greater than 0, or a list with one for each point.
+    /// The radius, greater than 0, or a list with one per point.
     #[serde(deserialize_with = "radius")]
     radius: OneOrList,
 }
@@ -67,7 +67,7 @@ impl Tube {
     /// The YAML key.
     pub const KEY: &'static str = "tube";
 
-    /// The tube's segments.
+    /// Returns the tube's segments.
     pub fn tubes(&self) -> &Tubes {
         &self.0
     }

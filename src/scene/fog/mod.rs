@@ -30,21 +30,21 @@ pub use sphere::FogSphere;
     expecting = "fog such as { mean_free_path: 10, color: 0.8 }"
 )]
 pub struct Fog {
-    /// The distance in world units, greater than 0, at which a fraction of 1/e of the light
-    /// is left.
+    /// The distance in world units, greater than 0, at which a fraction of 1/e of the light is
+    /// left.
     #[serde(deserialize_with = "yaml::positive")]
     pub mean_free_path: f32,
-    /// Its color; white by default. In path tracing, the fraction of the light that its
-    /// particles scatter, and do not absorb (the albedo). In `blinn_phong`, what all that is
-    /// far away fades to.
+    /// The color; white by default. In path tracing, the fraction of the light that the particles
+    /// scatter rather than absorb (the albedo). In `blinn_phong`, the color that distant objects
+    /// fade to.
     #[serde(default = "white", deserialize_with = "yaml::color")]
     pub color: Vec3,
     /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
     /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
     #[serde(default, deserialize_with = "anisotropy")]
     pub anisotropy: f32,
-    /// The radius of the sphere that it fills, around the center of the objects; by default
-    /// the smallest with all objects that have bounds and the camera.
+    /// The radius of the sphere of fog around the center of the objects; by default, the smallest
+    /// sphere that contains all bounded objects and the camera.
     #[serde(default, deserialize_with = "radius")]
     pub radius: Option<f32>,
 }

@@ -8,16 +8,16 @@ use math::simd::{Real, Vector, cos_sin};
 /// Astrophysical Journal 93, 1941.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HenyeyGreenstein {
-    /// The mean cosine of the angle between the directions before and after.
+    /// The mean cosine of the scattering angle.
     pub anisotropy: f32,
 }
 
-/// Where it is less, directions are chosen as if the anisotropy were 0.
+/// Below this magnitude, directions are sampled as for an anisotropy of 0.
 const MIN_ANISOTROPY: f32 = 1e-3;
 
 impl HenyeyGreenstein {
-    /// The density of directions at this cosine from that before, per steradian; also the
-    /// fraction of the scattered light that goes there.
+    /// Returns the density of directions at this cosine of the scattering angle, per steradian; it
+    /// is also the fraction of the light scattered there.
     #[inline(always)]
     pub fn density<R: Real>(self, cos: R) -> R {
         let g = self.effective();
@@ -26,8 +26,8 @@ impl HenyeyGreenstein {
         scale / (square * square.sqrt())
     }
 
-    /// A direction after `before`, both unit vectors, that two numbers in [0, 1) choose with
-    /// this density; and its cosine.
+    /// Samples a direction after `before`, both unit vectors, with this density and two numbers in
+    /// [0, 1); also returns the cosine of the scattering angle.
     #[inline(always)]
     pub fn sample<R: Real>(self, before: Vector<R>, [u, v]: [R; 2]) -> (Vector<R>, R) {
         let (zero, one) = (u.splat(0.0), u.splat(1.0));

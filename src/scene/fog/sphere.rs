@@ -1,4 +1,4 @@
-//! The fog that light crosses.
+//! A sphere of fog that attenuates and scatters light.
 
 use glam::Vec3;
 
@@ -6,24 +6,24 @@ use super::HenyeyGreenstein;
 use crate::geometry::Ray;
 use math::simd::{LookupTable, Real, Vector};
 
-/// A sphere that is full of fog.
+/// A sphere filled with fog.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FogSphere {
-    /// Its center in world space.
+    /// The center in world space.
     pub center: Vec3,
-    /// Its radius in world units; may be infinite.
+    /// The radius in world units; may be infinite.
     pub radius: f32,
     /// The extinction coefficient: the reciprocal of the mean free path, per world unit.
     pub extinction: f32,
-    /// See [`Fog`](super::Fog).
+    /// See [`Fog::color`](super::Fog::color).
     pub color: Vec3,
-    /// How its particles scatter light.
+    /// The phase function of the particles.
     pub phase: HenyeyGreenstein,
 }
 
 impl FogSphere {
-    /// The fraction of light that crosses the fog from a distance, which may be infinite, to
-    /// a point, from a direction, a unit vector.
+    /// Returns the fraction of light that reaches a point through the fog from a direction, a unit
+    /// vector, and a distance, possibly infinite.
     #[inline(always)]
     pub fn transmittance<R: Real>(&self, [point, direction]: [Vector<R>; 2], distance: R) -> R {
         let [start, end] = self.extent([point, direction], distance);
@@ -31,26 +31,26 @@ impl FogSphere {
         transmittance
     }
 
-    /// What becomes of the light along a ray up to its hit, if no particle scatters it: the
-    /// fraction that is left, and what the fog adds.
+    /// Attenuates light along a ray up to its hit, without scattering: returns the fraction that is
+    /// left, and the light that the fog adds.
     pub fn fade(&self, ray: &Ray, distance: f32) -> (f32, Vec3) {
         let ray = [ray.origin, ray.direction].map(Vector::from);
         let transmittance = self.transmittance(ray, distance);
         (transmittance, self.color * (1.0 - transmittance))
     }
 
-    /// The distance along a ray, less than that of its hit, at which it meets a particle;
-    /// `None` if it meets none. A number in [0, 1) chooses it.
+    /// Samples the distance along a ray at which it meets a particle, with a number in [0, 1);
+    /// `None` if it reaches its hit first.
     pub fn flight(&self, ray: &Ray, hit: f32, number: f32) -> Option<f32> {
         let [start, end] = self.extent([ray.origin.into(), ray.direction.into()], hit);
         let length = -libm::log1pf(-number) / self.extinction;
         let t = start + length;
-        // Past the origin, too: else the path would not move on.
+        // Also past the origin, or the path would not advance.
         (t < end && t > 0.0).then_some(t)
     }
 
-    /// The part of a ray up to a distance that is in the sphere: its first distance, and its
-    /// last one, less than that if there is none.
+    /// Returns the first and the last distance along a ray, up to the given one, that lie in the
+    /// sphere; the last is less than the first if there are none.
     #[inline(always)]
     fn extent<R: Real>(&self, [origin, direction]: [Vector<R>; 2], distance: R) -> [R; 2] {
         let zero = distance.splat(0.0);
@@ -59,7 +59,7 @@ impl FogSphere {
         }
         let to_center = Vector::splat(distance, self.center) - origin;
         let nearest = to_center.dot(direction);
-        // Not the square of the distance less that of the radius, which would cancel.
+        // Not the difference of the squares of distance and radius, which would cancel.
         let across = to_center - direction * nearest;
         let square = zero.splat(self.radius * self.radius) - across.dot(across);
         let half = square.max(zero).sqrt();
@@ -71,7 +71,7 @@ impl FogSphere {
     }
 }
 
-/// The transmittance of a length.
+/// Returns the transmittance of a length.
 impl LookupTable<1, 1> for FogSphere {
     #[inline]
     fn values_at(&self, [length]: [f32; 1]) -> [f32; 1] {
@@ -105,7 +105,7 @@ mod tests {
         ) {
             let (fog, origin) = (fog(radius), Vec3::from(origin));
             let direction = Vec3::from(to).normalize_or(Vec3::X);
-            // By steps along the ray.
+            // The reference: small steps along the ray.
             let is_inside = |t: f32| (origin + t * direction).distance(fog.center) < radius;
             let steps = (0..40_000_u16).map(|i| 1e-3 * (f32::from(i) + 0.5));
             let n_inside = steps.take_while(|t| *t < distance).filter(|t| is_inside(*t)).count();

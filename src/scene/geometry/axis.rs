@@ -1,7 +1,7 @@
-//! The axis of a shape between two ends with a radius each, and rays across it.
+//! The axis of a shape between two ends with a radius each, and rays in its coordinates.
 //!
-//! The formulas of cones in the coordinates of such a ray: the point is `y` along the axis
-//! from its center and `across` it, the direction likewise.
+//! The formulas of cones in the coordinates of such a ray: a point is `y` along the axis from the
+//! center and `across` it, and so is the direction.
 
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
@@ -12,11 +12,11 @@ use super::{N_PARAMETERS, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// Two different points.
+/// Two distinct points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ends(pub(super) [Vec3; 2]);
 
-/// Two different points: `[[x, y, z], [x, y, z]]`.
+/// Two distinct points: `[[x, y, z], [x, y, z]]`.
 #[derive(Deserialize)]
 #[serde(try_from = "TwoPoints")]
 pub(super) struct EndKeys(pub(super) Located<Ends>);
@@ -43,7 +43,7 @@ impl TryFrom<TwoPoints> for EndKeys {
 }
 
 impl Ends {
-    /// The images of the ends, and of radii, under a transform that scales all lengths equally.
+    /// Transforms the ends and the radii by a transform that scales all lengths equally.
     pub(super) fn transformed<const N: usize>(
         self,
         radii: [f32; N],
@@ -54,7 +54,7 @@ impl Ends {
         Some((Self(ends), radii.map(|radius| scale * radius)))
     }
 
-    /// The numbers that define the shape.
+    /// Returns the numbers that define the shape.
     #[inline(always)]
     pub(super) fn parameters(self, [from, to]: [f32; 2]) -> [f32; N_PARAMETERS] {
         let mut parameters = parameters_of(&self.0);
@@ -63,16 +63,16 @@ impl Ends {
     }
 }
 
-/// The axis of a shape, or of one per lane.
+/// The axis of a shape, or one per lane.
 #[derive(Clone, Copy)]
 pub(super) struct ShapeAxis<R> {
     pub(super) ends: [Vector<R>; 2],
     /// The radii at the ends.
     pub(super) radii: [R; 2],
-    /// From the first end to the second, of unit length.
+    /// The unit vector from the first end to the second.
     pub(super) direction: Vector<R>,
     pub(super) half_length: R,
-    /// By how much the radius shrinks along the axis, per length.
+    /// The decrease of the radius per length along the axis.
     pub(super) slope: R,
     /// The mean of the radii.
     pub(super) radius: R,
@@ -96,7 +96,7 @@ impl<R: Real> ShapeAxis<R> {
         }
     }
 
-    /// A point as seen from the center: along the axis, and across it.
+    /// Splits a point relative to the center into its parts along the axis and across it.
     #[inline(always)]
     pub(super) fn split(&self, point: Vector<R>) -> (R, Vector<R>) {
         let half = self.radius.splat(0.5);
@@ -106,8 +106,8 @@ impl<R: Real> ShapeAxis<R> {
         (along, from_center - self.direction * along)
     }
 
-    /// How far along the axis a point of the side is, from 0 to 1: uniform on the side for
-    /// uniform numbers in [0, 1).
+    /// Maps uniform numbers in [0, 1) to the position along the axis, from 0 to 1, of points that
+    /// are uniform on the side.
     #[inline(always)]
     pub(super) fn fraction_by_area(&self, number: R) -> R {
         let [from, to] = self.radii;
@@ -117,7 +117,7 @@ impl<R: Real> ShapeAxis<R> {
         number * (from + to) / (squared.max(number.splat(0.0)).sqrt() + from).max(least)
     }
 
-    /// A direction across the axis; of unit length, whatever the vector's length.
+    /// Returns the unit direction of a vector across the axis, whatever its length.
     #[inline(always)]
     pub(super) fn outward(&self, across: Vector<R>) -> Vector<R> {
         let [any, _] = self.direction.orthonormal_pair();
@@ -135,25 +135,28 @@ pub(super) struct AxisRay<R> {
     pub(super) direction_across: Vector<R>,
 }
 
-/// Least sine of the angle between a ray and an axis, squared: less are rounding errors.
+/// Minimum squared sine of the angle between a ray and an axis: smaller ones are rounding errors.
 const MIN_SINE_SQUARED: f32 = 1e-14;
 
 impl<R: Real> AxisRay<R> {
-    /// The ray from its point nearest to the axis on, or from one that is near to the
-    /// shape: so that its numbers have the size of the shape, however far away the ray
-    /// begins (as in [`Sphere`](super::Sphere)).
+    /// Creates the ray, starting from its point nearest to the axis or one near the shape, so that
+    /// its numbers have the magnitude of the shape, however far away the ray begins (as in
+    /// [`Sphere`](super::Sphere)).
     #[inline(always)]
     pub(super) fn new(axis: &ShapeAxis<R>, origin: Vector<R>, direction: Vector<R>) -> Self {
         let (half, one) = (axis.radius.splat(0.5), axis.radius.splat(1.0));
         let [from, to] = axis.ends;
+        // Find the ray's point nearest to the center.
         let to_center = ((from - origin) + (to - origin)) * half;
         let squared = direction.dot(direction);
         let inverse = one / squared;
         let nearest = to_center.dot(direction) * inverse;
         let point = direction * nearest - to_center;
+        // Split point and direction into their parts along the axis and across it.
         let (along, direction_along) = (point.dot(axis.direction), direction.dot(axis.direction));
         let across = point - axis.direction * along;
         let direction_across = direction - axis.direction * direction_along;
+        // Step to the point nearest to the axis, but not beyond the shape's reach.
         let least = squared * one.splat(MIN_SINE_SQUARED);
         let reach = (axis.half_length + axis.radii[0].max(axis.radii[1])) * inverse.sqrt();
         let step = across.dot(direction_across) / direction_across.dot(direction_across).max(least);
@@ -167,22 +170,23 @@ impl<R: Real> AxisRay<R> {
         }
     }
 
-    /// Where the ray enters and leaves the infinite double cone of the points at a distance
-    /// of at most `(radius - sine * y) / cos` from the axis; `cos` and `sine` are those of the
-    /// angle between its normals and the axis' normals.
+    /// Intersects the ray with the infinite double cone of the points at a distance of at most
+    /// `(radius - sine * y) / cos` from the axis; `cos` and `sine` belong to the angle between the
+    /// cone's normals and the axis' normals.
     #[inline(always)]
     pub(super) fn cone(&self, radius: R, sine: R, cos: R) -> ConeSpan<R> {
         let zero = radius.splat(0.0);
         let (o, d) = (self.across * cos, self.direction_across * cos);
         let at_origin = radius - sine * self.along;
         let growth = -(sine * self.direction_along);
-        // The squared distance to the axis less that to the surface: a t² + 2 b t + c.
+        // a t² + 2 b t + c: the squared distance to the axis minus the squared one to the surface.
         let a = d.dot(d) - growth * growth;
         let b = o.dot(d) - at_origin * growth;
         let c = o.dot(o) - at_origin * at_origin;
         // b² - a c, by Lagrange's identity without differences of large squares.
         let (inward, beside) = (d * at_origin - o * growth, o.cross(d));
         let discriminant = inward.dot(inward) - beside.dot(beside);
+        // Solve the quadratic without cancellation.
         let root = discriminant.max(zero).sqrt();
         let is_ascending = zero.le(b);
         let q = R::select(is_ascending, -(b + root), root - b);
@@ -200,28 +204,28 @@ impl<R: Real> AxisRay<R> {
     }
 }
 
-/// Where a ray enters and leaves a double cone.
+/// The intersection of a ray with a double cone.
 pub(super) struct ConeSpan<R: Real> {
     pub(super) enter: R,
     pub(super) exit: R,
-    /// Whether it meets the surface.
+    /// True if the ray meets the surface.
     pub(super) hits: R::Mask,
-    /// The coefficients of the quadratic: it is in the cone where that is negative.
+    /// The coefficients of the quadratic: the ray is in the cone where it is negative.
     pub(super) a: R,
     pub(super) b: R,
     pub(super) c: R,
-    /// By how much the radius of the cone grows along the ray.
+    /// The growth of the cone's radius along the ray.
     pub(super) growth: R,
 }
 
-/// The part of a surface that a number in [0, 1) chooses in proportion to the areas: the first
-/// end, the side or the second end.
+/// The part of a surface that a number in [0, 1) samples in proportion to the areas: the first end,
+/// the side or the second end.
 pub(super) struct ChosenPart<R: Real> {
-    /// The area of all parts.
+    /// The total area.
     pub(super) area: R,
     pub(super) is_from: R::Mask,
     pub(super) is_side: R::Mask,
-    /// A number in [0, 1] for each part, uniform where it is the chosen one.
+    /// For each part, a number in [0, 1) that is uniform if the part is sampled.
     pub(super) shares: [R; 3],
 }
 

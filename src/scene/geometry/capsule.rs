@@ -51,7 +51,7 @@ impl Described for Capsule {
 }
 
 impl Capsule {
-    /// The capsule around spheres with these centers, which differ, and radii.
+    /// Creates the capsule around spheres with these centers, which must differ, and radii.
     pub fn new(ends: [Vec3; 2], radii: [f32; 2]) -> Self {
         Self {
             ends: Ends(ends),
@@ -59,11 +59,11 @@ impl Capsule {
         }
     }
 
-    /// The parameter at which a ray, or the ray of each lane, hits a capsule with these
-    /// parameters; not a positive number if it misses it.
+    /// Returns the parameter at which one ray, or one per lane, hits a capsule with these
+    /// parameters; not a positive number for a miss.
     ///
-    /// The capsule is the union of its two spheres and of the cone between the circles where
-    /// it touches them: a ray enters it where it first enters one of the three.
+    /// The capsule is the union of its two spheres and the cone between the circles where it
+    /// touches them: a ray enters it where it first enters one of the three.
     #[inline(always)]
     pub fn hits<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -77,6 +77,7 @@ impl Capsule {
         let (never, always) = (zero.splat(f32::INFINITY), zero.splat(f32::NEG_INFINITY));
         let (sine, cos) = slant(&axis);
         let ray = AxisRay::new(&axis, origin, direction);
+        // Intersect the cone, between the circles where it touches the spheres.
         let cone = ray.cone(axis.radius, sine, cos);
         let lower = from_radius * sine - axis.half_length;
         let upper = to_radius * sine + axis.half_length;
@@ -88,6 +89,7 @@ impl Capsule {
         let exits = cone.hits & lower.le(at_exit) & at_exit.le(upper);
         let near = R::select(enters, ray.start + cone.enter, never);
         let far = R::select(exits, ray.start + cone.exit, always);
+        // Intersect the spheres, and take the union of all three.
         let [near_from, far_from] = sphere(from - origin, from_radius, direction);
         let [near_to, far_to] = sphere(to - origin, to_radius, direction);
         let far = far.max(far_from).max(far_to);
@@ -95,8 +97,8 @@ impl Capsule {
         R::select(zero.lt(near), near, far)
     }
 
-    /// Where the surface point `near` lies along the axis, from 0 to 1: the center of the
-    /// sphere that touches the surface there.
+    /// Returns the position along the axis, from 0 to 1, of the surface point `near`: the center of
+    /// the sphere that touches the surface there.
     #[inline(always)]
     pub fn fraction<R: Real>(parameters: &[R; N_PARAMETERS], near: Vector<R>) -> R {
         let axis = ShapeAxis::of(parameters);
@@ -106,8 +108,8 @@ impl Capsule {
     }
 }
 
-/// The sine and the cosine of the angle between the normals of a capsule's cone and those of
-/// its axis. If one of its spheres contains the other, they are those of a flat cone.
+/// Returns the sine and the cosine of the angle between the normals of a capsule's cone and of its
+/// axis; if one sphere contains the other, of a flat cone.
 #[inline(always)]
 fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
     let one = axis.slope.splat(1.0);
@@ -115,7 +117,8 @@ fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
     (sine, (one - sine * sine).sqrt())
 }
 
-/// The center of the sphere that touches the surface nearest to a point, along the axis.
+/// Returns the position on the axis of the center of the sphere that touches the surface nearest to
+/// a point.
 #[inline(always)]
 fn foot<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
     let (sine, cos) = slant(axis);
@@ -124,7 +127,7 @@ fn foot<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
     foot.max(-axis.half_length).min(axis.half_length)
 }
 
-/// Where a ray enters and leaves a sphere, as in [`Sphere`](super::Sphere).
+/// Intersects a ray with a sphere, as in [`Sphere`](super::Sphere).
 #[inline(always)]
 fn sphere<R: Real>(to_center: Vector<R>, radius: R, direction: Vector<R>) -> [R; 2] {
     let zero = radius.splat(0.0);
@@ -216,7 +219,7 @@ impl Sampled for Capsule {
         from + side + to
     }
 
-    /// Uniform on the surface: the first number chooses one of the three parts.
+    /// Samples the surface uniformly: the first number selects one of the three parts.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -232,7 +235,7 @@ impl Sampled for Capsule {
             is_side,
             shares: [of_from, of_side, of_to],
         } = ChosenPart::by_area(areas(&axis), u);
-        // The normal's part along the axis: uniform on the sphere at an end.
+        // The normal's component along the axis: uniform on the sphere at an end.
         let at_from = of_from * (one + sine) - one;
         let at_to = one - of_to * (one - sine);
         let along = R::select(is_side, sine, R::select(is_from, at_from, at_to));
@@ -253,7 +256,7 @@ impl Sampled for Capsule {
     }
 }
 
-/// The areas of the first sphere's part of the surface, the cone's and the second sphere's.
+/// Returns the areas of the parts of the surface: first sphere, cone, second sphere.
 #[inline(always)]
 fn areas<R: Real>(axis: &ShapeAxis<R>) -> [R; 3] {
     let (sine, cos) = slant(axis);

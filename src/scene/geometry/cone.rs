@@ -13,15 +13,7 @@ use crate::yaml;
 use math::sampling::disk;
 use math::simd::{Real, Vector};
 
-/// The closed surface of a cone between two ends, with a flat disk at each end that has a
-/// radius.
-///
-/// ```
-/// # use scene::geometry::{Located, Cone};
-/// let tip: Located<Cone> = scene::yaml::from_str("
-/// { ends: [[0, 0, 2], [0, 1, 2]], radius: [0.5, 0] }
-/// ").unwrap();
-/// ```
+/// The closed surface of a cone between two ends, each a flat disk with its own radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
     /// The centers of the two ends, which differ.
@@ -50,7 +42,8 @@ impl Described for Cone {
 }
 
 impl Cone {
-    /// The cone between two points, which differ, with these radii, of which one is not 0.
+    /// Creates the cone between two points, which must differ, with these radii, at most one of
+    /// which is 0.
     pub fn new(ends: [Vec3; 2], radii: [f32; 2]) -> Self {
         Self {
             ends: Ends(ends),
@@ -58,14 +51,13 @@ impl Cone {
         }
     }
 
-    /// The centers of the ends.
+    /// Returns the centers of the ends.
     pub fn ends(&self) -> [Vec3; 2] {
         self.ends.0
     }
 }
 
-/// The sine and the cosine of the angle between the normals of the side and those of the
-/// axis.
+/// Returns the sine and the cosine of the angle between the normals of the side and of the axis.
 #[inline(always)]
 fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
     let one = axis.slope.splat(1.0);
@@ -74,22 +66,23 @@ fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
 }
 
 impl Intersectable for Cone {
-    /// The part of the ray in the infinite cone, within the slab between the ends: no ray
-    /// gets in between side and end.
+    /// Clips the ray to the infinite cone and to the slab between the ends, so that no ray gets in
+    /// between side and end.
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        // Clip the ray to the infinite cone.
         let axis = ShapeAxis::of(&self.parameters());
         let (sine, cos) = slant(&axis);
         let ray = AxisRay::new(&axis, ray.origin.into(), ray.direction.into());
         let side = ray.cone(cos * axis.radius, sine, cos);
         let (enter, exit) = if side.a == 0.0 && side.b == 0.0 {
-            // Along the side, inside of it or outside.
+            // Parallel to the side, inside of it or outside.
             if side.c > 0.0 {
                 return None;
             }
             (f32::NEG_INFINITY, f32::INFINITY)
         } else if side.a < 0.0 {
-            // Through both halves of the double cone: the right one is that with a radius.
+            // Through both halves of the double cone: the right half has positive radii.
             if side.growth > 0.0 {
                 (side.enter, f32::INFINITY)
             } else {
@@ -100,6 +93,7 @@ impl Intersectable for Cone {
         } else {
             return None;
         };
+        // Clip it to the slab between the ends.
         let inverse = ray.direction_along.recip();
         let to_first = (-axis.half_length - ray.along) * inverse;
         let to_second = (axis.half_length - ray.along) * inverse;
@@ -140,7 +134,7 @@ impl Project for Cone {
         self.ends.parameters(self.radius)
     }
 
-    /// The side or the end that the point is least far inside of.
+    /// Projects onto the side or the end that the point is least far inside of.
     #[inline(always)]
     fn project_onto<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -168,7 +162,7 @@ impl Sampled for Cone {
         from + side + to
     }
 
-    /// Uniform on the surface: the first number chooses the side or an end.
+    /// Samples the surface uniformly: the first number selects the side or an end.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -211,7 +205,7 @@ impl Sampled for Cone {
     }
 }
 
-/// The areas of the first end, of the side and of the second end.
+/// Returns the areas of the first end, the side and the second end.
 #[inline(always)]
 fn areas<R: Real>(axis: &ShapeAxis<R>) -> [R; 3] {
     let [from, to] = axis.radii;

@@ -11,11 +11,6 @@ use crate::yaml;
 use math::simd::{Real, Vector};
 
 /// The surface of an axis-aligned box. A `transform` makes a rotated one.
-///
-/// ```
-/// # use scene::geometry::{Located, Cuboid};
-/// let cuboid: Located<Cuboid> = scene::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid {
     bounds: Aabb,
@@ -47,7 +42,7 @@ impl Described for Cuboid {
 }
 
 impl Cuboid {
-    /// The surface of `bounds`, which must have a volume.
+    /// Creates the surface of `bounds`, which must have a volume.
     pub fn new(bounds: Aabb) -> Self {
         Self { bounds }
     }
@@ -87,7 +82,7 @@ impl Project for Cuboid {
         parameters_of(&[self.bounds.min, self.bounds.max])
     }
 
-    /// The face on the axis along which the point is farthest from the center, in
+    /// Projects onto the face of the axis along which the point is farthest from the center, in
     /// units of the box.
     #[inline(always)]
     fn project_onto<R: Real>(
@@ -125,7 +120,7 @@ impl Sampled for Cuboid {
         x.splat(2.0) * (x + y + z)
     }
 
-    /// Uniform on the surface: the first number chooses the face.
+    /// Samples the surface uniformly: the first number selects the face.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -141,7 +136,7 @@ impl Sampled for Cuboid {
         let along = (two * u - R::select(is_lower, one, zero)) * half_area;
         let (is_x, is_z) = (along.lt(area_x), (area_x + area_y).le(along));
         let is_y = !is_x & !is_z;
-        // What the choice leaves of the number is the first coordinate on the face.
+        // The remainder of the number, rescaled, is the first coordinate on the face.
         let left = R::select(
             is_x,
             along / area_x,
@@ -174,18 +169,18 @@ impl Sampled for Cuboid {
     }
 }
 
-/// The areas of a box's faces by the axis of their normals.
+/// Returns the areas of a box's faces, by the axis of their normals.
 #[inline(always)]
 fn face_areas<R: Real>(parameters: &[R; N_PARAMETERS]) -> [R; 3] {
     let Vector { x, y, z } = vector(parameters, 3) - vector(parameters, 0);
     [y * z, z * x, x * y]
 }
 
-/// The face of a box on one axis that is nearest to a point.
+/// The face perpendicular to one axis that is nearest to a point.
 struct FaceAxis<R> {
     /// The point's distance from the center, in units of half the box.
     outward: R,
-    /// -1 or 1.
+    /// The sign of the face's normal: -1 or 1.
     sign: R,
     /// The coordinate of the face.
     face: R,
@@ -225,8 +220,8 @@ mod tests {
             let edge = near[(i + 1) % 4] - near[i];
             assert_eq!((edge != Vec3::ZERO, edge.x * edge.y), (true, 0.0));
         }
-        // VTK's hexahedron: the corners of the first face are counter-clockwise
-        // as seen from inside.
+        // VTK's hexahedron: the corners of the first face are counter-clockwise as seen from
+        // inside.
         let [u, v] = [near[1] - near[0], near[2] - near[1]];
         assert!(u.cross(v).dot(far[0] - near[0]) > 0.0);
     }

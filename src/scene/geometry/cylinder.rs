@@ -44,7 +44,7 @@ impl Described for Cylinder {
 }
 
 impl Cylinder {
-    /// The cylinder between two points, which differ.
+    /// Creates the cylinder between two points, which must differ.
     pub fn new(ends: [Vec3; 2], radius: f32) -> Self {
         Self(Cone::new(ends, [radius; 2]))
     }

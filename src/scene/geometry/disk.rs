@@ -14,14 +14,6 @@ use math::sampling::disk;
 use math::simd::{Real, Vector};
 
 /// The points of a plane within a distance of a center.
-///
-/// ```
-/// # use scene::geometry::{Located, Disk};
-/// let disk: Located<Disk> = scene::yaml::from_str("
-/// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
-/// ").unwrap();
-/// # assert_eq!(disk.geometry.radius, 0.5);
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
     /// The center.
@@ -81,8 +73,8 @@ impl Intersectable for Disk {
     }
 
     fn bounds(&self) -> Aabb {
-        // The circle's extent along an axis is r times the sine of the angle
-        // between that axis and the normal.
+        // The circle's extent along an axis is r times the sine of the angle between the axis and
+        // the normal.
         let extent = self.radius
             * (1.0 - self.normal * self.normal)
                 .max(Vec3::ZERO)

@@ -6,17 +6,17 @@ use super::aabb::Aabb;
 use super::ray::Ray;
 use super::surface::N_PARAMETERS;
 
-/// Margin of the box of an instance, relative to its largest coordinate: 84 units in the last
-/// place, as that of the boxes of a hierarchy.
+/// Margin of an instance's box, relative to its largest coordinate: 84 units in the last place, as
+/// for the boxes of a hierarchy.
 const MARGIN: f64 = 5e-6;
-/// Greatest and least factor of a length, and its inverse.
+/// Maximum factor of a length, and the inverse of the minimum one.
 const MAX_SCALE: f64 = 1e9;
 
-/// A map from the space of a mesh, whose origin is the center of the mesh, to world space, with
-/// its inverse: 84 bytes.
+/// A map between the space of a mesh, whose origin is the mesh's center, and world space: 84 bytes.
 ///
-/// Space is translated last, so that a ray is moved by the difference of two points of world
-/// space: what is far from the world's origin loses no more digits than its coordinates have.
+/// The translation comes last, so that a ray is moved by the difference of two points in world
+/// space: far from the world's origin, no more digits are lost than the coordinates themselves
+/// lack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstanceTransform {
     world_from_mesh: Mat3,
@@ -26,7 +26,8 @@ pub struct InstanceTransform {
 }
 
 impl InstanceTransform {
-    /// The transform of a mesh whose center is the origin; `None` if it has no inverse, or if one of its scales is not between 1e-9 and 1e9.
+    /// Creates the transform of a mesh whose center is the origin; `None` if it has no inverse, or
+    /// if one of its scales is not between 1e-9 and 1e9.
     pub fn new(place: &DAffine3) -> Option<Self> {
         let linear = place.matrix3.as_mat3();
         let inverse = linear.as_dmat3().inverse();
@@ -44,7 +45,7 @@ impl InstanceTransform {
         })
     }
 
-    /// The ray in the space of the mesh, with the same parameter `t`.
+    /// Transforms a ray to the space of the mesh, with the same parameter `t`.
     #[inline]
     pub fn mesh_ray(&self, ray: &Ray) -> Ray {
         Ray {
@@ -53,13 +54,13 @@ impl InstanceTransform {
         }
     }
 
-    /// A point of the mesh in world space.
+    /// Transforms a point of the mesh to world space.
     #[inline]
     pub fn world_point(&self, point: Vec3) -> Vec3 {
         self.world_from_mesh * point + self.position
     }
 
-    /// The parameters of a triangle of the mesh in world space.
+    /// Transforms the parameters of a triangle of the mesh to world space.
     #[inline]
     pub fn world_triangle(&self, triangle: &[f32; N_PARAMETERS]) -> [f32; N_PARAMETERS] {
         let mut placed = *triangle;
@@ -69,7 +70,8 @@ impl InstanceTransform {
         placed
     }
 
-    /// The same, with the corners in the order in which they run around the outward normal.
+    /// Transforms a triangle as [`world_triangle`](Self::world_triangle) does, with its corners
+    /// counter-clockwise around the outward normal.
     pub fn outward_triangle(&self, triangle: &[f32; N_PARAMETERS]) -> [f32; N_PARAMETERS] {
         let [a, b, c, d, e, f, g, h, i] = self.world_triangle(triangle);
         if self.is_mirrored() {
@@ -79,21 +81,21 @@ impl InstanceTransform {
         }
     }
 
-    /// A normal of the mesh in world space, of unit length.
+    /// Transforms a normal of the mesh to a unit vector in world space.
     #[inline]
     pub fn world_normal(&self, normal: Vec3) -> Vec3 {
         // Normals transform by the inverse transpose (pbrt, 4th ed., 3.10.3).
         (self.mesh_from_world.transpose() * normal).normalize()
     }
 
-    /// Whether it mirrors: the corners of triangles then run the other way around.
+    /// Returns true if it mirrors, which reverses the orientation of triangles.
     #[inline]
     pub fn is_mirrored(&self) -> bool {
         self.world_from_mesh.determinant() < 0.0
     }
 
-    /// A box in world space around all images of points of a box, with a margin for the
-    /// rounding errors of the tests in the space of the mesh.
+    /// Returns a box in world space around the images of all points of a box, with a margin for the
+    /// rounding errors of tests in the space of the mesh.
     pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
         let linear = self.world_from_mesh.as_dmat3();
         let place = |corner: Vec3| linear * corner.as_dvec3() + self.position.as_dvec3();
@@ -111,8 +113,8 @@ impl InstanceTransform {
         }
     }
 
-    /// Upper bound of the factor by which the way to the mesh's space and back enlarges rounding
-    /// errors: 1 for translations and scales, at most 3 after a rotation.
+    /// Returns an upper bound of the factor by which the transforms to the mesh's space and back
+    /// amplify rounding errors: 1 for translations and scales, at most 3 after a rotation.
     fn error_factor(&self) -> f64 {
         let abs = |matrix: Mat3| {
             let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
@@ -130,7 +132,7 @@ mod tests {
 
     use super::*;
 
-    /// A rotation, a scale that differs by axis and mirrors, and a translation.
+    /// A rotation, a mirroring scale that differs by axis, and a translation.
     fn skewed() -> InstanceTransform {
         let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.7);
         let (scale, to) = (DVec3::new(2.0, -0.5, 1.25), DVec3::new(3.0, -8.0, 5.0));

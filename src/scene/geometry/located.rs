@@ -1,34 +1,35 @@
-//! Geometry near its own origin: coordinates of 32 bits around a point of 64.
+//! Geometry near its own origin: 32-bit coordinates around a 64-bit point.
 
 use glam::{DVec3, Vec3};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
 
-/// The distance from the origin, in sizes, up to which 32 bits have digits enough.
+/// The distance from the origin, in sizes of the geometry, up to which 32 bits are precise enough.
 const NEAR: f64 = 16.0;
 
-/// A geometry whose coordinates are relative to an origin, so that they keep their digits
-/// however far away it is.
+/// A geometry whose coordinates are relative to an origin, so that they keep their digits however
+/// far away it is.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Located<G> {
-    /// The origin of its coordinates; zero where these have digits enough without.
+    /// The origin of the coordinates; zero where 32 bits are precise enough without it.
     pub origin: DVec3,
     /// The geometry.
     pub geometry: G,
 }
 
 impl<G> Located<G> {
-    /// The geometry that has coordinates relative to `origin`.
+    /// Creates a geometry with coordinates relative to `origin`.
     pub fn new(origin: DVec3, geometry: G) -> Self {
         Self { origin, geometry }
     }
 
-    /// Another geometry around the same origin.
+    /// Applies `change` to the geometry, keeping its origin.
     pub fn map<H>(self, change: impl FnOnce(G) -> H) -> Located<H> {
         Located::new(self.origin, change(self.geometry))
     }
 }
 
-/// The points relative to an origin near them: zero if they are not far from it.
+/// Converts the points to coordinates relative to an origin near them: zero if they are not far
+/// from it.
 pub fn located<const N: usize>(points: [DVec3; N]) -> Located<[Vec3; N]> {
     let origin = origin_near(points.iter().copied());
     Located::new(origin, points.map(|point| (point - origin).as_vec3()))
@@ -41,7 +42,7 @@ pub fn located_points(points: &[DVec3]) -> Located<Vec<Vec3>> {
     Located::new(origin, near.collect())
 }
 
-/// The origin of [`located`] for any number of points.
+/// Returns the origin of [`located`] for any number of points.
 pub fn origin_near(points: impl Iterator<Item = DVec3>) -> DVec3 {
     let bounds = points.fold(None, |bounds: Option<[DVec3; 2]>, point| {
         let [min, max] = bounds.unwrap_or([point; 2]);
@@ -60,13 +61,13 @@ pub fn origin_near(points: impl Iterator<Item = DVec3>) -> DVec3 {
 
 /// A shape that scene files describe.
 pub trait Described: Sized {
-    /// Its YAML keys, with points of 64 bits.
+    /// The YAML keys, with 64-bit points.
     type Keys: DeserializeOwned;
 
-    /// The shape with these keys.
+    /// Returns the shape with these keys.
     ///
     /// # Errors
-    /// Keys that contradict each other.
+    /// The keys contradict each other.
     fn described(keys: Self::Keys) -> Result<Located<Self>, &'static str>;
 }
 

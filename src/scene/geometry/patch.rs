@@ -6,15 +6,15 @@ use glam::Vec3;
 
 use super::{InstanceTransform, Transform};
 
-/// Corners of the polygon that replaces a circle.
+/// Number of corners of the polygon that approximates a circle.
 const N_CORNERS: usize = 32;
-/// Bands from pole to pole of the strip that replaces an ellipsoid.
+/// Number of bands, from pole to pole, of the strip that approximates an ellipsoid.
 const N_BANDS: usize = 12;
 
 /// The cell that a viewer draws for a shape, in terms of its corners.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Patch {
-    /// A sphere, as only its center: viewers draw many of them as points.
+    /// A sphere, given only by its center and radius: viewers draw many of them as points.
     Ball {
         /// The center.
         center: Vec3,
@@ -25,15 +25,15 @@ pub enum Patch {
     Triangle([Vec3; 3]),
     /// A flat polygon, its corners in order.
     Polygon(Vec<Vec3>),
-    /// A box: the four corners of one face in order, then the corners of the
-    /// opposite face that they share edges with.
+    /// A box: the four corners of one face in order, then the adjacent corners of the opposite
+    /// face.
     Box([Vec3; 8]),
     /// A triangle strip: one triangle for each three consecutive corners.
     Strip(Vec<Vec3>),
 }
 
 impl Patch {
-    /// The polygon that replaces a disk around `center` with this unit normal.
+    /// Returns the polygon that approximates a disk around `center` with this unit normal.
     pub(super) fn disk(center: Vec3, normal: Vec3, radius: f32) -> Self {
         let (u, v) = normal.any_orthonormal_pair();
         let corner = |i: usize| {
@@ -43,8 +43,8 @@ impl Patch {
         Self::Polygon((0..N_CORNERS).map(corner).collect())
     }
 
-    /// The strip that replaces a surface of revolution: the distances of a circle from the
-    /// center between two ends, along their axis, and its radius.
+    /// Returns the strip that approximates a surface of revolution, given the distances of circles
+    /// from the center along the axis between two ends, and their radii.
     pub(super) fn turned(
         [from, to]: [Vec3; 2],
         circles: impl IntoIterator<Item = [f32; 2]>,
@@ -64,7 +64,7 @@ impl Patch {
         Self::Strip(corners.collect())
     }
 
-    /// The corners.
+    /// Returns the corners.
     pub fn corners(&self) -> &[Vec3] {
         match self {
             Self::Ball { center, .. } => std::slice::from_ref(center),
@@ -74,7 +74,7 @@ impl Patch {
         }
     }
 
-    /// Its image at the place of an instance, if it is a triangle.
+    /// Transforms a triangle to the placement of an instance.
     pub fn of_instance(self, place: &InstanceTransform) -> Self {
         match self {
             Self::Triangle(corners) => {
@@ -84,7 +84,7 @@ impl Patch {
         }
     }
 
-    /// Its image under the transform.
+    /// Returns the image under the transform.
     pub fn transformed(self, transform: &Transform) -> Self {
         let place = |corner| transform.world_point(corner);
         let place_all = |corners: Vec<Vec3>| corners.into_iter().map(place).collect();
@@ -98,10 +98,10 @@ impl Patch {
     }
 }
 
-/// Corners of the polygon that replaces a circle around an axis.
+/// Number of corners of the polygon that approximates a circle around an axis.
 const N_TURNED: usize = 16;
 
-/// One strip around a sphere, from pole to pole, band by band.
+/// Returns one strip around a sphere, from pole to pole, band by band.
 fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {
     let corner = |circle: usize, i: usize| {
         let (sin_polar, cos_polar) = (PI * circle as f32 / N_BANDS as f32).sin_cos();
@@ -119,8 +119,8 @@ mod tests {
     use super::*;
     use crate::geometry::{Aabb, Disk, Intersectable};
 
-    /// Twice the areas of the strip's triangles, as vectors: every second triangle
-    /// has the opposite orientation.
+    /// Twice the areas of the strip's triangles, as vectors: every second triangle has the opposite
+    /// orientation.
     fn double_areas(strip: &[Vec3]) -> impl Iterator<Item = Vec3> + '_ {
         strip.windows(3).enumerate().map(|(i, corners)| {
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

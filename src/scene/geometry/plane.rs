@@ -10,8 +10,7 @@ use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// Least |cos| of the angle between a ray and the normal: other rays miss the
-/// plane.
+/// Minimum |cos| of the angle between a ray and the normal: other rays miss the plane.
 pub(super) const MIN_COS: f32 = 1e-6;
 
 /// The points of an infinite plane.
@@ -49,8 +48,7 @@ impl Described for Plane {
 }
 
 impl Plane {
-    /// The parameter at which a ray, or the ray of each lane, hits the plane; 0 if it
-    /// misses it.
+    /// Returns the parameter at which one ray, or one per lane, hits the plane; 0 for a miss.
     #[inline(always)]
     pub fn hits<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> R {
         let [point, normal] = [self.point, self.normal];
@@ -110,7 +108,7 @@ impl Project for Plane {
     }
 }
 
-/// Its area is infinite, so that its surface is never sampled.
+/// The area is infinite, so the surface is never sampled.
 impl Sampled for Plane {
     #[inline(always)]
     fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {

@@ -7,23 +7,23 @@ use math::simd::{Real, Vector};
 /// A half-line: the points `origin + t * direction` with `t > 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Its start point.
+    /// The start point.
     pub origin: Vec3,
-    /// Its direction: of unit length in world space, so that `t` is a distance
-    /// there; of any length in object space, so that `t` is the same there.
+    /// The direction: of unit length in world space, so that `t` is a distance there; of any length
+    /// in object space, so that `t` stays the same.
     pub direction: Vec3,
 }
 
 impl Ray {
-    /// The point at parameter `t`.
+    /// Returns the point at parameter `t`.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
     }
 
-    /// The ray in `direction` from a surface point with a unit normal. `error` bounds the
-    /// distance of the computed point from the surface: the ray starts as far off the surface,
-    /// on the side of its direction, so that it does not hit it again.
+    /// Returns the ray in `direction` from a surface point with a unit normal. `error` bounds the
+    /// distance of the computed point from the surface: the ray starts this far off the surface, on
+    /// the side of its direction, so that it does not hit the surface again.
     ///
     /// Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, section 6.8.6.
     #[inline]
@@ -36,7 +36,7 @@ impl Ray {
     }
 }
 
-/// The origin of [`Ray::leaving`], for one ray or for lanes of rays.
+/// Returns the origin of [`Ray::leaving`], for one ray or for lanes of rays.
 #[inline(always)]
 pub fn leaving<R: Real>(
     [position, normal]: [Vector<R>; 2],

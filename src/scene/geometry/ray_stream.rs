@@ -3,8 +3,7 @@
 use super::ray::Ray;
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Vector, VectorColumn};
 
-/// Rays whose coordinates are one array each, so that lanes of rays are loaded and
-/// stored as they are.
+/// Rays with one array per coordinate, so that lanes of rays are loaded and stored directly.
 #[derive(Debug, Clone, Default)]
 pub struct RayStream {
     origins: VectorColumn,
@@ -13,13 +12,13 @@ pub struct RayStream {
 }
 
 impl RayStream {
-    /// Number of rays.
+    /// Returns the number of rays.
     #[inline]
     pub fn len(&self) -> usize {
         self.n
     }
 
-    /// Whether there are no rays.
+    /// Returns true if there are no rays.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.n == 0
@@ -40,7 +39,7 @@ impl RayStream {
         self.n += 1;
     }
 
-    /// Ray `i`.
+    /// Returns ray `i`.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Ray {
         Ray {
@@ -49,7 +48,7 @@ impl RayStream {
         }
     }
 
-    /// The origins and the directions of the rays with these indices, one per lane.
+    /// Returns the origins and the directions of the rays with these indices, one per lane.
     #[inline(always)]
     pub fn gather<I: InstructionSet>(
         &self,
@@ -62,7 +61,7 @@ impl RayStream {
         ]
     }
 
-    /// All rays.
+    /// Returns all rays.
     #[inline]
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Ray> {
         (0..self.n).map(|i| self.get(i))
@@ -75,7 +74,7 @@ impl RayStream {
         self.directions.grow(self.n + n);
     }
 
-    /// Adds the rays of the lanes of `mask`. There is room for eight.
+    /// Appends the rays in the lanes of `mask`; there must be room for eight.
     #[inline(always)]
     pub fn push_lanes<L: Lanes>(&mut self, origin: Vector<L>, direction: Vector<L>, mask: L::Mask) {
         self.origins.store_lanes(self.n, origin, mask);
@@ -83,7 +82,7 @@ impl RayStream {
         self.n += mask.bits().count_ones() as usize;
     }
 
-    /// The coordinates of the origins and of the directions of eight rays.
+    /// Returns the coordinates of the origins and of the directions of eight rays.
     #[inline(always)]
     pub fn lanes(&self, first: usize) -> [[&[f32; N_LANES]; 3]; 2] {
         [self.origins.lanes(first), self.directions.lanes(first)]

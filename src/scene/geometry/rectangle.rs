@@ -24,7 +24,7 @@ use math::simd::{Mask, Real, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     corner: Vec3,
-    /// Not parallel. The outward normal is along their cross product.
+    /// The edges, not parallel. The outward normal is along their cross product.
     edges: [Vec3; 2],
 }
 
@@ -61,7 +61,7 @@ impl Described for Rectangle {
 }
 
 impl Rectangle {
-    /// The rectangle with these edges at a corner, which must not be parallel.
+    /// Creates the rectangle with these edges, which must not be parallel, at a corner.
     pub fn new(corner: Vec3, u: Vec3, v: Vec3) -> Self {
         Self {
             corner,
@@ -69,7 +69,7 @@ impl Rectangle {
         }
     }
 
-    /// The corners in order.
+    /// Returns the corners in order.
     fn corners(&self) -> [Vec3; 4] {
         let [u, v] = self.edges;
         let corner = self.corner;
@@ -83,14 +83,15 @@ impl Intersectable for Rectangle {
         let (u, v) = (self.edges[0].as_dvec3(), self.edges[1].as_dvec3());
         let direction = ray.direction.as_dvec3();
         let from_corner = ray.origin.as_dvec3() - self.corner.as_dvec3();
-        // Cramer's rule for `from_corner + t * direction = a * u + b * v`, where all
-        // unknowns are times `volume`.
+        // Cramer's rule for `from_corner + t * direction = a * u + b * v`, with all unknowns times
+        // `volume`.
         let normal = u.cross(v);
         let volume = direction.dot(normal);
         let min_cos = f64::from(MIN_COS);
         if volume * volume < min_cos * min_cos * normal.length_squared() {
             return None;
         }
+        // Compare the coordinates on the edges with 0 and `volume`, without a division.
         let moment = from_corner.cross(direction);
         let (a, b) = (-moment.dot(v), moment.dot(u));
         let range = volume.min(0.0)..=volume.max(0.0);
@@ -139,8 +140,8 @@ impl Sampled for Rectangle {
         normal_and_area(vector(parameters, 3), vector(parameters, 6)).1
     }
 
-    /// Uniform in the directions to a rectangle that is near; points of a parallelogram, or
-    /// of a rectangle farther away, have the same density on its surface.
+    /// Samples directions uniformly for a near rectangle; for a parallelogram, or a rectangle
+    /// farther away, samples points uniformly on its surface.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -152,6 +153,7 @@ impl Sampled for Rectangle {
             vector(parameters, 3),
             vector(parameters, 6),
         );
+        // A uniform point on the surface.
         let (normal, area) = normal_and_area(u, v);
         let [a, b] = numbers;
         let by_area = Seen::new(corner + u * a + v * b, normal, from).by_area(area);
@@ -159,6 +161,7 @@ impl Sampled for Rectangle {
         if is_near.bits() == 0 {
             return by_area;
         }
+        // A uniform direction, where that is accurate.
         let directions = SphericalRectangle::new(corner - from, [u, v]);
         let is_wide = directions.is_wide() & is_near;
         let seen = Seen::along(directions.way(numbers), normal);
@@ -187,9 +190,9 @@ impl Sampled for Rectangle {
     }
 }
 
-/// Whether a point is nearer to the center of a rectangle than two of its diagonals: from
-/// farther away, uniform points of its surface do as well, and take less time. Never near to
-/// a parallelogram without right angles, up to rounding errors.
+/// Returns true if a point is nearer to the center of a rectangle than two of its diagonals: from
+/// farther away, uniform points on the surface are as good, and faster. Always false for a
+/// parallelogram without right angles, up to rounding errors.
 #[inline(always)]
 fn is_near<R: Real>(to_corner: Vector<R>, u: Vector<R>, v: Vector<R>) -> R::Mask {
     let half = to_corner.x.splat(0.5);
@@ -203,7 +206,7 @@ fn is_near<R: Real>(to_corner: Vector<R>, u: Vector<R>, v: Vector<R>) -> R::Mask
     to_center.dot(to_center).lt(reach) & is_rectangle
 }
 
-/// The unit normal and the area of a parallelogram with these edges.
+/// Returns the unit normal and the area of a parallelogram with these edges.
 #[inline(always)]
 fn normal_and_area<R: Real>(u: Vector<R>, v: Vector<R>) -> (Vector<R>, R) {
     let (length_u, length_v) = (u.length(), v.length());

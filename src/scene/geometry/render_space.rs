@@ -2,17 +2,17 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 
-/// The map between world space and render space, in which a scene is of size one and near the
-/// origin, so that the 24 digits of its coordinates go as far as they can: a translation and
-/// a power of two. All arithmetic of 32 bits happens there.
+/// The map between world space and render space, in which the scene has about unit size and is near
+/// the origin, so that its 24-bit coordinates are as precise as possible: a translation and a power
+/// of two. All 32-bit arithmetic happens there.
 ///
-/// The `renderFromWorld` of Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
-/// edition, section 5.1, which scales nothing.
+/// The `renderFromWorld` of Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition,
+/// section 5.1, which does not scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSpace {
-    /// The point of world space that is its origin.
+    /// The origin of render space, in world space.
     origin: DVec3,
-    /// World units in its unit: a power of two.
+    /// World units per unit of render space: a power of two.
     unit: f64,
 }
 
@@ -26,16 +26,16 @@ impl Default for RenderSpace {
     }
 }
 
-/// The distance of the world's origin, in sizes of what is seen, up to which it stays the
-/// origin, so that coordinates that are short in decimals stay exact.
+/// The distance of the world's origin, in sizes of the view, up to which it stays the origin, so
+/// that short decimal coordinates stay exact.
 const NEAR: f64 = 16.0;
 
 impl RenderSpace {
-    /// The space of a scene of a size whose digits matter most at the point `focus`, within a
-    /// length `detail` around it. Lengths that are not positive numbers count as 1.
+    /// Creates the space of a scene of a size whose digits matter most at the point `focus`, within
+    /// a length `detail` around it. Lengths that are not positive numbers count as 1.
     ///
-    /// A scene that is scaled by a power of two, with all else that has a length, has the same
-    /// coordinates there, bit for bit.
+    /// If a scene and all of its lengths are scaled by a power of two, its coordinates in render
+    /// space are the same, bit for bit.
     pub fn new(size: f64, focus: DVec3, detail: f64) -> Self {
         let grid = power_of_two(detail);
         let is_near = focus.abs().max_element() <= NEAR * grid;
@@ -49,40 +49,41 @@ impl RenderSpace {
         }
     }
 
-    /// Whether its origin is that of world space: 32 bits then have digits enough there, too.
+    /// Returns true if the origin is that of world space, where 32 bits are then precise enough
+    /// too.
     pub fn is_centered(&self) -> bool {
         self.origin == DVec3::ZERO
     }
 
-    /// World units in its unit: a power of two.
+    /// Returns the number of world units per unit: a power of two.
     pub fn unit(&self) -> f64 {
         self.unit
     }
 
-    /// The map from world space.
+    /// Returns the map from world space.
     pub fn render_from_world(&self) -> DAffine3 {
         DAffine3::from_scale(DVec3::splat(1.0 / self.unit))
             * DAffine3::from_translation(-self.origin)
     }
 
-    /// A point of world space.
+    /// Converts a point from world space.
     pub fn point(&self, in_world: DVec3) -> Vec3 {
         ((in_world - self.origin) / self.unit).as_vec3()
     }
 
-    /// A length of world space.
+    /// Converts a length from world space.
     pub fn length(&self, in_world: f32) -> f32 {
         self.times_length(1, in_world)
     }
 
-    /// A number of world space that is multiplied by a power of a length: -1 for an absorption,
-    /// 2 for the intensity of a light that falls off with the square of the distance.
+    /// Converts a number proportional to a power of a length from world space: -1 for an
+    /// absorption, 2 for the intensity of a light that falls off with the square of the distance.
     pub fn times_length(&self, power: i32, in_world: f32) -> f32 {
         (f64::from(in_world) / self.unit.powi(power)) as f32
     }
 
-    /// The origin of world space, which patterns repeat from: where one has a period in world
-    /// space, the nearest point that a number of whole periods separates from it.
+    /// Returns the origin of world space, from which patterns repeat; for patterns with a period in
+    /// world space, the nearest point that is a whole number of periods away from it.
     pub fn world_origin(&self, period: Option<f64>) -> Vec3 {
         let from_here = -self.origin;
         let nearest = match period {
@@ -92,13 +93,13 @@ impl RenderSpace {
         (nearest / self.unit).as_vec3()
     }
 
-    /// The point of world space that is a point of this one.
+    /// Converts a point to world space.
     pub fn world_point(&self, point: Vec3) -> DVec3 {
         self.origin + self.unit * point.as_dvec3()
     }
 
-    /// The coordinates of a point of world space for people: with the digits that 32 bits have
-    /// where these have enough.
+    /// Rounds the coordinates of a point in world space for people: to the digits of 32 bits, where
+    /// these are precise enough.
     pub fn legible(&self, in_world: DVec3) -> [f64; 3] {
         let short = |x: f64| (x as f32).to_string().parse().unwrap_or(x);
         let numbers = in_world.to_array();
@@ -109,14 +110,14 @@ impl RenderSpace {
         }
     }
 
-    /// The length in world space of a length in this one.
+    /// Converts a length to world space.
     pub fn world_length(&self, length: f32) -> f32 {
         (f64::from(length) * self.unit) as f32
     }
 }
 
-/// The power of two next below a length, within the range of numbers of 32 bits; 1 for what
-/// is not a positive number.
+/// Returns the power of two next below a length, within the range of 32-bit numbers; 1 if the
+/// length is not a positive number.
 fn power_of_two(length: f64) -> f64 {
     if length > 0.0 && length.is_finite() {
         length.log2().floor().clamp(-100.0, 100.0).exp2()

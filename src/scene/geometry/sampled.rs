@@ -1,5 +1,5 @@
-//! Points of surfaces, chosen at random as seen from other points: how light reaches a
-//! point from a shape.
+//! Points of surfaces, sampled as seen from other points: the light that reaches a point from a
+//! shape.
 
 use super::N_PARAMETERS;
 use math::simd::{Real, Vector, cos_sin};
@@ -7,27 +7,27 @@ use math::simd::{Real, Vector, cos_sin};
 /// A shape whose surface can be sampled, with a formula for one shape and point or for
 /// lanes of them.
 pub trait Sampled {
-    /// The area of the surface; infinite if it cannot be sampled.
+    /// Returns the area of the surface; infinite if it cannot be sampled.
     fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R;
 
-    /// A direction to the surface from a point; two numbers in [0, 1) choose it.
+    /// Samples a direction from a point to the surface with two numbers in [0, 1).
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
         from: Vector<R>,
         numbers: [R; 2],
     ) -> SurfaceSample<R>;
 
-    /// The density with which [`sample`](Self::sample) chooses the direction to this
-    /// point of the surface.
+    /// Returns the probability density with which [`sample`](Self::sample) chooses the direction to
+    /// this point of the surface.
     fn density<R: Real>(parameters: &[R; N_PARAMETERS], from: Vector<R>, seen: &Seen<R>) -> R;
 }
 
-/// A direction to a surface, chosen at random.
+/// A sampled direction to a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceSample<R> {
-    /// What is seen there.
+    /// The surface point that is seen.
     pub seen: Seen<R>,
-    /// The density of the choice of the direction, per steradian.
+    /// The probability density of the direction, per steradian.
     pub density: R,
 }
 
@@ -36,15 +36,15 @@ pub struct SurfaceSample<R> {
 pub struct Seen<R> {
     /// The direction to the point, a unit vector.
     pub direction: Vector<R>,
-    /// The distance of the point.
+    /// The distance to the point.
     pub distance: R,
-    /// The cosine of the angle between the surface's own normal and the way back:
-    /// negative if the surface is seen from behind.
+    /// The cosine of the angle between the surface's own normal and the direction back: negative if
+    /// the surface is seen from behind.
     pub cos: R,
 }
 
 impl<R: Real> Seen<R> {
-    /// `this` where `mask` is true, else `other`.
+    /// Returns `this` where `mask` is true, else `other`.
     #[inline(always)]
     pub(super) fn select(mask: R::Mask, this: Self, other: Self) -> Self {
         Self {
@@ -54,14 +54,13 @@ impl<R: Real> Seen<R> {
         }
     }
 
-    /// A point of a surface with this normal, seen from another point.
+    /// Creates a point of a surface with this normal, seen from another point.
     #[inline(always)]
     pub(super) fn new(point: Vector<R>, normal: Vector<R>, from: Vector<R>) -> Self {
         Self::along(point - from, normal)
     }
 
-    /// A point of a surface with this normal, seen from another point, from which it is
-    /// this way.
+    /// Creates a point of a surface with this normal, seen along `way`, the vector to it.
     #[inline(always)]
     pub(super) fn along(way: Vector<R>, normal: Vector<R>) -> Self {
         let distance = way.length();
@@ -73,14 +72,14 @@ impl<R: Real> Seen<R> {
         }
     }
 
-    /// The density of directions to points that are uniform on a surface of this area.
+    /// Returns the density of directions to uniform points on a surface of this area.
     #[inline(always)]
     pub(super) fn density_by_area(&self, area: R) -> R {
         let least = area.splat(f32::MIN_POSITIVE);
         self.distance * self.distance / (area * self.cos.abs()).max(least)
     }
 
-    /// The sample of a surface of this area, whose points are chosen uniformly.
+    /// Returns the sample for a uniform point on a surface of this area.
     #[inline(always)]
     pub(super) fn by_area(self, area: R) -> SurfaceSample<R> {
         SurfaceSample {
@@ -90,14 +89,14 @@ impl<R: Real> Seen<R> {
     }
 }
 
-/// A point of the circle of this radius at a height.
+/// Returns a point on the circle of this radius at a height.
 #[inline(always)]
 pub(super) fn on_circle<R: Real>(number: R, radius: R, height: R) -> [R; 3] {
     let [cos, sin] = cos_sin(number);
     [radius * cos, radius * sin, height]
 }
 
-/// A point of the unit sphere, uniformly distributed.
+/// Samples a point on the unit sphere uniformly.
 #[inline(always)]
 pub(super) fn on_unit_sphere<R: Real>([u, v]: [R; 2]) -> Vector<R> {
     let one = u.splat(1.0);
@@ -249,7 +248,7 @@ mod tests {
         }
     }
 
-    /// The density of any direction to a shape.
+    /// Returns the density of a sampled direction to a shape.
     fn kind_density(shape: &Shape, from: Vec3) -> f32 {
         let nowhere = Seen::new(Vec3::ZERO.into(), Vec3::Y.into(), from.into());
         let parameters = shape.parameters();

@@ -103,20 +103,20 @@ macro_rules! shapes {
         }
 
         impl Shape {
-            /// Its kind.
+            /// Returns the kind.
             #[inline(always)]
             pub fn kind(&self) -> ShapeKind {
                 match self { $(Self::$shape(_) => ShapeKind::$shape,)* }
             }
 
-            /// The numbers that define it, followed by zeros.
+            /// Returns the parameters that define the shape, padded with zeros.
             #[inline(always)]
             pub fn parameters(&self) -> [f32; N_PARAMETERS] {
                 match self { $(Self::$shape(shape) => shape.parameters(),)* }
             }
 
-            /// The point of the surface nearest to `near`, which lies on it up to
-            /// rounding errors, and the outward unit normal there.
+            /// Returns the point of the surface nearest to `near`, which lies on it up to rounding
+            /// errors, and the outward unit normal there.
             pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
                 match self { $(Self::$shape(shape) => shape.project(near),)* }
             }
@@ -143,7 +143,7 @@ macro_rules! shapes {
             }
         }
 
-        /// The YAML key.
+        /// Formats the YAML key.
         impl fmt::Display for Shape {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(match self { $(Self::$shape(_) => $key,)* })
@@ -167,7 +167,7 @@ shapes! {
     "rectangle" => rectangle::Rectangle,
     /// A cylinder.
     "cylinder" => cylinder::Cylinder,
-    /// A cone, perhaps truncated.
+    /// A cone, possibly truncated.
     "cone" => cone::Cone,
     /// A capsule.
     "capsule" => capsule::Capsule,

@@ -7,28 +7,27 @@ use super::areas::{AreaTest, Areas};
 
 /// A space in which a ray starts at the origin and points along the last axis.
 ///
-/// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of
-/// Computer Graphics Techniques 2(1), 2013. The coordinates of a vertex are the
-/// same for all triangles that share it, and the side of an edge on which the
-/// ray passes is decided as if without rounding. So no ray passes between triangles
-/// that share vertices, and no ray hits a triangle that it misses.
+/// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer Graphics
+/// Techniques 2(1), 2013. The coordinates of a vertex are the same for all triangles that share it,
+/// and the side of an edge on which the ray passes is decided as if there were no rounding. So no
+/// ray passes between triangles that share vertices, and no ray hits a triangle that it misses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shear {
-    /// The axes that become the first, the second and the last one. The last is the
-    /// dominant axis of the ray's direction.
+    /// The axes that become the first, the second and the last one. The last is the dominant axis
+    /// of the ray's direction.
     pub axes: [usize; 3],
-    /// The shear of the first and the second coordinate per unit of the last one;
-    /// at most 1 in magnitude.
+    /// The shear of the first and the second coordinate per unit of the last one; at most 1 in
+    /// magnitude.
     pub slopes: [f32; 2],
     /// The ray's parameter per unit of the last coordinate.
     pub scale: f32,
 }
 
 impl Shear {
-    /// The axes of a shear by its last one.
+    /// The axes of a shear, by its last axis.
     pub const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
-    /// The shear for a ray in this direction, which is not zero.
+    /// Returns the shear for a ray in this direction, which must not be zero.
     #[inline(always)]
     pub fn along(direction: Vec3) -> Self {
         // No branch on the direction: it is unpredictable.
@@ -46,7 +45,7 @@ impl Shear {
         }
     }
 
-    /// The coordinates of the point in this space.
+    /// Transforms a point to this space.
     #[inline(always)]
     pub fn point(&self, ray: &Ray, point: Vec3) -> Vec3 {
         let [x, y, z] = self.permute(point - ray.origin);
@@ -54,17 +53,15 @@ impl Shear {
         Vec3::new(x - slope_x * z, y - slope_y * z, z)
     }
 
-    /// The coordinates of three points in this space.
+    /// Transforms three points to this space.
     #[inline(always)]
     pub fn points(&self, ray: &Ray, [a, b, c]: [Vec3; 3]) -> [Vec3; 3] {
         // No `map`: it is not always inlined.
         [self.point(ray, a), self.point(ray, b), self.point(ray, c)]
     }
 
-    /// The ray's parameter at its hit on the triangle with these vertices in this
-    /// space; `None` if the ray misses it or lies in its plane.
-    /// Decides with 32 bits where that is
-    /// certain.
+    /// Returns the ray's parameter at its hit on the triangle with these vertices in this space;
+    /// `None` if the ray misses it or lies in its plane. Decides with 32 bits where these suffice.
     #[inline]
     pub fn intersect(&self, vertices: [Vec3; 3]) -> Option<f32> {
         let [a, b, c] = vertices;
@@ -78,14 +75,15 @@ impl Shear {
 
     /// [`intersect`](Self::intersect) where rounding may decide.
     ///
-    /// Products of two `f32` are exact in `f64`. So the signs of the areas are
-    /// exact for these vertices, and the relative error of the result is about
-    /// 2^-50, however thin the triangle is or however flat the ray hits it.
+    /// Products of two `f32` are exact in `f64`. So the signs of the areas are exact for these
+    /// vertices, and the relative error of the result is about 2^-50, however thin the triangle or
+    /// grazing the ray.
     #[cold]
     #[inline(never)]
     pub fn intersect_exactly(&self, vertices: [Vec3; 3]) -> Option<f32> {
         let [a, b, c] = vertices;
         let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+        // The areas of the triangles of each edge and the ray.
         let u = b.x * c.y - b.y * c.x;
         let v = c.x * a.y - c.y * a.x;
         let w = a.x * b.y - a.y * b.x;
@@ -94,11 +92,12 @@ impl Shear {
         if least < 0.0 && greatest > 0.0 || area == 0.0 {
             return None;
         }
+        // The depth is the mean of the vertices' depths, weighted by the areas.
         let z = (u * a.z + v * b.z + w * c.z) / area;
         Some((z * f64::from(self.scale)) as f32)
     }
 
-    /// The vector's coordinates in the order of this space's axes.
+    /// Returns the vector's coordinates in the order of this space's axes.
     #[inline(always)]
     pub fn permute(&self, v: Vec3) -> [f32; 3] {
         permuted(v, self.axes)
@@ -107,7 +106,7 @@ impl Shear {
 
 #[inline(always)]
 fn permuted(v: Vec3, [x, y, z]: [usize; 3]) -> [f32; 3] {
-    // An array: indexing a `Vec3` branches. Of four: a remainder by 3 is slow.
+    // An array, since indexing a `Vec3` branches; of length four, since a remainder by 3 is slow.
     let v = v.extend(0.0).to_array();
     [v[x % 4], v[y % 4], v[z % 4]]
 }

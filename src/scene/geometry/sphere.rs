@@ -58,11 +58,13 @@ impl Intersectable for Sphere {
         let inverse_a = a.recip();
         let b = c.dot(d);
         let r2 = self.radius * self.radius;
+        // The vector from the ray's nearest point to the center decides if it hits.
         let nearest = c - d * (b * inverse_a);
         let discriminant = r2 - nearest.dot(nearest);
         if discriminant < 0.0 {
             return None;
         }
+        // Solve the quadratic without cancellation.
         let q = b + (a * discriminant).sqrt().copysign(b);
         let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
@@ -118,9 +120,9 @@ impl Sampled for Sphere {
         area(parameters[3])
     }
 
-    /// Uniform in the cone of directions that hit the sphere: Pharr, Jakob and Humphreys,
-    /// "Physically Based Rendering", 4th edition, section 6.2.4. Seen from inside, all
-    /// points of the surface have the same density.
+    /// Samples the cone of directions that hit the sphere uniformly: Pharr, Jakob and Humphreys,
+    /// "Physically Based Rendering", 4th edition, section 6.2.4. From inside, samples the surface
+    /// uniformly.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -150,7 +152,7 @@ impl Sampled for Sphere {
     }
 }
 
-/// The area of a sphere.
+/// Returns the area of a sphere.
 #[inline(always)]
 fn area<R: Real>(radius: R) -> R {
     radius.splat(4.0 * PI) * radius * radius
@@ -164,7 +166,7 @@ struct DirectionCone<R: Real> {
     distance: R,
     /// 1 minus the cosine of the cone's half angle.
     height: R,
-    /// Whether the point is outside of the sphere.
+    /// True if the point is outside of the sphere.
     is_outside: R::Mask,
 }
 
@@ -180,7 +182,7 @@ impl<R: Real> DirectionCone<R> {
         Self {
             axis: to_center.normalize_or(up),
             distance,
-            // Without cancellation for small spheres.
+            // Avoids cancellation for small spheres.
             height: sine * sine / (one + cos),
             is_outside: sine.lt(radius.splat(0.999_999)),
         }
@@ -200,7 +202,7 @@ impl<R: Real> DirectionCone<R> {
         let (cos, sin) = (one - depth, sin2.sqrt());
         let [x, y] = cos_sin(v);
         let direction = self.axis.around([sin * x, sin * y, cos]).normalize();
-        // The cosine at the sphere, of the triangle with its center.
+        // The sine and cosine at the surface, in the triangle with the center.
         let sine_there = self.distance * sin / radius;
         let cos_there = (one - sine_there * sine_there).max(zero).sqrt();
         SurfaceSample {

@@ -4,30 +4,30 @@ use glam::Vec3;
 
 use math::simd::{Real, Vector};
 
-/// Number of numbers that define a shape.
+/// Number of parameters that define a shape.
 pub const N_PARAMETERS: usize = 9;
 
 /// The projection onto a shape, for one point or for lanes of shapes and points.
 pub trait Project {
-    /// The numbers that define the shape, followed by zeros.
+    /// Returns the parameters that define the shape, padded with zeros.
     fn parameters(&self) -> [f32; N_PARAMETERS];
 
-    /// The point of the surface nearest to `near`, which lies on it up to rounding
-    /// errors, and the outward unit normal there.
+    /// Returns the point of the surface nearest to `near`, which lies on it up to rounding errors,
+    /// and the outward unit normal there.
     fn project_onto<R: Real>(
         parameters: &[R; N_PARAMETERS],
         near: Vector<R>,
     ) -> (Vector<R>, Vector<R>);
 
-    /// A bound of the distance between the surface and a point that
-    /// [`project_onto`](Self::project_onto) found: in proportion to the greatest coordinate or
+    /// Returns a bound of the distance between the surface and a point that
+    /// [`project_onto`](Self::project_onto) found: proportional to the greatest coordinate or
     /// length that defines the shape.
     #[inline(always)]
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], _point: Vector<R>) -> R {
         rounding_of(parameters)
     }
 
-    /// [`project_onto`](Self::project_onto) of one shape.
+    /// [`project_onto`](Self::project_onto) for one shape.
     #[inline]
     fn project(&self, near: Vec3) -> (Vec3, Vec3) {
         let (point, normal) = Self::project_onto(&self.parameters(), near.into());
@@ -35,11 +35,11 @@ pub trait Project {
     }
 }
 
-/// Units in the last place, 2^-24 of a number, that the formulas of surfaces may be off: a
-/// generous multiple of what is found in sums of as many products.
+/// Error bound of the surface formulas in units in the last place, 2^-24 of a number: a generous
+/// multiple of the errors of sums with as many products.
 const ROUNDING: f32 = 32.0 / 16_777_216.0;
 
-/// The bound of the rounding errors of sums of products of these numbers with fractions.
+/// Returns the rounding error bound of sums of products of these numbers with fractions.
 #[inline(always)]
 pub(crate) fn rounding_of<R: Real>(numbers: &[R]) -> R {
     let mut greatest = numbers[0].abs();
@@ -49,7 +49,7 @@ pub(crate) fn rounding_of<R: Real>(numbers: &[R]) -> R {
     greatest * greatest.splat(ROUNDING)
 }
 
-/// The vector of three parameters from index `first` on.
+/// Returns the vector of three parameters, starting at index `first`.
 #[inline(always)]
 pub(super) fn vector<R: Real>(parameters: &[R; N_PARAMETERS], first: usize) -> Vector<R> {
     Vector {
@@ -59,7 +59,7 @@ pub(super) fn vector<R: Real>(parameters: &[R; N_PARAMETERS], first: usize) -> V
     }
 }
 
-/// The parameters of up to three vectors.
+/// Returns the parameters of up to three vectors.
 #[inline(always)]
 pub(super) fn parameters_of(vectors: &[Vec3]) -> [f32; N_PARAMETERS] {
     let mut parameters = [0.0; N_PARAMETERS];

@@ -52,7 +52,7 @@ pub struct Transform {
     object_from_world: Affine3A,
 }
 
-/// The map from object space to world space that these steps make in their order.
+/// Returns the map from object space to world space that applies these steps in order.
 pub fn world_from_object(steps: &[TransformStep]) -> DAffine3 {
     steps.iter().fold(DAffine3::IDENTITY, |before, step| {
         let this = match *step {
@@ -71,8 +71,8 @@ pub fn world_from_object(steps: &[TransformStep]) -> DAffine3 {
 }
 
 impl Transform {
-    /// A map from object space to the space in which rays are traced; `None` if it has no
-    /// finite inverse in 32 bits, or no volume.
+    /// Creates a map from object space to the space in which rays are traced; `None` if it has no
+    /// finite 32-bit inverse, or flattens volumes.
     pub fn new(map: &DAffine3) -> Option<Self> {
         let [world_from_object, object_from_world] = [*map, map.inverse()].map(rounded);
         let usable = map.matrix3.determinant().is_normal()
@@ -84,29 +84,29 @@ impl Transform {
         })
     }
 
-    /// A vector of object space in world space.
+    /// Transforms a vector from object space to world space.
     pub fn world_vector(&self, vector: Vec3) -> Vec3 {
         self.world_from_object.transform_vector3(vector)
     }
 
-    /// A point of object space in world space.
+    /// Transforms a point from object space to world space.
     pub fn world_point(&self, point: Vec3) -> Vec3 {
         self.world_from_object.transform_point3(point)
     }
 
-    /// A point of world space in object space.
+    /// Transforms a point from world space to object space.
     pub fn object_point(&self, point: Vec3) -> Vec3 {
         self.object_from_world.transform_point3(point)
     }
 
-    /// A surface normal of object space in world space, of unit length.
+    /// Transforms a surface normal from object space to a unit vector in world space.
     pub fn world_normal(&self, normal: Vec3) -> Vec3 {
         // Normals transform by the inverse transpose (pbrt, 4th ed., 3.10.3).
         let inverse_transpose: Mat3A = self.object_from_world.matrix3.transpose();
         (inverse_transpose * normal).normalize()
     }
 
-    /// A ray of world space in object space, with the same parameter `t`.
+    /// Transforms a ray from world space to object space, with the same parameter `t`.
     pub fn object_ray(&self, ray: &Ray) -> Ray {
         Ray {
             origin: self.object_point(ray.origin),
@@ -114,14 +114,13 @@ impl Transform {
         }
     }
 
-    /// The smallest box in world space around a box of object space.
+    /// Returns the smallest box in world space around a box of object space.
     pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
         Aabb::of_points(bounds.corners().map(|corner| self.world_point(corner)))
     }
 
-    /// The factor by which it scales all lengths; `None` if it is not the same for
-    /// all. With one, the transform is a similarity, which maps spheres to
-    /// spheres.
+    /// Returns the factor by which it scales all lengths; `None` if the factor varies. With one,
+    /// the transform is a similarity, which maps spheres to spheres.
     pub fn uniform_scale(&self) -> Option<f32> {
         let [x, y, z] = self.axes();
         let (a, b, c) = (x.length(), y.length(), z.length());
@@ -130,7 +129,7 @@ impl Transform {
         round.then_some(a)
     }
 
-    /// Whether it maps each axis to itself, and so axis-aligned boxes to
+    /// Returns true if it maps each axis to itself, and therefore axis-aligned boxes to
     /// axis-aligned boxes.
     pub fn keeps_axes(&self) -> bool {
         let [x, y, z] = self.axes();
@@ -138,13 +137,13 @@ impl Transform {
         off_diagonal.iter().all(|&entry| entry == 0.0)
     }
 
-    /// The images of the unit vectors.
+    /// Returns the images of the unit vectors.
     fn axes(&self) -> [Vec3; 3] {
         Vec3::AXES.map(|axis| self.world_vector(axis))
     }
 }
 
-/// A map in 32 bits.
+/// Rounds a map to 32 bits.
 fn rounded(map: DAffine3) -> Affine3A {
     let [x, y, z] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
     let [x, y, z, to] = [x, y, z, map.translation].map(|column| column.as_vec3());

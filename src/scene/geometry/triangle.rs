@@ -43,16 +43,15 @@ impl Described for Triangle {
 }
 
 impl Triangle {
-    /// The unit normal; `None` if the vertices lie on one line.
+    /// Returns the unit normal; `None` if the vertices lie on one line.
     pub fn normal(&self) -> Option<Vec3> {
         let [a, b, c] = self.vertices;
         (b - a).cross(c - a).try_normalize()
     }
 }
 
-/// The barycentric coordinates of a point in the plane of a triangle with these
-/// parameters: at least 0, with a sum of 1; or of one per lane. For a point outside they
-/// are those of a point on an edge.
+/// Returns the barycentric coordinates of a point in the plane of a triangle with these parameters,
+/// or one point per lane: at least 0, with a sum of 1. A point outside is first moved to an edge.
 #[inline(always)]
 pub fn barycentrics<R: Real>(triangle: &[R; N_PARAMETERS], point: Vector<R>) -> [R; 3] {
     let [a, b, c] = corners(triangle);
@@ -64,7 +63,7 @@ pub fn barycentrics<R: Real>(triangle: &[R; N_PARAMETERS], point: Vector<R>) -> 
     [u / sum, v / sum, w / sum]
 }
 
-/// The vertices of a triangle with these parameters, or of one per lane.
+/// Returns the vertices of a triangle with these parameters, or one per lane.
 #[inline(always)]
 pub fn corners<R: Real>(triangle: &[R; N_PARAMETERS]) -> [Vector<R>; 3] {
     [
@@ -74,8 +73,8 @@ pub fn corners<R: Real>(triangle: &[R; N_PARAMETERS]) -> [Vector<R>; 3] {
     ]
 }
 
-/// The area of the triangle of a point and two vertices, in a unit of its own; 0 if
-/// the point lies outside.
+/// Returns the area of the triangle of a point and two vertices, in arbitrary units; 0 if the point
+/// lies outside.
 #[inline(always)]
 fn area<R: Real>(from: Vector<R>, to: Vector<R>, point: Vector<R>, normal: Vector<R>) -> R {
     let signed = (to - from).cross(point - from).dot(normal);
@@ -135,8 +134,8 @@ impl Sampled for Triangle {
         normal_and_area(parameters).1
     }
 
-    /// Uniform on the surface: Pharr, Jakob and Humphreys, "Physically Based Rendering",
-    /// 4th edition, section 6.5.3, after Heitz's map of the square.
+    /// Samples the surface uniformly: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
+    /// edition, section 6.5.3, after Heitz's map of the square.
     #[inline(always)]
     fn sample<R: Real>(
         parameters: &[R; N_PARAMETERS],
@@ -163,7 +162,7 @@ impl Sampled for Triangle {
     }
 }
 
-/// The unit normal and the area.
+/// Returns the unit normal and the area.
 #[inline(always)]
 fn normal_and_area<R: Real>(parameters: &[R; N_PARAMETERS]) -> (Vector<R>, R) {
     let a = vector(parameters, 0);

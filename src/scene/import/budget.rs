@@ -4,12 +4,13 @@ use super::{FileFault, Result};
 use base::host::available_memory;
 use base::text::numbers::memory_sizes;
 
-/// The memory that is left for a file and its pieces, in bytes.
+/// The memory left for a file and its pieces, in bytes.
 #[derive(Debug)]
 pub(super) struct Budget(u64);
 
 impl Budget {
-    /// Half of the free memory: the other half is for what the scene makes of the mesh.
+    /// Creates a budget of half the free memory: the other half is for the scene's copy of the
+    /// mesh.
     pub(super) fn new() -> Self {
         Self(available_memory() / 2)
     }
@@ -17,7 +18,7 @@ impl Budget {
     /// Takes memory, before it is allocated.
     ///
     /// # Errors
-    /// Not enough is left.
+    /// Too little is left.
     pub(super) fn take(&mut self, n_bytes: u64) -> Result<()> {
         let left = self.0;
         self.0 = left.checked_sub(n_bytes).ok_or_else(|| {
@@ -32,7 +33,7 @@ impl Budget {
     /// Takes the memory of `n` values of a type.
     ///
     /// # Errors
-    /// Not enough is left.
+    /// Too little is left.
     pub(super) fn take_of<T>(&mut self, n: usize) -> Result<()> {
         self.take((n as u64).saturating_mul(size_of::<T>() as u64))
     }

@@ -1,20 +1,20 @@
-//! Which arrays of a file are read, and what for.
+//! The choice of the arrays that are read from a file.
 
-/// Which numbers of a file make colors.
+/// The array of a file that gives colors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayChoice {
     /// The name of the array.
     pub name: String,
-    /// The component of its tuples, of which the first is 0; `None` for the magnitude.
+    /// The component of the tuples, counted from 0; `None` for the magnitude.
     pub component: Option<usize>,
-    /// Whether it is an array of points or of cells; `None` for the one that there is.
+    /// Points or cells; `None` for whichever the file has.
     pub of: Option<ArrayOf>,
-    /// Whether its tuples are colors themselves.
+    /// True if its tuples are colors themselves.
     pub is_color: bool,
 }
 
 impl ArrayChoice {
-    /// The numbers of an array of points: a component of its tuples, or their magnitude.
+    /// Chooses the numbers of a point array: a component of its tuples, or their magnitude.
     pub fn of_points(name: &str, component: Option<usize>) -> Self {
         Self {
             name: name.to_owned(),
@@ -25,7 +25,7 @@ impl ArrayChoice {
     }
 }
 
-/// What an array has values of.
+/// The elements that an array has values for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ArrayOf {
     /// Of points.
@@ -34,21 +34,21 @@ pub enum ArrayOf {
     Cells,
 }
 
-/// Isosurfaces.
+/// The choice of isosurfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsosurfaceChoice {
     /// The array of points.
     pub array: ArrayChoice,
-    /// Its value on each surface.
+    /// The value on each surface.
     pub values: Vec<f32>,
 }
 
 /// The radii of spheres, or of tubes at their points.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RadiusChoice {
-    /// The same for all.
+    /// The same radius for all.
     Same(f32),
-    /// The numbers of an array of points, times a factor.
+    /// The numbers of a point array, times a factor.
     Array {
         /// The array.
         array: ArrayChoice,

@@ -4,11 +4,11 @@ use glam::Vec3;
 
 use super::mesh::{CornerValues, Mesh, angle};
 
-/// Corners of triangles in groups, each a tree whose root is its own parent.
+/// Groups of triangle corners, as a disjoint-set forest whose roots are their own parents.
 struct CornerGroups(Vec<u32>);
 
 impl CornerGroups {
-    /// The root of the group of a corner.
+    /// Returns the root of the group of a corner.
     fn root(&mut self, mut corner: u32) -> u32 {
         while self.0[corner as usize] != corner {
             let above = self.0[self.0[corner as usize] as usize];
@@ -20,29 +20,30 @@ impl CornerGroups {
 
     fn unite(&mut self, a: u32, b: u32) {
         let [a, b] = [self.root(a), self.root(b)];
-        // The smaller number stays a root, so that the order of pairs does not matter.
+        // The smaller number stays the root, so that the order of pairs does not matter.
         self.0[a.max(b) as usize] = a.min(b);
     }
 }
 
 impl Mesh {
-    /// Normals that vary smoothly over the surface, except at edges whose two triangles
+    /// Returns normals that vary smoothly over the surface, except at edges whose two triangles
     /// enclose an angle of more than `most_deg`: at each corner the sum of the normals of the
-    /// triangles around its vertex up to such edges, weighted as those of
+    /// triangles around its vertex up to such edges, weighted as in
     /// [`smooth_normals`](Self::smooth_normals).
     pub fn creased_normals(&self, most_deg: f32) -> CornerValues<Vec3> {
         let normal = |corners: &[u32; 3]| self.triangle(*corners).normal().unwrap_or_default();
         let normals: Vec<Vec3> = self.triangles.iter().map(normal).collect();
         let n_corners = 3 * self.triangles.len() as u32;
         let mut groups = CornerGroups((0..n_corners).collect());
-        // The sides of the triangles, each by the corner at which it begins.
+        // The sides of the triangles, each identified by the corner at which it begins.
         let mut sides: Vec<u32> = (0..n_corners).collect();
         sides.sort_unstable_by_key(|side| (self.ends(*side), *side));
+        // Unite the corners at both ends of each smooth edge.
         let least_cos = libm::cosf(most_deg.to_radians());
         for pair in sides.windows(2) {
             let [one, other] = [pair[0], pair[1]];
             let [a, b] = [one, other].map(|side| normals[side as usize / 3]);
-            // A triangle without area has no side of its own.
+            // A triangle without area does not connect.
             let is_flat = a == Vec3::ZERO || b == Vec3::ZERO || a.dot(b) >= least_cos;
             if is_flat && self.ends(one) == self.ends(other) {
                 let is_same_way = self.vertex(one) == self.vertex(other);
@@ -59,7 +60,7 @@ impl Mesh {
         self.summed(&normals, groups)
     }
 
-    /// The sums of the normals of the groups' triangles.
+    /// Returns the sums of the normals of the groups' triangles.
     fn summed(&self, normals: &[Vec3], mut groups: CornerGroups) -> CornerValues<Vec3> {
         let mut found = CornerValues {
             values: Vec::new(),
@@ -86,19 +87,19 @@ impl Mesh {
         found
     }
 
-    /// The vertex of a corner.
+    /// Returns the vertex of a corner.
     fn vertex(&self, corner: u32) -> u32 {
         self.triangles[corner as usize / 3][corner as usize % 3]
     }
 
-    /// The ends of the side that begins at a corner, the smaller number first.
+    /// Returns the ends of the side that begins at a corner, the smaller number first.
     fn ends(&self, side: u32) -> [u32; 2] {
         let [a, b] = [side, next(side)].map(|corner| self.vertex(corner));
         [a.min(b), a.max(b)]
     }
 }
 
-/// The next corner of the same triangle.
+/// Returns the next corner of the same triangle.
 fn next(corner: u32) -> u32 {
     corner - corner % 3 + (corner + 1) % 3
 }
@@ -107,7 +108,7 @@ fn next(corner: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// A cube of two triangles for each side.
+    /// A cube of two triangles per side.
     fn cube() -> Mesh {
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let sides = [
@@ -138,7 +139,7 @@ mod tests {
                 assert!(found.normalize().abs_diff_eq(normal, 1e-6), "{found}");
             }
         }
-        // 4 corners of 6 sides.
+        // 4 corners on each of 6 sides.
         assert_eq!(sharp.values.len(), 24);
         let (round, smooth) = (cube.creased_normals(91.0), cube.smooth_normals());
         assert_eq!(round.values.len(), 8);

@@ -14,26 +14,26 @@ pub struct FileFault {
     pub(super) file: String,
     /// The position in the file, if it is known.
     pub location: Option<FileLocation>,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
-    /// What would be right, as it follows the word "expected".
+    /// The expected value, as it follows the word "expected".
     pub expected: String,
 }
 
 /// A position in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileLocation {
-    /// A line of a text file; the first one is 1.
+    /// A line of a text file, counted from 1.
     Line(u64),
-    /// An element of a binary file: its kind and its number; the first one is 0.
+    /// An element of a binary file: its kind and its number, counted from 0.
     Element(String, u64),
 }
 
-/// Most characters of a file's own that a message quotes: enough to find them,
-/// and no line of a file that is none of geometry.
+/// Maximum number of characters that a message quotes from a file: enough to find them, and less
+/// than a line of a file that is not geometry at all.
 const MAX_QUOTED: usize = 24;
 
-/// A word of a file, or its beginning.
+/// Truncates a word of a file for a message.
 pub(super) fn cut(word: &str) -> Cow<'_, str> {
     match word.char_indices().nth(MAX_QUOTED) {
         None => Cow::Borrowed(word),
@@ -41,11 +41,11 @@ pub(super) fn cut(word: &str) -> Cow<'_, str> {
     }
 }
 
-/// What is expected of a file that the system does not open.
+/// The expectation for a file that the system does not open.
 const READABLE: &str = "a file that can be read";
 
 impl FileFault {
-    /// A fault of the file as a whole.
+    /// Creates a fault of the file as a whole.
     pub(super) fn new(problem: impl Into<String>, expected: impl Into<String>) -> Self {
         Self {
             file: String::new(),
@@ -55,25 +55,25 @@ impl FileFault {
         }
     }
 
-    /// The fault of a mesh of an object without a material.
+    /// Creates the fault of a mesh without materials whose object has none either.
     pub fn without_materials(path: &Path) -> Self {
         let problem = "it has no materials of its own";
         Self::new(problem, "a `material` for the object").in_file(path)
     }
 
-    /// The fault of a file whose points have no radius.
+    /// Creates the fault of a file whose points have no radius.
     pub fn without_radius(path: &Path) -> Self {
         let expected = "a `radius` for all points, or `radius: { array: … }`";
         Self::new("its points have no radius", expected).in_file(path)
     }
 
-    /// The same fault at this position, unless a position is known already.
+    /// Returns the same fault at this position, unless a position is known already.
     pub(super) fn at(mut self, location: FileLocation) -> Self {
         self.location.get_or_insert(location);
         self
     }
 
-    /// The same fault in this file, unless it is in another one that this one names.
+    /// Returns the same fault in this file, unless it is in another file that this one names.
     pub(super) fn in_file(mut self, path: &Path) -> Self {
         if self.file.is_empty() {
             self.file = path.display().to_string();
@@ -81,7 +81,7 @@ impl FileFault {
         self
     }
 
-    /// The fault of the scene file's value at `path`, which names the file.
+    /// Returns the fault of the scene file's value at `path`, which names the file.
     pub fn at_value(&self, path: &FieldPath) -> Fault {
         let expected = format!("expected {}", self.expected);
         let fault = Fault::new(path.clone(), self.message(), expected);
@@ -94,7 +94,7 @@ impl FileFault {
         }
     }
 
-    /// File, position and problem in one line.
+    /// Returns file, position and problem in one line.
     pub fn message(&self) -> String {
         let Self { file, problem, .. } = self;
         match &self.location {
@@ -111,7 +111,7 @@ impl From<io::Error> for FileFault {
     }
 }
 
-/// `line 7` or `face 12`
+/// Formats `line 7` or `face 12`.
 impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,4 +1,4 @@
-//! Lines of a text, with their numbers.
+//! Lines of text with their numbers.
 
 use std::borrow::Cow;
 use std::io::{BufRead, Cursor, Read};
@@ -17,8 +17,8 @@ pub(super) struct Lines<R> {
     text: R,
     line: Vec<u8>,
     number: u64,
-    /// Whether the last line ended with a carriage return: a line feed after it
-    /// belongs to the same line end.
+    /// True if the last line ended with a carriage return: a line feed after it belongs to the same
+    /// line end.
     after_return: bool,
 }
 
@@ -74,8 +74,7 @@ impl<R: BufRead> Lines<R> {
         Ok(joined_to_the_end.then(|| String::from_utf8_lossy(&self.line)))
     }
 
-    /// Reads up to the end of a line, which is omitted; returns whether there was
-    /// another line.
+    /// Reads up to the end of a line, which is omitted; returns false if there is no further line.
     fn append_line(&mut self) -> Result<bool> {
         let mut has_begun = false;
         loop {
@@ -103,7 +102,7 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// The number of the last line that was read, counted from 1.
+    /// Returns the number of the last line that was read, counted from 1.
     pub(super) fn number(&self) -> u64 {
         self.number
     }
@@ -133,7 +132,7 @@ mod tests {
             let text = ["a", "", "b c ", "d \\", "e", "f"].join(end);
             for mark in ["", "\u{feff}"] {
                 let text = format!("{mark}{text}");
-                // The part of the text that is buffered.
+                // Buffers of various sizes.
                 for capacity in [1, 2, 3, 100] {
                     assert_eq!(lines(text.as_bytes(), capacity), expected, "{text:?}");
                 }

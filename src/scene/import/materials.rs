@@ -11,26 +11,26 @@ use super::{FileFault, Result};
 use crate::color::Transfer;
 use crate::picture::{Picture, Sampling};
 
-/// Largest number of materials of a file.
+/// Maximum number of materials of a file.
 pub(super) const MAX_MATERIALS: usize = 4096;
 
 /// A material of a mesh file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshMaterial {
-    /// Its name in the file, or one made up.
+    /// The name in the file, or a generated one.
     pub name: String,
-    /// The color: linear light, each channel from 0 to 1. Of no use beside a picture, which
-    /// is multiplied by it already.
+    /// The color: linear light, each channel from 0 to 1. Unused if there is a picture, which is
+    /// already multiplied by it.
     pub color: Vec3,
     /// The picture that gives the color.
     pub picture: Option<MeshPicture>,
-    /// Whether the colors of the mesh's vertices give the color, times that of the picture.
+    /// True if the mesh's vertex colors give the color, multiplied by the picture's.
     pub has_vertex_colors: bool,
-    /// How the surface scatters light.
+    /// The scattering of light apart from its color.
     pub finish: Finish,
-    /// The share of light that goes through the surface, 0 to 1.
+    /// The share of light that is transmitted through the surface, 0 to 1.
     pub transmission: f32,
-    /// The index of refraction of what is behind it, 1 to 10.
+    /// The index of refraction of the inside, 1 to 10.
     pub index: f32,
     /// The radiance that the surface emits.
     pub emission: Vec3,
@@ -38,21 +38,21 @@ pub struct MeshMaterial {
     pub cutout: Option<(MeshPicture, f32)>,
     /// The picture of normals, and the factor of the slopes of its bumps.
     pub normal_map: Option<(MeshPicture, f32)>,
-    /// The picture that `emission` is multiplied by.
+    /// The picture that multiplies `emission`.
     pub emission_map: Option<MeshPicture>,
-    /// The picture of roughness, in green, and metal, in blue, and the factors of both; the
+    /// The picture of roughness, in green, and metallicness, in blue, and the factors of both; the
     /// finish has their means.
     pub facets_map: Option<(MeshPicture, [f32; 2])>,
 }
 
-/// How a surface scatters light besides its color.
+/// The scattering of light by a surface, apart from its color.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Finish {
     /// Diffusely, with a highlight.
     Highlight {
-        /// Its strength, 0 to 1.
+        /// Strength, 0 to 1.
         specular: f32,
-        /// Its exponent, at least 0.
+        /// Exponent, at least 0.
         exponent: f32,
         /// The fraction of light that is mirrored, 0 to 1.
         reflection: f32,
@@ -61,26 +61,26 @@ pub enum Finish {
     Facets {
         /// The share of metal, 0 to 1.
         metallic: f32,
-        /// Their roughness, 0 to 1.
+        /// The roughness, 0 to 1.
         roughness: f32,
     },
 }
 
-/// A picture of a mesh file's material, by its texture coordinates.
+/// A picture of a mesh file's material, placed by texture coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshPicture {
-    /// Its file, or what the mesh file calls it.
+    /// The file, or its name in the mesh file.
     pub name: PathBuf,
     /// The picture.
     pub picture: Arc<Picture>,
-    /// How it is looked up.
+    /// The filtering of lookups.
     pub sampling: Sampling,
-    /// Its width and height in texture coordinates.
+    /// Width and height in texture coordinates.
     pub size: [f32; 2],
 }
 
 impl MeshMaterial {
-    /// A matte surface.
+    /// Creates a matte surface.
     pub(super) fn new(name: &str, color: Vec3) -> Self {
         Self {
             name: name.to_owned(),
@@ -102,7 +102,7 @@ impl MeshMaterial {
         }
     }
 
-    /// Its pictures.
+    /// Returns the pictures.
     pub(super) fn pictures(&self) -> impl Iterator<Item = &MeshPicture> {
         let with_numbers = [&self.cutout, &self.normal_map].into_iter().flatten();
         let others = with_numbers.map(|(picture, _)| picture);
@@ -111,12 +111,12 @@ impl MeshMaterial {
         own.chain(facets).chain(others)
     }
 
-    /// Whether it has a picture.
+    /// Returns true if it has a picture.
     pub(super) fn has_pictures(&self) -> bool {
         self.pictures().next().is_some()
     }
 
-    /// Leaves out its pictures, for a surface without texture coordinates.
+    /// Removes the pictures, for a surface without texture coordinates.
     pub(super) fn without_pictures(self) -> Self {
         Self {
             picture: None,
@@ -129,14 +129,14 @@ impl MeshMaterial {
     }
 }
 
-/// Without a name: gray.
+/// An unnamed gray material.
 impl Default for MeshMaterial {
     fn default() -> Self {
         Self::new("none", Vec3::splat(0.8))
     }
 }
 
-/// The memory of the pictures of some materials in bytes, of which some may be the same.
+/// Returns the memory of the pictures of some materials in bytes; shared pictures count once.
 pub fn picture_bytes<'a>(materials: impl IntoIterator<Item = &'a MeshMaterial>) -> u64 {
     let pictures = materials.into_iter().flat_map(MeshMaterial::pictures);
     let by_place = pictures.map(|picture| (Arc::as_ptr(&picture.picture), picture));
@@ -146,13 +146,13 @@ pub fn picture_bytes<'a>(materials: impl IntoIterator<Item = &'a MeshMaterial>) 
 
 /// Reads the pictures of a mesh file, each once.
 pub(super) struct PictureShelf {
-    /// Bytes of memory that are left for them.
+    /// Bytes of memory left for pictures.
     available: u64,
     read: HashMap<(PathBuf, Option<Transfer>, [u32; 3]), Arc<Picture>>,
 }
 
 impl PictureShelf {
-    /// Pictures that take at most this memory in bytes.
+    /// Creates a shelf for pictures that take at most this memory in bytes.
     pub(super) fn new(available: u64) -> Self {
         Self {
             available,
@@ -160,11 +160,11 @@ impl PictureShelf {
         }
     }
 
-    /// The picture of this name, whose colors are multiplied by a `tint`; `bytes` are those
-    /// of its file.
+    /// Returns the picture of this name, with its colors multiplied by a `tint`; `bytes` are the
+    /// contents of its file.
     ///
     /// # Errors
-    /// A file that cannot be read or is not a picture, in one sentence that names it.
+    /// The file cannot be read or is not a picture; one sentence names it.
     pub(super) fn picture(
         &mut self,
         name: &Path,
@@ -189,14 +189,14 @@ impl PictureShelf {
     }
 }
 
-/// A fault in a file that another one names, where that one names it.
+/// Moves a fault in a referenced file to the place of the reference.
 pub(super) fn of_reference(name: &Path, fault: FileFault) -> FileFault {
     let problem = format!("`{}`: {}", name.display(), fault.problem);
     FileFault::new(problem, fault.expected)
 }
 
-/// The path of a file that another one names.
+/// Returns the path of a file that another file names.
 pub(super) fn path_in(folder: &Path, name: &str) -> PathBuf {
-    // Files of Windows have its separators.
+    // Files from Windows use its separators.
     folder.join(name.replace('\\', "/"))
 }

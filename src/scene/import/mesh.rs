@@ -7,30 +7,29 @@ use super::{FileFault, Result};
 use crate::color::Transfer;
 use crate::geometry::{Aabb, Located, Triangle, located_points};
 
-/// The triangle mesh of a file. Its triangles may be degenerate.
+/// The triangle mesh of a file. Triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    /// The point of the object's space that is the origin of all coordinates.
+    /// The point in object space that is the origin of all coordinates.
     pub origin: DVec3,
     /// Positions, finite.
     pub vertices: Vec<Vec3>,
-    /// Three indices of `vertices` each, counter-clockwise as seen from
-    /// outside.
+    /// Three indices of `vertices` per triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// The normals at the corners, if the file has any: directions, finite, of any
     /// length.
     pub normals: Option<CornerValues<Vec3>>,
-    /// The texture coordinates at the corners, if the file has them for all triangles:
-    /// finite; (0, 0) is the lower left corner of a picture, (1, 1) the upper right one.
+    /// The texture coordinates at the corners, if the file has them for all triangles: finite; (0,
+    /// 0) is the lower left corner of a picture, (1, 1) the upper right one.
     pub uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
     pub scalars: Option<CornerValues<f32>>,
     /// The colors at the corners, if the file has them for all vertices: linear light, from
     /// 0 to 1.
     pub colors: Option<CornerValues<Vec3>>,
-    /// The names of the arrays of the file that may give colors, those of points first.
+    /// The names of the arrays of the file that may give colors, point arrays first.
     pub arrays: Vec<String>,
-    /// The materials of the file, if they were read and it has any.
+    /// The materials of the file, if they were read and there are any.
     pub materials: Vec<MeshMaterial>,
     /// The index of the material of each triangle, if there are materials.
     pub material_of: Vec<u32>,
@@ -39,9 +38,9 @@ pub struct Mesh {
 /// A value for each corner of each triangle of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CornerValues<T> {
-    /// Values, each for one corner or for several.
+    /// Values, each for one or more corners.
     pub values: Vec<T>,
-    /// Three indices of `values` for each triangle of the mesh.
+    /// Three indices of `values` per triangle of the mesh.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -55,32 +54,32 @@ impl<T> Default for CornerValues<T> {
 }
 
 impl<T: Copy> CornerValues<T> {
-    /// The values at the corners of triangle `i`.
+    /// Returns the values at the corners of triangle `i`.
     #[inline]
     pub fn of(&self, i: usize) -> [T; 3] {
         self.triangles[i].map(|corner| self.values[corner as usize])
     }
 
-    /// Their memory in bytes.
+    /// Returns the memory in bytes.
     fn n_bytes(&self) -> u64 {
         (size_of_val(&self.values[..]) + size_of_val(&self.triangles[..])) as u64
     }
 }
 
 impl Mesh {
-    /// The triangle of these vertices.
+    /// Returns the triangle of these vertices.
     pub fn triangle(&self, indices: [u32; 3]) -> Triangle {
         Triangle {
             vertices: indices.map(|vertex| self.vertices[vertex as usize]),
         }
     }
 
-    /// The smallest box around all vertices, relative to its origin.
+    /// Returns the smallest box around all vertices, relative to its origin.
     pub fn bounds(&self) -> Aabb {
         Aabb::of_points(self.vertices.iter().copied())
     }
 
-    /// Its memory in bytes.
+    /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let own = size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..]);
         let normals = self.normals.as_ref().map_or(0, CornerValues::n_bytes);
@@ -91,7 +90,7 @@ impl Mesh {
         own as u64 + normals + uvs + scalars + colors + materials
     }
 
-    /// Takes the vertices of a file, relative to an origin near them.
+    /// Stores the vertices of a file relative to an origin near them.
     pub(super) fn take_vertices(&mut self, vertices: Vec<DVec3>) {
         Located {
             origin: self.origin,
@@ -99,8 +98,8 @@ impl Mesh {
         } = located_points(&vertices);
     }
 
-    /// Takes the normals of a file, which may be those of some triangles only: the others get
-    /// their geometric normal. Without any there are none.
+    /// Stores the normals of a file. If only some triangles have normals, the others get their
+    /// geometric normal; if none has any, none are stored.
     pub(super) fn take_normals(&mut self, mut normals: CornerValues<Vec3>) {
         let CornerValues { values, triangles } = &mut normals;
         if triangles.is_empty() {
@@ -116,10 +115,10 @@ impl Mesh {
         self.normals = Some(normals);
     }
 
-    /// Normals that vary smoothly over the surface: at each vertex the sum of
-    /// its triangles' normals, weighted by their angles there, so that
-    /// the triangulation of a face does not show (Thürmer and Wüthrich, "Computing Vertex
-    /// Normals from Polygonal Facets", Journal of Graphics Tools 3(1), 1998).
+    /// Returns normals that vary smoothly over the surface: at each vertex the sum of its
+    /// triangles' normals, weighted by their angles there, so that the triangulation of a face does
+    /// not show (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of
+    /// Graphics Tools 3(1), 1998).
     pub fn smooth_normals(&self) -> CornerValues<Vec3> {
         let mut values = vec![Vec3::ZERO; self.vertices.len()];
         for &indices in &self.triangles {
@@ -137,7 +136,7 @@ impl Mesh {
     }
 }
 
-/// The angle between two vectors, in radians.
+/// Returns the angle between two vectors, in radians.
 pub(super) fn angle(a: Vec3, b: Vec3) -> f32 {
     // libm's arc cosine returns the same bits on every machine.
     libm::acosf(
@@ -147,14 +146,14 @@ pub(super) fn angle(a: Vec3, b: Vec3) -> f32 {
     )
 }
 
-/// Placeholder for the values at the corners of a triangle without any.
+/// Placeholder indices for a triangle without values.
 pub(super) const MISSING: [u32; 3] = [u32::MAX; 3];
 
 impl<T: Copy> CornerValues<T> {
-    /// Adds values at the vertices of triangles, of which `n_before` others are known.
+    /// Appends values at the vertices of triangles, after `n_before` others.
     ///
     /// # Errors
-    /// Too many values.
+    /// There are too many values.
     pub(super) fn append(
         &mut self,
         values: Vec<T>,
@@ -168,8 +167,8 @@ impl<T: Copy> CornerValues<T> {
         Ok(())
     }
 
-    /// The values of `n` triangles, of which those without any get one by default; `None` if
-    /// none has any.
+    /// Completes the values of `n` triangles with a default for those without; `None` if none has
+    /// any.
     pub(super) fn completed(mut self, n: usize, default: T) -> Option<Self> {
         if self.triangles.is_empty() {
             return None;
@@ -185,17 +184,17 @@ impl<T: Copy> CornerValues<T> {
     }
 }
 
-/// Triangles whose vertices follow others.
+/// Returns triangles whose vertices follow `n` others.
 pub(super) fn moved(triangles: &[[u32; 3]], n: u32) -> impl Iterator<Item = [u32; 3]> {
     triangles
         .iter()
         .map(move |corners| corners.map(|corner| n + corner))
 }
 
-/// Makes a vector of numbers.
+/// Converts numbers to a vector.
 ///
 /// # Errors
-/// A number that is not finite.
+/// A number is not finite.
 pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Result<T> {
     let bad = numbers.iter().find(|number| !number.is_finite());
     match bad {
@@ -207,19 +206,19 @@ pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Re
     }
 }
 
-/// Makes a point of coordinates that 32 bits have room for.
+/// Converts coordinates to a point within the range of 32 bits.
 ///
 /// # Errors
-/// A coordinate that is not finite, or too large.
+/// A coordinate is not finite, or too large.
 pub(super) fn point(coordinates: [f64; 3]) -> Result<DVec3> {
     let _: Vec3 = finite(coordinates.map(|coordinate| coordinate as f32))?;
     Ok(coordinates.into())
 }
 
-/// The linear light of a color for displays.
+/// Converts a display color to linear light.
 ///
 /// # Errors
-/// A number that is not from 0 to 1.
+/// A number is not from 0 to 1.
 pub(super) fn light(numbers: [f32; 3]) -> Result<Vec3> {
     let bad = numbers.iter().find(|number| !(0.0..=1.0).contains(*number));
     match bad {
@@ -236,12 +235,12 @@ pub(super) fn light(numbers: [f32; 3]) -> Result<Vec3> {
 /// Converts a number of vertices or normals.
 ///
 /// # Errors
-/// More than indices of 32 bits can distinguish.
+/// There are more than 32-bit indices can distinguish.
 pub(super) fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| FileFault::new("too many vertices", "at most 4294967295"))
 }
 
-/// Triangulates a polygon: a fan of triangles that share its first corner.
+/// Triangulates a polygon as a fan of triangles that share its first corner.
 pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let pairs = corners.windows(2).skip(1);
     pairs.map(|pair| [corners[0], pair[0], pair[1]])

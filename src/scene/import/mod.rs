@@ -52,7 +52,7 @@ pub type Result<T> = std::result::Result<T, FileFault>;
 /// An open file to be read.
 type GeometryFileReader = BufReader<Stoppable>;
 
-/// A file that cannot be read on once the program is asked to end.
+/// A file whose reads fail once the program is asked to end.
 #[derive(Debug)]
 struct Stoppable(InputFile);
 
@@ -63,7 +63,7 @@ impl Seek for Stoppable {
 }
 
 impl Stoppable {
-    /// The length of the file in bytes.
+    /// Returns the length of the file in bytes.
     fn length(&self) -> io::Result<u64> {
         self.0.length()
     }
@@ -76,17 +76,17 @@ impl Read for Stoppable {
     }
 }
 
-/// A file of geometry, and which time step of a file with several.
+/// A geometry file, and the time step of a file with several.
 #[derive(Debug, Clone, Copy)]
 pub struct DataFile<'a> {
     /// The file.
     pub path: &'a Path,
-    /// The time step, the first of which is 0; the first one by default.
+    /// The time step, counted from 0; the first by default.
     pub step: Option<usize>,
 }
 
 impl DataFile<'_> {
-    /// Opens a file that has one time step.
+    /// Opens a file that has a single time step.
     fn open(self) -> Result<GeometryFileReader> {
         self.refuse_step()?;
         open(self.path)
@@ -112,29 +112,27 @@ impl<'a, P: AsRef<Path> + ?Sized> From<&'a P> for DataFile<'a> {
     }
 }
 
-/// Upper bound of the memory of a reader, in bytes per byte of a file that is none of
-/// VTK's. Each
-/// corner of a polygon adds a triangle, and takes two bytes in a text file and one
-/// in a binary file. A triangle takes twelve bytes; a growing vector takes up to
-/// three times as much, and a grown one twice as much. There is a copy of the triangles
-/// for normals, one for texture coordinates and one for colors. Vertices and the rows of tables
-/// take less, with coordinates of 64 bits until their origin is known: up to 72 bytes for 3 of
-/// a binary file, 160 for 6 of a table.
+/// Upper bound of the memory of a reader, in bytes per byte of a file not in a VTK format. Each
+/// corner of a polygon adds a triangle, and takes two bytes in a text file and one in a binary
+/// file. A triangle takes twelve bytes; a growing vector takes up to three times that, and a grown
+/// one twice. The triangles are copied for normals, for texture coordinates and for colors.
+/// Vertices and the rows of tables take less, with 64-bit coordinates until their origin is known:
+/// up to 72 bytes for 3 of a binary file, 160 for 6 of a table.
 pub const MAX_BYTES_PER_BYTE: u64 = 60;
 
-/// What a reader has besides a file.
+/// The context of a file for its reader.
 #[derive(Debug, Clone, Copy)]
 struct Surroundings<'a> {
     /// The folder of the file.
     folder: &'a Path,
-    /// Bytes of memory for pictures, if the materials of the file are wanted.
+    /// Bytes of memory for pictures, if the file's materials are wanted.
     memory: Option<u64>,
 }
 
 /// A reader of one format.
 type MeshReader = fn(GeometryFileReader, &Surroundings) -> Result<Mesh>;
 
-/// The mesh formats by the extension of their files, in lower case; VTK's are besides.
+/// The mesh formats by file extension, in lower case, apart from VTK's.
 const FORMATS: &[(&str, MeshReader)] = &[
     ("obj", obj::read),
     ("ply", |file, _| ply::read(file)),
@@ -143,7 +141,7 @@ const FORMATS: &[(&str, MeshReader)] = &[
     ("glb", gltf::read),
 ];
 
-/// Formats of other programs by the extension of their files, in lower case.
+/// The formats of other programs by file extension, in lower case.
 const FOREIGN: &[(&str, &str)] = &[
     ("3ds", "3D Studio"),
     ("3mf", "3MF"),
@@ -167,7 +165,7 @@ const FOREIGN: &[(&str, &str)] = &[
     ("x3d", "X3D"),
 ];
 
-/// The name of the format of another program that raycost does not read, by the file's
+/// Returns the name of another program's format that raycost does not read, by the file's
 /// extension.
 pub fn foreign_format(path: &Path) -> Option<&'static str> {
     let extension = extension(path);
@@ -175,28 +173,27 @@ pub fn foreign_format(path: &Path) -> Option<&'static str> {
     found.map(|(_, name)| *name)
 }
 
-/// How a file of another program becomes one that can be read.
+/// Advice to convert another program's file to a readable format.
 pub const EXPORT: &str =
     "export glTF (.glb) or OBJ from the program that wrote it, or from Blender";
 
-/// Whether the file's extension is that of a mesh format.
+/// Returns true if the file's extension belongs to a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
     let extension = extension(path);
     extensions().any(|known| known == extension)
 }
 
-/// The extensions of all mesh formats.
+/// Returns the extensions of all mesh formats.
 fn extensions() -> impl Iterator<Item = &'static str> {
     let own = FORMATS.iter().map(|(known, _)| *known);
     own.chain(vtk::EXTENSIONS)
 }
 
-/// Reads a triangle mesh; the file's extension determines the format. Of a VTK file this is
-/// the surface.
+/// Reads a triangle mesh; the file's extension determines the format. For a VTK file, reads the
+/// surface.
 ///
 /// # Errors
-/// A file that cannot be read, is of no known format, is damaged, or has no
-/// triangle.
+/// The file cannot be read, has an unknown format, is damaged, or has no triangle.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
     read_mesh_with(path, None)
 }
@@ -204,7 +201,7 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
 /// Reads a triangle mesh with the numbers of an array.
 ///
 /// # Errors
-/// The errors of [`read_mesh`], and an array that the file does not have.
+/// As [`read_mesh`], or the file lacks the array.
 pub fn read_mesh_with<'a>(
     file: impl Into<DataFile<'a>>,
     array: Option<&ArrayChoice>,
@@ -213,12 +210,11 @@ pub fn read_mesh_with<'a>(
     with_triangles(read_any_mesh(file, array, None), file.path)
 }
 
-/// Reads a triangle mesh with the materials that its file gives it; of a file without any that
-/// has colors at its vertices, a matte one with these. Their pictures take at most `available`
-/// bytes of memory.
+/// Reads a triangle mesh with the materials of its file; a file that has only vertex colors gets a
+/// matte material with these. The pictures take at most `available` bytes of memory.
 ///
 /// # Errors
-/// The errors of [`read_mesh`], and materials or pictures that are missing or damaged.
+/// As [`read_mesh`], or materials or pictures are missing or damaged.
 pub fn read_mesh_with_materials<'a>(file: impl Into<DataFile<'a>>, available: u64) -> Result<Mesh> {
     let file = file.into();
     let mut mesh = with_triangles(read_any_mesh(file, None, Some(available)), file.path)?;
@@ -268,11 +264,10 @@ fn read_any_mesh(file: DataFile, array: Option<&ArrayChoice>, memory: Option<u64
     read(open(path)?, &Surroundings { folder, memory })
 }
 
-/// Reads isosurfaces of an array of a VTK file, with the numbers of another one.
+/// Reads isosurfaces of an array of a VTK file, with the numbers of another array.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no such array, or in which the array has the
-/// values nowhere within a cell.
+/// The file cannot be read, is damaged, lacks the array, or no cell contains the array's values.
 pub fn read_isosurface<'a>(
     file: impl Into<DataFile<'a>>,
     choice: &IsosurfaceChoice,
@@ -291,12 +286,11 @@ pub fn read_isosurface<'a>(
     read.map_err(|fault| fault.in_file(file.path))
 }
 
-/// Reads a list of spheres from a table of comma-separated values, with the numbers of a
-/// column. `radius` is the radius of all spheres if the table has no column `r`, or another
-/// column.
+/// Reads a list of spheres from a table of comma-separated values, with the numbers of a column.
+/// `radius` is the radius of all spheres if the table has no column `r`, or another column.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no radius, no such column or no sphere.
+/// The file cannot be read, is damaged, or lacks a radius, the column or any sphere.
 pub fn read_spheres<'a>(
     file: impl Into<DataFile<'a>>,
     radius: Option<&RadiusChoice>,
@@ -312,7 +306,7 @@ pub fn read_spheres<'a>(
 /// Reads the points of a VTK file as spheres, with the numbers of an array.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no such array or no point.
+/// The file cannot be read, is damaged, or lacks the array or any point.
 pub fn read_points<'a>(
     file: impl Into<DataFile<'a>>,
     radius: &RadiusChoice,
@@ -332,11 +326,11 @@ pub fn read_points<'a>(
     read.map_err(|fault| fault.in_file(file.path))
 }
 
-/// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius`
-/// is the radius of all tubes if the table has no column `r`, or another column.
+/// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius` is
+/// the radius of all tubes if the table has no column `r`, or another column.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no radius, no such column or no line.
+/// The file cannot be read, is damaged, or lacks a radius, the column or any line.
 pub fn read_tubes<'a>(
     file: impl Into<DataFile<'a>>,
     radius: Option<&RadiusChoice>,
@@ -352,7 +346,7 @@ pub fn read_tubes<'a>(
 /// Reads the lines of a VTK file as tubes, with the numbers of an array.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no such array or no line.
+/// The file cannot be read, is damaged, or lacks the array or any line.
 pub fn read_lines<'a>(
     file: impl Into<DataFile<'a>>,
     radius: &RadiusChoice,
@@ -362,11 +356,11 @@ pub fn read_lines<'a>(
     vtk::read_tubes(file, radius, array).map_err(|fault| fault.in_file(file.path))
 }
 
-/// Reads the places of instances: from a table of comma-separated values, which has no arrays,
-/// or from the points of a VTK file without those whose scale is 0 or missing.
+/// Reads the placements of instances: from a table of comma-separated values, which has no arrays,
+/// or from the points of a VTK file, except for points whose scale is 0 or missing.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged, has no such array or no place.
+/// The file cannot be read, is damaged, or lacks the array or any placement.
 pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
     let read = if is_vtk(path) {
         vtk::read_places(path.into(), arrays).and_then(places::usable)
@@ -377,22 +371,23 @@ pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace
     read.map_err(|fault| fault.in_file(path))
 }
 
-/// Whether the file's extension is one of VTK's.
+/// Returns true if the file's extension is one of VTK's.
 pub fn is_vtk(path: &Path) -> bool {
     vtk::EXTENSIONS.contains(&extension(path).as_str())
 }
 
-/// Whether each of several ranks reads the file from its own disk: HDF5 opens it by its path.
+/// Returns true if each of several ranks reads the file from its own disk: HDF5 opens it by its
+/// path.
 pub fn is_read_by_each_rank(path: &Path) -> bool {
     vtk::is_hdf(path)
 }
 
-/// Upper bound of the memory that it takes to read a geometry file, whatever it contains, in
-/// bytes. The arrays of a VTK file, which may be compressed, are not in it: their memory is
-/// checked as they are read.
+/// Returns an upper bound of the memory needed to read a geometry file, whatever it contains, in
+/// bytes. The arrays of a VTK file, which may be compressed, are excluded: their memory is checked
+/// as they are read.
 ///
 /// # Errors
-/// If it is not a regular file, or if its metadata cannot be read.
+/// The path is not a regular file, or its metadata cannot be read.
 pub fn max_bytes(path: &Path) -> Result<u64> {
     let per_byte = if is_vtk(path) { 1 } else { MAX_BYTES_PER_BYTE };
     let length = files::length_of(path).map_err(FileFault::from);
@@ -408,7 +403,7 @@ fn open(path: &Path) -> Result<GeometryFileReader> {
     Ok(BufReader::with_capacity(1 << 18, file))
 }
 
-/// All bytes of a file of which none has been read, if the budget has room for them.
+/// Returns all bytes of a file that has not been read yet, if the budget has room for them.
 fn read_whole(file: GeometryFileReader, budget: &mut Budget) -> Result<Vec<u8>> {
     let Stoppable(file) = file.into_inner();
     let length = file.length()?;
@@ -421,13 +416,13 @@ fn read_whole(file: GeometryFileReader, budget: &mut Budget) -> Result<Vec<u8>> 
     Ok(bytes)
 }
 
-/// The file name's extension in lower case; empty for none.
+/// Returns the file name's extension in lower case; empty for none.
 fn extension(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default();
     extension.to_string_lossy().to_lowercase()
 }
 
-/// "a, b or c"
+/// Formats a list such as "a, b or c".
 fn listed(words: &[String]) -> String {
     match words.split_last() {
         Some((last, others)) if !others.is_empty() => format!("{} or {last}", others.join(", ")),

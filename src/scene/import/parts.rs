@@ -1,11 +1,11 @@
-//! A mesh with several materials → a mesh for each.
+//! Splits a mesh by its materials.
 
 use super::materials::MeshMaterial;
 use super::mesh::{CornerValues, Mesh};
 
 impl Mesh {
-    /// The meshes of its materials, at least one, in their order; without those that have no
-    /// triangle with an area.
+    /// Returns the meshes of the materials, at least one, in order, except for meshes whose
+    /// triangles all have no area.
     pub fn into_parts(mut self) -> Vec<(MeshMaterial, Mesh)> {
         let materials = std::mem::take(&mut self.materials);
         let material_of = std::mem::take(&mut self.material_of);
@@ -34,7 +34,7 @@ impl Mesh {
         }
     }
 
-    /// Whether one of these triangles has an area.
+    /// Returns true if one of these triangles has an area.
     fn has_area(&self, triangles: &[usize]) -> bool {
         let mut normals = triangles
             .iter()
@@ -42,7 +42,7 @@ impl Mesh {
         normals.any(|normal| normal.is_some())
     }
 
-    /// The mesh of these of its triangles.
+    /// Returns the mesh of these triangles.
     fn part(&self, triangles: &[usize]) -> Self {
         let (vertices, corners) = only(&self.vertices, &self.triangles, triangles);
         Self {
@@ -58,14 +58,14 @@ impl Mesh {
 }
 
 impl<T: Copy> CornerValues<T> {
-    /// The values of these triangles.
+    /// Returns the values of these triangles.
     fn only(&self, triangles: &[usize]) -> Self {
         let (values, triangles) = only(&self.values, &self.triangles, triangles);
         Self { values, triangles }
     }
 }
 
-/// The values of the corners of these triangles, and the corners as their indices.
+/// Returns the values used by these triangles, and the triangles re-indexed into them.
 fn only<T: Copy>(
     values: &[T],
     corners: &[[u32; 3]],
@@ -76,7 +76,7 @@ fn only<T: Copy>(
     used.sort_unstable();
     used.dedup();
     for corner in corners.as_flattened_mut() {
-        // All of them are among the used.
+        // Every corner is in `used`.
         *corner = used.partition_point(|index| index < corner) as u32;
     }
     let values = used.into_iter().map(|index| values[index as usize]);

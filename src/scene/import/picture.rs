@@ -1,7 +1,7 @@
 //! Picture files: PNG, JPEG, Radiance HDR and OpenEXR.
 //!
-//! The file's first bytes decide of which format it is, not its name. Nothing of the size
-//! that its header states is allocated before that is known to fit into memory.
+//! The first bytes of the file determine its format, not its name. Nothing is allocated by the size
+//! in its header before that is known to fit into memory.
 
 use std::error::Error;
 use std::io::{self, BufRead, Seek, SeekFrom};
@@ -21,12 +21,12 @@ use crate::picture::{Picture, Texels};
 use base::files;
 use base::text::numbers::memory_sizes;
 
-/// Reads a picture, which materials share. Its numbers are those of `transfer`; by default sRGB in PNG and JPEG
-/// files, and linear in others.
+/// Reads a picture, to be shared by materials. Its numbers are decoded by `transfer`; by default
+/// sRGB in PNG and JPEG files, and linear in others.
 ///
 /// # Errors
-/// A file that cannot be read, is of no known format, is damaged, is too large for
-/// `available` bytes of memory, or has a color that is not finite.
+/// The file cannot be read, has an unknown format, is damaged, is too large for `available` bytes
+/// of memory, or has a color that is not finite.
 pub fn read_picture(
     path: &Path,
     transfer: Option<Transfer>,
@@ -47,7 +47,7 @@ fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<P
 /// The bytes of a picture's file.
 pub(super) type PictureBytes = Box<dyn SeekableBytes>;
 
-/// Bytes of a file, or of a part of one.
+/// The bytes of a file, or of a part of one.
 pub(super) trait SeekableBytes: BufRead + Seek {}
 
 impl<T: BufRead + Seek> SeekableBytes for T {}
@@ -55,7 +55,7 @@ impl<T: BufRead + Seek> SeekableBytes for T {}
 /// Opens the file of a picture.
 ///
 /// # Errors
-/// If it cannot be opened, or is not a regular file.
+/// The file cannot be opened, or is not a regular file.
 pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
     if files::length_of(path)?.is_none() {
         return Err(FileFault::new("it is not a file", "a file"));
@@ -63,21 +63,21 @@ pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
     Ok(Box::new(open(path)?))
 }
 
-/// How a picture is read.
+/// The settings for reading a picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
-    /// What its numbers are; `None` for what is usual in its format.
+    /// The transfer function of its numbers; `None` for the usual one of its format.
     pub(super) transfer: Option<Transfer>,
-    /// The factor of its colors.
+    /// The factor of the colors.
     pub(super) tint: Vec3,
-    /// Bytes of memory that are left for it.
+    /// Bytes of memory left for the picture.
     pub(super) available: u64,
 }
 
 /// Reads a picture.
 ///
 /// # Errors
-/// The errors of [`read_picture`].
+/// As [`read_picture`].
 pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Result<Arc<Picture>> {
     let mut head = Vec::new();
     let start = file.fill_buf()?;
@@ -104,7 +104,7 @@ struct Format {
     name: &'static str,
     /// The first bytes of its files.
     signature: &'static [u8],
-    /// What its numbers are by default.
+    /// The default transfer function.
     transfer: Transfer,
     decoder: fn(PictureBytes) -> ImageResult<Decoder>,
 }
@@ -141,17 +141,17 @@ const fn radiance(signature: &'static [u8]) -> Format {
     }
 }
 
-/// Bytes of the longest signature.
+/// Length of the longest signature in bytes.
 const MAX_SIGNATURE: usize = 10;
 
-/// Upper bound of the memory that is taken to read a channel of one byte of a texel, in
-/// bytes: as decoded, and the smaller copies, two of which are numbers of 32 bits meanwhile.
+/// Upper bound of the memory to read one-byte channels, in bytes per channel of a texel: the
+/// decoded byte and the smaller copies, two of which are temporarily 32-bit numbers.
 const BYTES_PER_CHANNEL: u64 = 4;
 
-/// The same of a texel of more bytes.
+/// Upper bound of the memory to read a texel of larger channels, in bytes.
 const BYTES_PER_LARGE_TEXEL: u64 = 56;
 
-/// Checks that the picture is not too large, by what its header says.
+/// Checks that the picture is not too large, according to its header.
 fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
     let (width, height) = decoder.dimensions();
     let most = Picture::MAX_SIDE;
@@ -202,7 +202,7 @@ fn texels(decoded: DynamicImage, transfer: Transfer) -> Result<Texels> {
     }
 }
 
-/// Makes linear light of a texel's numbers, as far as they are finite.
+/// Decodes a texel's numbers to linear light; `None` if one is not finite.
 fn decode(texel: &mut [f32; 4], transfer: Transfer) -> Option<()> {
     if texel.iter().any(|number| !number.is_finite()) {
         return None;
@@ -249,7 +249,7 @@ impl Format {
                 "a file that can be read",
             ),
             other => {
-                // The source is the decoder's own sentence.
+                // The source error has the decoder's message.
                 let reason = other
                     .source()
                     .map_or(other.to_string(), |own| own.to_string());

@@ -1,4 +1,4 @@
-//! The other files that a geometry file names.
+//! The other files that a geometry file refers to.
 
 use std::path::{Path, PathBuf};
 
@@ -7,8 +7,8 @@ use super::{extension, is_vtk};
 use base::files;
 use base::host::available_memory;
 
-/// The files of pieces, of materials and of pictures that a geometry file names, and others
-/// that its texts happen to name; none for a file that names no others.
+/// Returns the files of pieces, materials and pictures that a geometry file refers to, and any
+/// other existing files that its text happens to name; none for formats without references.
 pub fn pieces_of(path: &Path) -> Vec<PathBuf> {
     let extension = extension(path);
     match extension.as_str() {
@@ -29,13 +29,13 @@ pub fn pieces_of(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// The files whose names a file has in quotes.
+/// Returns the files whose names appear in quotes.
 fn quoted(path: &Path) -> Vec<PathBuf> {
     let text = text_of(path);
     files_beside(path, text.split('"').skip(1).step_by(2))
 }
 
-/// The files that a file names at the ends of statements with this beginning.
+/// Returns the files named at the ends of statements that begin like this.
 fn named_by(path: &Path, beginning: &str) -> Vec<PathBuf> {
     let text = text_of(path);
     let lines = text.lines().map(str::trim);
@@ -51,7 +51,7 @@ fn text_of(path: &Path) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The names that are files.
+/// Returns the names that are files next to `path`.
 fn files_beside<'a>(path: &Path, names: impl Iterator<Item = &'a str>) -> Vec<PathBuf> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let files = names.map(|name| path_in(folder, name));

@@ -1,4 +1,4 @@
-//! The places of instances: from a table of comma-separated values, or the points of a VTK
+//! The placements of instances: from a table of comma-separated values, or the points of a VTK
 //! file.
 
 use std::ops::Range;
@@ -13,32 +13,32 @@ use super::table::{missing_column, named_twice, number, of_table, word};
 use super::{ArrayChoice, FileFault, FileLocation, GeometryFileReader, Result};
 use base::text::did_you_mean;
 
-/// A place of an instance.
+/// The placement of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstancePlace {
-    /// Where the origin of the mesh is.
+    /// The position of the mesh's origin.
     pub position: DVec3,
     /// The factors along the axes of the mesh.
     pub scale: Vec3,
-    /// Where the x axis of the mesh points to, of any length; 0 for a mesh that is not turned.
+    /// The direction of the mesh's x axis, of any length; 0 for a mesh that is not rotated.
     pub direction: Vec3,
     /// The number of an array; NaN without one.
     pub scalar: f32,
 }
 
-/// What the points of a VTK file have for the places of instances.
+/// The arrays at the points of a VTK file that describe the placements of instances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceArrays<'a> {
     /// The factors of the scale.
     pub scale: Option<&'a ArrayChoice>,
-    /// The vectors that the x axis of the mesh is turned to.
+    /// The vectors to which the x axis of the mesh is turned.
     pub orient: Option<&'a str>,
     /// The numbers that give colors.
     pub color: Option<&'a ArrayChoice>,
 }
 
 impl PlaceArrays<'_> {
-    /// Makes sure that there are none.
+    /// Refuses any array.
     ///
     /// # Errors
     /// There is one.
@@ -53,8 +53,8 @@ impl PlaceArrays<'_> {
 }
 
 impl InstancePlace {
-    /// The map from the space of the mesh: it scales, turns the x axis to the direction by the
-    /// smallest angle, and moves the origin to the position.
+    /// Returns the map from the space of the mesh: it scales, turns the x axis to the direction by
+    /// the smallest angle, and moves the origin to the position.
     pub fn matrix(&self) -> DAffine3 {
         let turn = self.direction.as_dvec3().try_normalize();
         let turn = turn.map_or(DQuat::IDENTITY, |to| DQuat::from_rotation_arc(DVec3::X, to));
@@ -94,11 +94,11 @@ const NAMES: [&str; 10] = [
     "direction_z",
 ];
 
-/// The position of each column of a table, if it has it.
+/// The position of each column of a table, if the table has it.
 struct PlaceColumns([Option<usize>; NAMES.len()]);
 
 impl PlaceColumns {
-    /// Reads the table's first line.
+    /// Parses the table's first line.
     fn of(header: &ByteRecord) -> Result<Self> {
         let mut columns = [None; NAMES.len()];
         for (i, name) in header.iter().enumerate() {
@@ -121,7 +121,7 @@ impl PlaceColumns {
         Ok(Self(columns))
     }
 
-    /// The place of a row.
+    /// Parses the placement in a row.
     fn place(&self, row: &ByteRecord) -> Result<InstancePlace> {
         let factor: f32 = match self.0[3] {
             None => 1.0,
@@ -140,7 +140,7 @@ impl PlaceColumns {
         })
     }
 
-    /// The numbers of a row in three columns; `default` for those that the table lacks.
+    /// Parses the numbers of a row in three columns; `default` for columns that the table lacks.
     fn numbers<T: FromStr + Copy>(
         &self,
         row: &ByteRecord,
@@ -157,7 +157,7 @@ impl PlaceColumns {
     }
 }
 
-/// Whether these factors have an inverse.
+/// Returns true if these factors have an inverse.
 fn is_scale(scale: Vec3) -> bool {
     scale.is_finite() && scale.cmpne(Vec3::ZERO).all()
 }
@@ -170,7 +170,7 @@ fn unknown_column(name: &str) -> FileFault {
     FileFault::new(problem, format!("some of `{}`", NAMES.join("`, `")))
 }
 
-/// The places whose scale is neither 0 nor missing.
+/// Keeps the placements whose scale is neither 0 nor missing.
 ///
 /// # Errors
 /// There is none.

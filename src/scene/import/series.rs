@@ -1,5 +1,5 @@
-//! Series of files, one for each time step: files whose names differ by a number, such as
-//! `step_%04d.vtu`, and the lists of ParaView, `.pvd` and `.series`; or one file with all steps,
+//! Series of files, one per time step: files whose names differ by a number, such as
+//! `step_%04d.vtu`, and ParaView's lists, `.pvd` and `.series`; or one file with all steps,
 //! `.vtkhdf`.
 
 use std::fs;
@@ -18,32 +18,32 @@ pub struct DataSeries(pub Vec<TimeStep>);
 /// A file of a series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeStep {
-    /// Its path, as that of the series: relative to the same folder.
+    /// Path, relative to the same folder as the path of the series.
     pub file: PathBuf,
-    /// The time step of that file, if it has several.
+    /// The time step within the file, if it has several.
     pub step: Option<usize>,
-    /// Its time, greater than those of the steps before it.
+    /// Time, greater than in the steps before.
     pub time: f64,
 }
 
-/// Most time steps of a series.
+/// Maximum number of time steps of a series.
 const MAX_STEPS: usize = 100_000;
-/// Longest list that is read, in bytes.
+/// Maximum length of a list in bytes.
 const MAX_LIST: u64 = 64 << 20;
-/// Most digits of a number in a file's name.
+/// Maximum number of digits of a number in a file's name.
 const MAX_DIGITS: usize = 15;
 
-/// Whether a path stands for a series of files.
+/// Returns true if a path stands for a series of files.
 pub fn is_series(path: &Path) -> bool {
     Pattern::of(path).is_some() || matches!(extension(path).as_str(), "pvd" | "series")
 }
 
-/// The time steps of a file of geometry whose path is relative to `folder`: those of a series of
+/// Returns the time steps of a geometry file whose path is relative to `folder`: of a series of
 /// files, or of a VTKHDF file with several, unless the scene chooses one of them. `None` for a
-/// file of a still.
+/// still.
 ///
 /// # Errors
-/// The errors of [`read_series`], and a VTKHDF file that cannot be read or is damaged.
+/// As [`read_series`], or a VTKHDF file cannot be read or is damaged.
 pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
     let DataFile { path, step } = file;
     if is_series(path) {
@@ -71,7 +71,7 @@ pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
 /// Finds the files of a series in `folder`, to which its path is relative.
 ///
 /// # Errors
-/// A list that cannot be read or is damaged, a file that is missing, or no file at all.
+/// A list cannot be read or is damaged, a file is missing, or there is no file at all.
 pub fn read_series(folder: &Path, path: &Path) -> Result<DataSeries> {
     let full = folder.join(path);
     let steps = match (Pattern::of(path), extension(path).as_str()) {
@@ -93,7 +93,7 @@ pub fn read_series(folder: &Path, path: &Path) -> Result<DataSeries> {
 /// The name and the time of each step.
 type NamedSteps = Vec<(String, f64)>;
 
-/// The steps, if their times ascend and their files exist.
+/// Returns the steps if their times ascend and their files exist.
 fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
     if steps.is_empty() {
         return Err(FileFault::new("it has no time steps", "at least one file"));
@@ -131,16 +131,16 @@ fn check_times(steps: &NamedSteps) -> Result<()> {
     Ok(())
 }
 
-/// The name of files with a number in it: `step_%04d.vtu`.
+/// A file name with a placeholder for a number: `step_%04d.vtu`.
 struct Pattern {
     before: String,
-    /// Least number of digits.
+    /// Minimum number of digits.
     width: usize,
     after: String,
 }
 
 impl Pattern {
-    /// The pattern in the last part of a path; `None` if it has none.
+    /// Parses the pattern in the last part of a path; `None` if it has none.
     fn of(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let (before, rest) = name.split_once('%')?;
@@ -156,7 +156,7 @@ impl Pattern {
         })
     }
 
-    /// The number in a file's name; `None` if it does not match.
+    /// Returns the number in a file's name; `None` if it does not match.
     fn number_in(&self, name: &str) -> Option<u64> {
         let digits = name.strip_prefix(&self.before)?.strip_suffix(&self.after)?;
         let is_number = digits.bytes().all(|digit| digit.is_ascii_digit());
@@ -175,7 +175,7 @@ impl Pattern {
         format!("{before}{number:0width$}{after}")
     }
 
-    /// The files that match, by their numbers, which are their times.
+    /// Returns the files that match, by their numbers, which are their times.
     fn steps(&self, path: &Path) -> Result<NamedSteps> {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
         let mut numbers = Vec::new();
@@ -197,8 +197,8 @@ impl Pattern {
         Ok(numbers.into_iter().map(named).collect())
     }
 
-    /// Checks that consecutive numbers are the same distance apart, as those of a simulation
-    /// that writes each tenth step.
+    /// Checks that consecutive numbers differ by the same amount, such as 10 for a simulation that
+    /// writes every tenth step.
     fn refuse_gaps(&self, numbers: &[u64]) -> Result<()> {
         let gaps = numbers.windows(2).map(|pair| pair[1] - pair[0]);
         let Some(stride) = gaps.min() else {

@@ -19,7 +19,7 @@ use base::text::did_you_mean;
 /// The spheres of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
-    /// The point of the object's space that is the origin of all coordinates.
+    /// The point in object space that is the origin of all coordinates.
     pub origin: DVec3,
     /// The spheres, at least one.
     pub spheres: Vec<Sphere>,
@@ -30,7 +30,7 @@ pub struct Spheres {
 }
 
 impl Spheres {
-    /// Their memory in bytes.
+    /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let n_color_bytes = self
             .colors
@@ -44,8 +44,8 @@ impl Spheres {
     }
 }
 
-/// Reads a table. `radius` is that of all spheres, which a column of radii replaces, or a
-/// column with a factor; `array` is the column of the numbers.
+/// Reads a table. `radius` applies to all spheres unless there is a column of radii, or is a column
+/// with a factor; `array` is the column of numbers.
 pub(super) fn read(
     file: GeometryFileReader,
     radius: Option<&RadiusChoice>,
@@ -55,7 +55,7 @@ pub(super) fn read(
     let header = table.byte_headers().map_err(of_table)?;
     let columns = Columns::of(header, "color", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
-    // The colors of an array take the place of those of the table.
+    // The colors of an array replace those of the table.
     let color_column = columns.extra.filter(|_| array.is_none());
     let mut found = Spheres {
         colors: color_column.map(|_| Vec::new()),
@@ -90,8 +90,7 @@ pub(super) fn read(
     })
 }
 
-/// The positions of a table's columns of points with radii, of one more column and of that of
-/// the numbers.
+/// The positions of a table's columns for points and radii, for one more column, and for numbers.
 pub(super) struct Columns {
     center: [usize; 3],
     radius: Radius,
@@ -106,9 +105,9 @@ enum Radius {
 }
 
 impl Columns {
-    /// Reads the table's first line, in which there may be a column named `extra` and columns
-    /// of other names. `radius` is that of all points if there is no column of radii, or the
-    /// column of radii; `array` is the column of the numbers.
+    /// Parses the table's first line, which may have a column named `extra` and columns of other
+    /// names. `radius` applies to all points unless there is a column of radii, or is the column of
+    /// radii; `array` is the column of numbers.
     pub(super) fn of(
         header: &ByteRecord,
         extra: &str,
@@ -151,7 +150,7 @@ impl Columns {
         })
     }
 
-    /// The point of a row and its radius.
+    /// Parses the point of a row and its radius.
     pub(super) fn sphere(&self, row: &ByteRecord) -> Result<(DVec3, f32)> {
         let [x, y, z] = self.center.map(|column| number(word(row, column)));
         let radius = match self.radius {
@@ -165,8 +164,8 @@ impl Columns {
         Ok((point([x?, y?, z?])?, radius))
     }
 
-    /// The number of a row in the column of numbers: NaN where it is empty, or where there is
-    /// no such column.
+    /// Parses the number of a row in the column of numbers: NaN if it is empty, or if there is no
+    /// such column.
     pub(super) fn number(&self, row: &ByteRecord) -> Result<f32> {
         let word = self.number.map_or("", |column| word(row, column));
         if word.is_empty() {
@@ -177,7 +176,7 @@ impl Columns {
     }
 }
 
-/// The column of an array.
+/// Returns the column of an array.
 fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
     let name = cut(&array.name);
     if array.is_color || array.of == Some(ArrayOf::Cells) || array.component > Some(0) {
@@ -199,10 +198,10 @@ fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
     })
 }
 
-/// Most names of columns in a message.
+/// Maximum number of names of columns in a message.
 const MAX_LISTED: usize = 8;
 
-/// Whether a name is another one with a letter too many or too few, or in another case.
+/// Returns true if two names differ only by one missing or extra letter, or in case.
 fn is_nearly(name: &str, other: &str) -> bool {
     let is_longer_by_one = name.len().abs_diff(other.len()) == 1;
     name.eq_ignore_ascii_case(other)

@@ -1,10 +1,9 @@
 //! STL: triangles without shared vertices, as text or binary.
 //!
-//! The format is that of 3D Systems' StereoLithography Interface Specification (1989). A
-//! binary file begins with 80 bytes of any kind, often `solid` as a text does: what distinguishes
-//! them is the length, which the number of triangles determines. Equal vertices
-//! become one, so that normals can be smooth; the normals of the file are those of its
-//! triangles, which follow from the vertices.
+//! The format is that of 3D Systems' StereoLithography Interface Specification (1989). A binary
+//! file begins with 80 arbitrary bytes, often `solid` as in a text: the two are distinguished by
+//! the length, which the number of triangles determines. Equal vertices are merged, so that normals
+//! can be smooth; the normals in the file are ignored, since they follow from the vertices.
 
 use std::collections::HashMap;
 use std::io::{BufRead, Cursor, Read};
@@ -67,15 +66,15 @@ fn read_binary(mut file: GeometryFileReader, n_triangles: u32) -> Result<Mesh> {
     soup.finish()
 }
 
-/// The statements of a text in the order of a triangle.
+/// The position within the statements of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Within {
-    /// Nothing.
+    /// Outside of any statement.
     File,
     Solid,
     Facet,
     Loop,
-    /// A facet whose loop has ended.
+    /// In a facet whose loop has ended.
     ClosedFacet,
 }
 
@@ -95,13 +94,13 @@ fn read_text<R: BufRead>(mut lines: Lines<R>) -> Result<Mesh> {
 /// The triangles so far.
 #[derive(Default)]
 struct Soup {
-    /// The corners of all triangles, and of the one that is read.
+    /// The corners of all triangles, including the current one.
     corners: Vec<DVec3>,
     n_triangles: usize,
 }
 
 impl Soup {
-    /// Ends the triangle that is read.
+    /// Completes the current triangle.
     fn close(&mut self) -> Result<()> {
         let n = self.corners.len() - 3 * self.n_triangles;
         if n != 3 {
@@ -112,12 +111,12 @@ impl Soup {
         Ok(())
     }
 
-    /// The mesh of all triangles, in which corners at the same place are one vertex.
+    /// Returns the mesh of all triangles, with corners at the same position merged into one vertex.
     fn finish(self) -> Result<Mesh> {
         let Located { origin, geometry } = located_points(&self.corners);
         drop(self.corners);
         let mut vertices: Vec<Vec3> = Vec::new();
-        // The vertices by the bits of their coordinates.
+        // Vertices by the bits of their coordinates.
         let mut known = HashMap::new();
         let mut vertex_at = |corner: Vec3| -> Result<u32> {
             // Adding 0 turns -0 into 0.
@@ -140,7 +139,7 @@ impl Soup {
         })
     }
 
-    /// Parses one line of a text, of the form that the specification shows.
+    /// Parses one line of a text in the form that the specification shows.
     fn statement(&mut self, line: &str, within: Within) -> Result<Within> {
         let mut words = line.split_ascii_whitespace();
         let Some(keyword) = words.next() else {
@@ -152,7 +151,7 @@ impl Soup {
             (Within::Solid, "endsolid") => return Ok(Within::File),
             (Within::Solid, "facet") => {
                 expect(words.next(), "normal")?;
-                // Its value follows from the vertices.
+                // The value is ignored: it follows from the vertices.
                 vector_or_nan(&mut words)?;
                 Within::Facet
             }
@@ -185,7 +184,7 @@ impl Soup {
 }
 
 impl Within {
-    /// The statements that may come next.
+    /// Describes the statements that may come next.
     fn expected(self) -> &'static str {
         match self {
             Self::File => "`solid`",
@@ -207,7 +206,7 @@ fn expect(found: Option<&str>, keyword: &str) -> Result<()> {
     }
 }
 
-/// Skips three numbers: the normal of a triangle without area may be none.
+/// Skips three numbers, possibly NaN: the normal of a triangle without area is undefined.
 fn vector_or_nan<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<()> {
     for _ in 0..3 {
         let word = words.next().unwrap_or_default();

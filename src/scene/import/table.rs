@@ -7,30 +7,30 @@ use csv::{ByteRecord, ErrorKind};
 use super::fault::cut;
 use super::{FileFault, FileLocation, Result};
 
-/// One field of a row, all of which are as long as the header.
+/// Returns one field of a row; every row has as many fields as the header.
 pub(super) fn word(row: &ByteRecord, column: usize) -> &str {
     str::from_utf8(&row[column]).unwrap_or("\u{fffd}")
 }
 
-/// The number that a word stands for.
+/// Parses a word as a number.
 pub(super) fn number<T: FromStr>(word: &str) -> Result<T> {
     word.parse()
         .map_err(|_| FileFault::new(format!("`{}` is not a number", cut(word)), "a number"))
 }
 
-/// The fault of a name that two columns have.
+/// Creates the fault of a name that two columns have.
 pub(super) fn named_twice(name: &str) -> FileFault {
     let problem = format!("two columns are named `{}`", cut(name));
     FileFault::new(problem, "different names")
 }
 
-/// The fault of a column that is not there, with a first line that has it.
+/// Creates the fault of a missing column, with an example of a first line that has it.
 pub(super) fn missing_column(name: &str, header: &str) -> FileFault {
     let problem = format!("there is no column `{name}`");
     FileFault::new(problem, format!("a first line such as `{header}`"))
 }
 
-/// The fault of a table that cannot be read.
+/// Creates the fault of a table that cannot be read.
 pub(super) fn of_table(error: csv::Error) -> FileFault {
     let line = error
         .position()

@@ -13,21 +13,21 @@ use crate::geometry::{Aabb, Capsule, Sphere, origin_near};
 /// The tubes of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tubes {
-    /// The point of the object's space that is the origin of all coordinates.
+    /// The point in object space that is the origin of all coordinates.
     pub origin: DVec3,
     /// The points of all lines, each as the sphere that the tube touches there.
     points: Vec<Sphere>,
-    /// The segments between points that differ: indices of `points`.
+    /// The segments between distinct points, as indices of `points`.
     segments: Vec<[u32; 2]>,
     /// The numbers of an array at the two ends of each segment, if one was read; NaN for
     /// missing ones.
     pub scalars: Option<Vec<[f32; 2]>>,
-    /// The names of the arrays of the file that may give colors, those of points first.
+    /// The names of the arrays of the file that may give colors, point arrays first.
     pub arrays: Vec<String>,
 }
 
 impl Tubes {
-    /// No tubes yet, with or without the numbers of an array.
+    /// Creates an empty set of tubes, with or without the numbers of an array.
     pub(super) fn with_scalars(has_scalars: bool) -> Self {
         Self {
             scalars: has_scalars.then(Vec::new),
@@ -35,18 +35,18 @@ impl Tubes {
         }
     }
 
-    /// The tube through these points.
+    /// Creates the tube through these points.
     ///
     /// # Errors
-    /// All points are the same.
+    /// All points are equal.
     pub fn of_line(points: impl IntoIterator<Item = Sphere>) -> Result<Self> {
         let mut tubes = Self::default();
         tubes.add_line(points.into_iter().map(|point| (point, 0.0)))?;
         tubes.at_least_one()
     }
 
-    /// Adds the tube through points with a number each. It leaves out points that are equal
-    /// to the one before.
+    /// Adds the tube through points with a number each. Leaves out points that are equal to the one
+    /// before.
     pub(super) fn add_line(&mut self, points: impl Iterator<Item = (Sphere, f32)>) -> Result<()> {
         let mut before: Option<(Sphere, f32)> = None;
         for (point, number) in points {
@@ -67,12 +67,12 @@ impl Tubes {
         Ok(())
     }
 
-    /// The same tubes around another origin.
+    /// Returns the same tubes around another origin.
     pub fn at(self, origin: DVec3) -> Self {
         Self { origin, ..self }
     }
 
-    /// Whether it has no segment.
+    /// Returns true if there are no segments.
     pub(super) fn is_empty(&self) -> bool {
         self.segments.is_empty()
     }
@@ -89,12 +89,12 @@ impl Tubes {
         Ok(self)
     }
 
-    /// The smallest box around all points.
+    /// Returns the smallest box around all points.
     pub fn bounds(&self) -> Aabb {
         Aabb::of_points(self.points.iter().map(|point| point.center))
     }
 
-    /// The segments.
+    /// Returns the segments.
     pub fn capsules(&self) -> impl ExactSizeIterator<Item = Capsule> + '_ {
         self.segments.iter().map(|segment| {
             let [from, to] = segment.map(|point| self.points[point as usize]);
@@ -102,16 +102,16 @@ impl Tubes {
         })
     }
 
-    /// Their memory in bytes.
+    /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let of_scalars = self.scalars.as_deref().map_or(0, size_of_val);
         (size_of_val(&self.points[..]) + size_of_val(&self.segments[..]) + of_scalars) as u64
     }
 }
 
-/// Reads a table: a line goes through the points of consecutive rows with the same number or
-/// name in the column `line`. `radius` is that of all points, which a column of radii replaces,
-/// or a column with a factor; `array` is the column of the numbers.
+/// Reads a table: a line goes through the points of consecutive rows with the same number or name
+/// in the column `line`. `radius` applies to all points unless there is a column of radii, or is a
+/// column with a factor; `array` is the column of numbers.
 pub(super) fn read(
     file: GeometryFileReader,
     radius: Option<&RadiusChoice>,
@@ -121,7 +121,8 @@ pub(super) fn read(
     let header = table.byte_headers().map_err(of_table)?;
     let columns = Columns::of(header, "line", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
-    // Of each row the index of the first point of its line, the center, the radius and the number.
+    // For each row: the index of the first point of its line, the center, the radius and the
+    // number.
     let mut points: Vec<(usize, DVec3, f32, f32)> = Vec::new();
     let (mut line, mut name) = (0, Vec::new());
     let mut row = ByteRecord::new();

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-/// The default of a light's `color`.
+/// Returns the default of a light's `color`.
 pub(super) fn white() -> Vec3 {
     Vec3::ONE
 }
 
-/// The default of a light's `intensity`.
+/// Returns the default of a light's `intensity`.
 pub(super) fn one() -> f32 {
     1.0
 }

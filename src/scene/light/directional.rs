@@ -19,11 +19,11 @@ use math::simd::{Real, Vector};
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
-    /// The direction in which its light travels, a unit vector; the file may give
-    /// any length but zero.
+    /// The direction in which the light travels, a unit vector; the file may give any length but
+    /// zero.
     #[serde(deserialize_with = "yaml::direction")]
     pub direction: Vec3,
-    /// Its color, each channel at least 0; white by default.
+    /// The color, each channel at least 0; white by default.
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.

@@ -16,12 +16,12 @@ pub enum Falloff {
     None,
     /// 1 / d: weaker than in nature.
     Inverse,
-    /// 1 / d²: that of a point light in nature.
+    /// 1 / d², as for a point light in nature.
     InverseSquare,
 }
 
 impl Falloff {
-    /// The power of a length by which it divides an intensity.
+    /// Returns the exponent of the length that divides an intensity.
     pub(super) fn power(self) -> i32 {
         match self {
             Self::None => 0,
@@ -30,7 +30,7 @@ impl Falloff {
         }
     }
 
-    /// The factor at a distance, greater than 0.
+    /// Returns the factor at a distance, which must be greater than 0.
     #[inline(always)]
     pub fn factor<R: Real>(self, distance: R) -> R {
         let (one, least) = (distance.splat(1.0), distance.splat(f32::MIN_POSITIVE));

@@ -2,7 +2,7 @@
 
 use math::simd::Vector;
 
-/// The greatest radiance of a light: products with what highlights reflect stay finite.
+/// Maximum radiance of a light, so that products with highlights stay finite.
 pub(super) const MAX_RADIANCE: f32 = 1e20;
 
 /// The light that arrives at a point, or at one point per lane, from one light,
@@ -11,12 +11,11 @@ pub(super) const MAX_RADIANCE: f32 = 1e20;
 pub struct Illumination<R> {
     /// From the point to the light, a unit vector.
     pub direction: Vector<R>,
-    /// Distance to the light; infinite for a directional one.
+    /// Distance to the light; infinite for a directional light.
     pub distance: R,
-    /// The radiance that arrives, each channel at least 0: that of a white diffuse
-    /// surface which faces the light.
+    /// The radiance of a white diffuse surface that faces the light, each channel at least 0.
     pub radiance: Vector<R>,
-    /// The density with which the direction was chosen, per steradian; infinite for a
-    /// light that has one direction from each point.
+    /// The probability density of the direction, per steradian; infinite for a light with one
+    /// direction from each point.
     pub density: R,
 }

@@ -36,21 +36,21 @@ macro_rules! lights {
         }
 
         impl Light {
-            /// Its position, if it has one.
+            /// Returns the position if there is one.
             pub fn position(&self) -> Option<Vec3> {
                 match self {
                     $(Self::$kind(light) => light.position(),)*
                 }
             }
 
-            /// The light, which is in world space, in render space.
+            /// Converts the light from world space to render space.
             pub fn in_space(&self, space: &RenderSpace) -> Self {
                 match self {
                     $(Self::$kind(light) => Self::$kind(light.in_space(space)),)*
                 }
             }
 
-            /// The light that arrives at `point` unless it is occluded.
+            /// Returns the light that arrives at `point` unless it is occluded.
             #[inline(always)]
             pub fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
                 match self {

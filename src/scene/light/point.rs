@@ -20,16 +20,16 @@ use math::simd::{Real, Vector};
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
-    /// Its position.
+    /// The position.
     #[serde(deserialize_with = "yaml::point")]
     pub position: DVec3,
-    /// Its color, each channel at least 0; white by default.
+    /// The color, each channel at least 0; white by default.
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
     #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
     pub intensity: f32,
-    /// Its falloff with the distance; none by default.
+    /// The falloff with the distance; none by default.
     #[serde(default)]
     pub falloff: Falloff,
 }

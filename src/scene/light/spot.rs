@@ -33,7 +33,7 @@ pub struct SpotLight {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpotKeys {
-    /// Its position.
+    /// The position.
     #[serde(deserialize_with = "yaml::point")]
     position: DVec3,
     /// A point in the middle of the cone.
@@ -45,18 +45,18 @@ struct SpotKeys {
     /// The outer fraction of the angle, in which the light fades, 0 to 1; 0.1 by default.
     #[serde(deserialize_with = "yaml::fraction", default = "soft_edge")]
     soft_edge: f32,
-    /// Its color, each channel at least 0; white by default.
+    /// The color, each channel at least 0; white by default.
     #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
     color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
     #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
     intensity: f32,
-    /// Its falloff with the distance; none by default.
+    /// The falloff with the distance; none by default.
     #[serde(default)]
     falloff: Falloff,
 }
 
-/// The whole angle of a cone.
+/// Returns the whole angle of a cone.
 fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     let number = Number {
         expected: "an angle greater than 0 and at most 180",
@@ -104,8 +104,7 @@ impl SpotLight {
         }
     }
 
-    /// At the edge the light fades along the cubic that is smooth at both ends, in the
-    /// cosine of the angle.
+    /// At the edge, the light fades by a smoothstep in the cosine of the angle.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         let light = self.light.illuminate(point);

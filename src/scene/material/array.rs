@@ -42,22 +42,22 @@ use math::simd::{Real, Vector};
     expecting = "an array such as { name: temperature }"
 )]
 pub struct ArrayTexture {
-    /// The numbers.
+    /// The choice of the array.
     pub choice: ArrayChoice,
     /// The colors.
     pub map: Palette,
     /// The numbers of the first and the last color.
     pub range: ArrayRange,
-    /// How numbers between them become colors.
+    /// The scale between these numbers.
     pub scale: ArrayScale,
     /// The color of numbers that are NaN.
     pub nan_color: Vec3,
-    /// The title of the color bar in the picture, if it has one.
+    /// The title of the color bar in the picture, if there is one.
     pub bar: Option<String>,
-    /// The labels of the categories 0, 1 and so on in the color bar; the others have their
+    /// The labels of the categories 0, 1 and so on in the color bar; other categories show their
     /// numbers.
     pub labels: Vec<String>,
-    /// The colors by numbers; none until the array is read.
+    /// The colors by number; empty until the array is read.
     pub table: Arc<ColorTable>,
 }
 
@@ -70,11 +70,11 @@ struct ArrayKeys {
     /// The name of the array in the file.
     #[serde(deserialize_with = "yaml::name")]
     name: String,
-    /// The component of vectors, of which the first is 0; their magnitude by default.
+    /// The component of a vector array, counted from 0; the magnitude by default.
     #[serde(default, deserialize_with = "component")]
     component: Option<u32>,
-    /// Whether the array is one of points or of cells; by default the one that there is,
-    /// and that of points if there are both.
+    /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
+    /// if it has both.
     #[serde(default)]
     of: Option<ArrayKind>,
     /// The colors.
@@ -83,7 +83,7 @@ struct ArrayKeys {
     /// The numbers of the first and the last color.
     #[serde(default)]
     range: Option<ArrayRange>,
-    /// How numbers between them become colors.
+    /// The scale between these numbers.
     #[serde(default)]
     scale: Option<ArrayScale>,
     /// The color of numbers that are NaN; yellow by default.
@@ -92,7 +92,7 @@ struct ArrayKeys {
     /// The title of a color bar that is drawn onto `image.png`; without it there is none.
     #[serde(default, deserialize_with = "title")]
     bar: Option<String>,
-    /// The labels of the categories 0, 1 and so on in the color bar; the others have their
+    /// The labels of the categories 0, 1 and so on in the color bar; other categories show their
     /// numbers.
     #[serde(default)]
     labels: Vec<CategoryLabel>,
@@ -102,13 +102,13 @@ struct ArrayKeys {
 #[serde(transparent)]
 struct CategoryLabel(#[serde(deserialize_with = "yaml::name")] String);
 
-/// What an array has values of.
+/// The elements that an array has values for.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
 pub(super) enum ArrayKind {
-    /// Of points: interpolated between them.
+    /// Points: interpolated between them.
     Points,
-    /// Of cells: the same everywhere on a cell.
+    /// Cells: constant on each cell.
     Cells,
 }
 
@@ -124,12 +124,12 @@ impl From<ArrayKind> for ArrayOf {
 /// The numbers of the first and the last color of a map.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum ArrayRange {
-    /// The least and the greatest of all surfaces of the material.
+    /// The least and the greatest number on all surfaces of the material.
     #[default]
     Data,
-    /// The 1 % and the 99 % quantiles of them, so that a few do not hide the others.
+    /// The 1 % and the 99 % quantiles of these numbers, so that a few do not hide the others.
     Quantiles,
-    /// Given ones, ascending.
+    /// Given numbers, ascending.
     Given([f32; 2]),
 }
 
@@ -152,7 +152,7 @@ fn title<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
     yaml::name(d).map(Some)
 }
 
-/// The last component of an array that has many.
+/// The maximum index of a component.
 const MAX_COMPONENT: u32 = 255;
 
 fn yellow() -> Vec3 {
@@ -206,8 +206,8 @@ impl ArrayTexture {
         Vector { x, y, z }
     }
 
-    /// Makes the table of colors for the numbers on all surfaces of the material; `transfer`
-    /// is that of the picture, so that a surface in white light has the colors of the map.
+    /// Builds the table of colors for the numbers on all surfaces of the material; `transfer` is
+    /// the picture's, so that a surface in white light has the colors of the map.
     pub fn prepare(&mut self, numbers: &[f32], transfer: Transfer) {
         let [low, high] = self.ends(numbers);
         let (n_categories, n_bands) = (self.map.n_categories(), self.map.n_bands());
@@ -244,13 +244,13 @@ impl ArrayTexture {
         });
     }
 
-    /// The numbers of the first and the last color, the first below the last.
+    /// Returns the numbers of the first and the last color, in ascending order.
     fn ends(&self, numbers: &[f32]) -> [f32; 2] {
         if let ArrayRange::Given(ends) = self.range {
             return ends;
         }
         let [low, high] = self.shown_ends(numbers).unwrap_or([1.0; 2]);
-        // One number has the middle color.
+        // A single number has the middle color.
         match (low < high, self.scale) {
             (true, _) => [low, high],
             (false, ArrayScale::Log) => [low / 2.0, low * 2.0],
@@ -261,13 +261,12 @@ impl ArrayTexture {
         }
     }
 
-    /// Whether the colors depend on all numbers of the data.
+    /// Returns true if the colors depend on all numbers of the data.
     pub fn is_of_data(&self) -> bool {
         self.map.n_categories().is_none() && !matches!(self.range, ArrayRange::Given(_))
     }
 
-    /// Gives the array the range from the least to the greatest of these ends of several
-    /// lists of numbers, and returns it.
+    /// Sets the range to span these ends of several lists of numbers, and returns it.
     pub fn span(&mut self, ends: &[[f32; 2]]) -> [f32; 2] {
         self.range = ArrayRange::Data;
         let ends = self.ends(ends.as_flattened());
@@ -275,8 +274,8 @@ impl ArrayTexture {
         ends
     }
 
-    /// The least and the greatest of the numbers that have colors, or their quantiles;
-    /// `None` if none has.
+    /// Returns the least and the greatest of the numbers that have colors, or their quantiles;
+    /// `None` if none has a color.
     pub fn shown_ends(&self, numbers: &[f32]) -> Option<[f32; 2]> {
         let is_log = self.scale == ArrayScale::Log;
         let is_shown = |x: &f32| x.is_finite() && (!is_log || *x >= f32::MIN_POSITIVE);
@@ -294,7 +293,7 @@ impl ArrayTexture {
     }
 }
 
-/// The least [`MAX_LISTED`] categories among the numbers, in ascending order.
+/// Returns the least [`MAX_LISTED`] categories among the numbers, in ascending order.
 fn categories(numbers: &[f32]) -> Vec<i64> {
     let mut found = BTreeSet::new();
     for number in numbers.iter().filter(|number| number.is_finite()) {
@@ -305,7 +304,7 @@ fn categories(numbers: &[f32]) -> Vec<i64> {
     found.into_iter().collect()
 }
 
-/// Number of colors of a gradient: with 1024 the nearest one is within a level of 8 bits.
+/// Number of colors of a gradient: with 1024 the nearest one is within one 8-bit level.
 const N_COLORS: usize = 1024;
 
 impl<'de> Deserialize<'de> for ArrayRange {
@@ -352,7 +351,7 @@ mod tests {
         texture
     }
 
-    /// The color of a number, which the map has at this position.
+    /// Checks that a number has the map's color at this position.
     fn assert_shows(texture: &ArrayTexture, number: f32, position: f64) {
         let found = texture.table.values_at([number]);
         let expected = texture.map.at(position).map(|channel| channel as f32);

@@ -8,15 +8,7 @@ use crate::geometry::RenderSpace;
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// Cubes of two colors that fill space; squares or stripes where `axes` names
-/// fewer axes.
-///
-/// ```
-/// # use scene::material::Texture;
-/// let floor: Texture = scene::yaml::from_str("
-/// checker: { even: [1, 1, 1], odd: [0, 0, 0], size: 0.5, axes: xz }
-/// ").unwrap();
-/// ```
+/// Cubes of two colors that fill space; squares or stripes if `axes` names fewer axes.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
@@ -33,7 +25,7 @@ pub struct Checker {
     /// boundary of two cells in y needs `xz`: rounding would mix their colors.
     #[serde(default)]
     pub axes: Axes,
-    /// How coordinates are rounded to the indices of cells.
+    /// The rounding of coordinates to cell indices.
     #[serde(default)]
     pub rounding: Rounding,
     /// A corner of a cell of the first color.
@@ -56,7 +48,7 @@ pub enum Axes {
     Xyz,
 }
 
-/// How coordinates are rounded to the indices of cells.
+/// The rounding of coordinates to cell indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
 pub enum Rounding {
@@ -69,7 +61,7 @@ pub enum Rounding {
 }
 
 impl Checker {
-    /// The pattern, which is in world space, in render space.
+    /// Converts the pattern from world space to render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         let period = match self.rounding {
             Rounding::Floor => Some(2.0 * self.size),
@@ -87,14 +79,14 @@ impl Checker {
         let x = if on_x { self.cell(point.x) } else { zero };
         let y = if on_y { self.cell(point.y) } else { zero };
         let z = if on_z { self.cell(point.z) } else { zero };
-        // The parity of a float: exact up to 2^24, where all floats are even.
+        // The parity of a float: exact up to 2^24, above which all floats are even.
         let half = (x + y + z) * zero.splat(0.5);
         let is_even = half.equals(half.trunc());
         let [even, odd] = [self.even, self.odd];
         Vector::select(is_even, Vector::splat(zero, even), Vector::splat(zero, odd))
     }
 
-    /// The index of the cell that contains a coordinate.
+    /// Returns the index of the cell that contains a coordinate.
     #[inline(always)]
     fn cell<R: Real>(&self, coordinate: R) -> R {
         let cells = coordinate / coordinate.splat(self.size as f32);
@@ -106,7 +98,7 @@ impl Checker {
 }
 
 impl Axes {
-    /// Whether the colors alternate along x, y and z.
+    /// Returns true if the colors alternate along x, y and z.
     fn alternating(self) -> [bool; 3] {
         match self {
             Self::X => [true, false, false],

@@ -1,19 +1,19 @@
-//! Colors by numbers.
+//! Tables of colors by number.
 
 use math::simd::LookupTable;
 
-/// Most categories that a color bar lists.
+/// Maximum number of categories that a color bar lists.
 pub const MAX_LISTED: usize = 256;
 
-/// See the file's documentation.
+/// A table of colors by number; see the module's documentation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColorTable {
     /// The numbers of the first and the last color.
     pub ends: [f32; 2],
-    /// Whether there are numbers below the first and above the last.
+    /// True if there are numbers below the first, and above the last.
     pub clips: [bool; 2],
-    /// The categories among the numbers in ascending order, at most 256 of them;
-    /// none unless the colors are those of categories that a color bar lists.
+    /// The categories among the numbers in ascending order, at most 256 of them; empty unless a
+    /// color bar lists them.
     pub categories: Vec<i64>,
     pub(super) is_log: bool,
     pub(super) choice: ColorChoice,
@@ -22,15 +22,15 @@ pub struct ColorTable {
     pub(super) nan_color: [f32; 3],
 }
 
-/// Which color of a table a number has.
+/// The choice of a number's color in a table.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) enum ColorChoice {
-    /// The one at the nearest of the equally spaced positions from 0 to 1.
+    /// The color at the nearest of the equally spaced positions from 0 to 1.
     #[default]
     Nearest,
-    /// The color of the part of equal width.
+    /// The color of the interval of equal width.
     Band,
-    /// The color of the nearest whole number, in turn.
+    /// The color of the nearest whole number, modulo the number of colors.
     Category,
 }
 
@@ -53,14 +53,14 @@ impl LookupTable<1, 3> for ColorTable {
     }
 }
 
-/// The category of a number: the whole number nearest to it.
+/// Returns the category of a number: the whole number nearest to it.
 pub(super) fn category(number: f32) -> i64 {
     // The cast saturates.
     number.round() as i64
 }
 
 impl ColorTable {
-    /// The position of a number between the ends; from 0 to 1 if it is between them.
+    /// Returns the position of a number between the ends; from 0 to 1 if it is between them.
     fn position(&self, number: f64) -> f64 {
         let [low, high] = self.ends.map(f64::from);
         if self.is_log {

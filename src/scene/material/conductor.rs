@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::yaml::{self, Number};
 
-/// A smooth metal, which reflects what Fresnel's equations say and lets no light in.
+/// A smooth metal, which reflects light by Fresnel's equations and transmits none.
 ///
 /// ```
 /// # use scene::material::Conductor;
@@ -104,7 +104,7 @@ struct ConductorKeys {
     extinction: Vec3,
 }
 
-/// The constants of metals are less than 100 from the ultraviolet to the far infrared.
+/// Reads an optical constant. Metals' are less than 100 from the ultraviolet to the far infrared.
 fn optical_constant<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     let number = Number {
         expected: "a number from 0 to 1000",

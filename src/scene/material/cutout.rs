@@ -6,8 +6,8 @@ use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
 use crate::yaml;
 
-/// A picture that cuts holes into a surface, where its opacity is below a threshold. Rays
-/// go through them as if nothing were there.
+/// A picture that cuts holes into a surface, where its opacity is below a threshold. Rays pass
+/// through the holes.
 ///
 /// ```
 /// # use scene::material::Cutout;
@@ -34,7 +34,7 @@ fn half() -> f32 {
 }
 
 impl Cutout {
-    /// Whether there is a hole at a point.
+    /// Returns true if there is a hole at a point.
     pub fn is_hole(&self, point: &TexturePoint<f32>) -> bool {
         let [red, green, blue, opacity] = self.image.values_at(point);
         let opacity = if self.image.picture.is_opaque() {

@@ -19,15 +19,15 @@ use crate::yaml::{self, Number};
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a medium such as { index: 1.5 }")]
 pub struct Dielectric {
-    /// The index of refraction, that of the vacuum being 1; from 1 to 10.
+    /// The index of refraction, from 1 (vacuum) to 10.
     #[serde(deserialize_with = "index")]
     pub index: f32,
     /// The absorption coefficient of each channel per world unit, at least 0: light is
     /// weakened by `exp(-absorption * distance)`, the law of Beer and Lambert.
     #[serde(deserialize_with = "yaml::radiance", default)]
     pub absorption: Vec3,
-    /// Where media overlap, the one with the highest priority counts; of equal ones the
-    /// one that the ray entered last.
+    /// Where media overlap, the one with the highest priority counts; of equal ones the one that
+    /// the ray entered last.
     #[serde(deserialize_with = "priority", default)]
     pub priority: u8,
 }

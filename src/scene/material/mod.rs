@@ -62,8 +62,7 @@ use math::simd::{Real, Vector};
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
-    /// The color of its diffuse reflection; white by default, if it is a medium or a
-    /// metal.
+    /// The color of the diffuse reflection; white by default for a medium or a metal.
     pub color: Texture,
     /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a
     /// metal.
@@ -74,8 +73,8 @@ pub struct Material {
     pub specular: f32,
     /// Exponent of the highlight, at least 0; 50 by default.
     pub exponent: f32,
-    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a
-    /// medium or a metal, which reflect what Fresnel's equations say.
+    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
+    /// metal, which reflect light by Fresnel's equations.
     pub reflection: f32,
     /// The medium inside of the surface, if light enters it.
     pub dielectric: Option<Dielectric>,
@@ -85,30 +84,29 @@ pub struct Material {
     pub principled: Option<Principled>,
     /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
     pub roughness: f32,
-    /// Whether light counts that microscopic facets reflect onto each other, in path
-    /// tracing; true by default.
+    /// If true, light that microscopic facets reflect onto each other counts, in path tracing; true
+    /// by default.
     pub multiple_scattering: bool,
-    /// Its microscopic facets in path tracing, unless it is smooth: none before
+    /// The microscopic facets in path tracing; `None` for a smooth surface, and before
     /// [`roughen`](Self::roughen).
     pub rough: Option<Arc<RoughSurface>>,
     /// The radiance that the surface emits, the same in all directions; none by default.
     pub emission: Vec3,
-    /// Whether both sides reflect and emit light, or only the outer one: the side of the
-    /// shape's own normal. Both by default.
+    /// If true, both sides reflect and emit light; otherwise only the outer one, on the side of the
+    /// shape's own normal. True by default.
     pub two_sided: bool,
-    /// The bumps and dents of the surface, if it has any.
+    /// The bumps and dents of the surface, if there are any.
     pub normal_map: Option<NormalMap>,
-    /// The holes in the surface, if it has any.
+    /// The holes in the surface, if there are any.
     pub cutout: Option<Cutout>,
-    /// The pictures of its roughness, its share of metal and its light: those that a mesh file
-    /// gives it.
+    /// The pictures of roughness, metallicness and emission from a mesh file.
     pub factors: FactorPictures,
-    /// How the particles scatter light, if it is not a surface but fog.
+    /// The phase function of the particles, for fog instead of a surface.
     pub particles: Option<HenyeyGreenstein>,
 }
 
 impl Material {
-    /// Particles of fog, with these colors.
+    /// Creates the particles of fog with these colors.
     pub fn of_particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
         Self {
             ambient: 0.0,
@@ -119,7 +117,7 @@ impl Material {
         }
     }
 
-    /// A matte surface: all keys but its color as by default.
+    /// Creates a matte surface: all keys but the color at their defaults.
     fn matte(color: Texture) -> Self {
         Self {
             color,
@@ -143,7 +141,7 @@ impl Material {
         }
     }
 
-    /// The material, whose lengths are those of world space, in render space.
+    /// Converts the material's lengths from world space to render space.
     pub fn in_space(mut self, space: &RenderSpace) -> Self {
         if let Texture::Checker(checker) = &mut self.color {
             checker.in_space(space);
@@ -156,19 +154,19 @@ impl Material {
         self
     }
 
-    /// Whether it emits light.
+    /// Returns true if it emits light.
     #[inline]
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
     }
 
-    /// Whether it mirrors.
+    /// Returns true if it mirrors.
     #[inline]
     pub fn mirrors(&self) -> bool {
         self.reflection > 0.0 || self.conductor.is_some()
     }
 
-    /// Whether it reflects or refracts anything.
+    /// Returns true if it reflects or refracts anything.
     #[inline]
     pub fn scatters(&self) -> bool {
         self.is_lit() || self.mirrors() || self.dielectric.is_some()
@@ -202,7 +200,7 @@ impl Material {
         });
     }
 
-    /// Its pictures, each with the keys that lead to it.
+    /// Returns the pictures, each with the keys that lead to it.
     pub fn images(&self) -> impl Iterator<Item = (&'static [&'static str], &ImageTexture)> {
         let color = self.color.image();
         let normals = self.normal_map.as_ref().map(|map| &map.image);
@@ -215,7 +213,7 @@ impl Material {
         color.into_iter().chain(normals).chain(holes).chain(factors)
     }
 
-    /// Its pictures.
+    /// Returns the pictures.
     pub fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
         let normals = self.normal_map.as_mut().map(|map| &mut map.image);
         let holes = self.cutout.as_mut().map(|cutout| &mut cutout.image);
@@ -226,8 +224,7 @@ impl Material {
             .chain(self.factors.images_mut())
     }
 
-    /// The normal for the shading of a point, a unit vector on the side of the geometric
-    /// one.
+    /// Returns the shading normal of a point, a unit vector on the side of the geometric normal.
     #[inline(always)]
     pub fn normal_at<R: Real>(
         &self,
@@ -240,17 +237,17 @@ impl Material {
         }
     }
 
-    /// Whether it has a picture.
+    /// Returns true if it has a picture.
     pub fn has_images(&self) -> bool {
         self.images().next().is_some()
     }
 
-    /// Whether it has a picture that lies on a surface by its texture coordinates.
+    /// Returns true if it has a picture that is mapped by texture coordinates.
     pub fn needs_uvs(&self) -> bool {
         self.images().any(|(_, image)| image.mapping == Mapping::Uv)
     }
 
-    /// Whether it reflects light that arrives directly from a light.
+    /// Returns true if it reflects light that arrives directly from a light.
     #[inline]
     pub fn is_lit(&self) -> bool {
         let is_special = self.dielectric.is_some() || self.conductor.is_some() || self.emits();

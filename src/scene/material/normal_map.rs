@@ -1,4 +1,4 @@
-//! Bumps and dents as normals in a picture.
+//! Bumps and dents as a picture of normals.
 
 use serde::Deserialize;
 
@@ -8,9 +8,9 @@ use crate::color::Transfer;
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// A picture whose red, green and blue are the coordinates of unit vectors, from -1 at 0 to
-/// 1 at the greatest number: to the right in the picture, upward in it (as in OpenGL), and
-/// away from the surface. They take the place of the surface's own normal in shading.
+/// A picture whose red, green and blue are the coordinates of unit vectors, from -1 at 0 to 1 at
+/// the greatest number: to the right in the picture, upward in it (as in OpenGL), and away from the
+/// surface. They replace the surface's own normal in shading.
 ///
 /// ```
 /// # use scene::material::NormalMap;
@@ -22,7 +22,7 @@ use math::simd::{Real, Vector};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(from = "NormalMapKeys")]
 pub struct NormalMap {
-    /// The picture. Its numbers are linear unless it says otherwise.
+    /// The picture. Its numbers are linear unless specified otherwise.
     pub image: ImageTexture,
     /// The factor of the bumps' slopes, at least 0.
     pub strength: f32,
@@ -56,8 +56,8 @@ impl From<NormalMapKeys> for NormalMap {
 }
 
 impl NormalMap {
-    /// The unit normal at a point; the point's own where that of the picture would not be
-    /// on the side of the geometric one.
+    /// Returns the unit normal at a point; the point's own normal if the picture's would be on the
+    /// other side of the geometric one.
     #[inline(always)]
     pub(super) fn normal_at<R: Real>(
         &self,

@@ -17,19 +17,18 @@ use crate::import::{Finish, MeshMaterial, MeshPicture};
 pub enum MaterialDetail {
     /// Its color and its highlight.
     Surface,
-    /// Also light that goes through it, holes, and light that it emits; metals as mirrors of
-    /// their color.
+    /// Also transmitted light, holes, and emitted light; metals as mirrors of their color.
     Light,
-    /// All, with the roughness of its facets.
+    /// All, with the roughness of the facets.
     Facets,
 }
 
-/// The least share of light that goes through a surface of a medium, where there is no
-/// share between all and nothing.
+/// The least transmitted share of light for a medium, in shading models where a surface transmits
+/// all light or none.
 const MOSTLY: f32 = 0.5;
 
 impl Material {
-    /// The material of a mesh file.
+    /// Converts the material of a mesh file.
     pub fn of_mesh(of: &MeshMaterial, detail: MaterialDetail) -> Self {
         let mut made = Self::matte(color_of(of));
         made.normal_map = of.normal_map.as_ref().map(|(picture, strength)| NormalMap {
@@ -99,7 +98,7 @@ impl Material {
                 metallic,
                 roughness,
             } => {
-                // The highlight that path tracing makes of these facets.
+                // The highlight that path tracing produces for these facets.
                 let alpha = (roughness * roughness).max(0.05);
                 self.exponent = 2.0 / (alpha * alpha) - 2.0;
                 self.specular = (0.2 + 0.5 * metallic) * (1.0 - roughness);
@@ -116,7 +115,7 @@ impl Material {
     }
 }
 
-/// The share of metal and the roughness of a finish: those whose highlight is as wide.
+/// Returns the metallicness and the roughness that give a highlight as wide as the finish's.
 fn facets(finish: Finish) -> (f32, f32) {
     match finish {
         Finish::Facets {
@@ -131,7 +130,7 @@ fn color_of(of: &MeshMaterial) -> Texture {
     let image = of.picture.as_ref().map(image);
     match (of.has_vertex_colors, image) {
         (true, image) => Texture::VertexColors(VertexColors {
-            // That of a picture is multiplied by the color already.
+            // A picture is already multiplied by the color.
             tint: image.as_ref().map_or(of.color, |_| Vec3::ONE),
             image: image.map(Box::new),
             array: None,

@@ -6,39 +6,38 @@ use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
 use math::simd::{Real, Vector};
 
-/// The pictures of a material's properties, which the material has one number of each.
+/// The pictures of a material's properties, each multiplied by the material's number.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FactorPictures {
     /// The factor of the emitted light.
     pub emission: Option<ImageTexture>,
-    /// The factors of the roughness, in green, and of the share of metal, in blue, as in glTF.
+    /// The factors of the roughness, in green, and of the metallicness, in blue, as in glTF.
     pub facets: Option<ImageTexture>,
 }
 
-/// What pictures say about a point, or about one per lane: factors of the properties of its
-/// material.
+/// The factors of a material's properties that pictures give at one point, or one per lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureFactors<R> {
-    /// Of the emitted light.
+    /// The factor of the emitted light.
     pub emission: Vector<R>,
-    /// Of the roughness, 0 to 1.
+    /// The factor of the roughness, 0 to 1.
     pub roughness: R,
-    /// Of the share of metal, 0 to 1.
+    /// The factor of the metallicness, 0 to 1.
     pub metallic: R,
 }
 
 impl FactorPictures {
-    /// Its pictures.
+    /// Returns the pictures.
     pub(super) fn images(&self) -> impl Iterator<Item = &ImageTexture> {
         self.emission.iter().chain(&self.facets)
     }
 
-    /// Its pictures.
+    /// Returns the pictures.
     pub(super) fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
         self.emission.iter_mut().chain(&mut self.facets)
     }
 
-    /// The factors at a point.
+    /// Returns the factors at a point.
     #[inline(always)]
     pub fn at<R: Real>(&self, point: &TexturePoint<R>) -> PictureFactors<R> {
         let mut found = PictureFactors::ones(point.width);
@@ -53,7 +52,7 @@ impl FactorPictures {
 }
 
 impl<R: Real> PictureFactors<R> {
-    /// The factors of a material without pictures.
+    /// Returns the factors of a material without pictures.
     #[inline(always)]
     pub fn ones(like: R) -> Self {
         let one = like.splat(1.0);

@@ -7,20 +7,8 @@ use super::dielectric::{Dielectric, index};
 use crate::yaml;
 use math::optics::{Ggx, Masking};
 
-/// How a surface of one color scatters light: as a metal, as a diffuse surface with a clear
-/// coat, as a clear medium, or in between. For path tracing.
-///
-/// ```
-/// # use scene::material::Principled;
-/// let plastic: Principled = scene::yaml::from_str("{ roughness: 0.3 }").unwrap();
-/// let frosted: Principled = scene::yaml::from_str("
-/// metallic: 0        # 0, no metal, to 1
-/// roughness: 0.4     # 0, polished, to 1
-/// transmission: 1    # 0, opaque, to 1, clear; not for metals
-/// index: 1.45        # of refraction, of the coat and of the medium
-/// ").unwrap();
-/// # assert_eq!((plastic.metallic, frosted.index), (0.0, 1.45));
-/// ```
+/// The scattering of a surface of one color: as a metal, as a diffuse surface with a clear coat, as
+/// a clear medium, or in between. For path tracing.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -52,7 +40,7 @@ fn glass() -> f32 {
 }
 
 impl Principled {
-    /// The medium behind the surface, if it lets light through.
+    /// Returns the medium inside the surface, if the surface transmits light.
     pub(super) fn medium(&self) -> Option<Dielectric> {
         (self.transmission > 0.0 && self.metallic < 1.0).then_some(Dielectric {
             index: self.index,
@@ -61,7 +49,7 @@ impl Principled {
         })
     }
 
-    /// The facets of the metal and of the coat, which are never quite smooth.
+    /// Returns the facets of the metal and of the coat, which are never perfectly smooth.
     pub fn facets(&self, masking: Masking) -> Ggx {
         Ggx::never_smooth(self.roughness, masking)
     }

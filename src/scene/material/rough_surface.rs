@@ -3,8 +3,7 @@
 use math::optics::{Albedo, AlbedoByRoughness, Ggx};
 use math::simd::Real;
 
-/// The facets of a surface, and how much light they return, if light that is reflected from
-/// facet to facet counts.
+/// The facets of a surface, and their albedos if light reflected between facets counts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughSurface {
     /// The facets.
@@ -13,12 +12,13 @@ pub struct RoughSurface {
     pub of_mirror: Option<Albedo>,
     /// The albedo of the surface of the medium with these facets.
     pub of_medium: Option<Albedo>,
-    /// The albedo of mirrors of each roughness, if that varies over the surface.
+    /// The albedo of mirrors of each roughness, if the roughness varies over the surface.
     pub by_roughness: Option<&'static AlbedoByRoughness>,
 }
 
 impl RoughSurface {
-    /// The surface of a material with these facets that loses light between them.
+    /// Creates the surface of a material with these facets, without the light reflected between
+    /// them.
     pub(super) fn losing(facets: Ggx) -> Self {
         Self {
             facets,
@@ -28,8 +28,8 @@ impl RoughSurface {
         }
     }
 
-    /// The surface of a material whose roughness varies, that loses no light. These are the
-    /// roughest facets.
+    /// Creates the surface of a material with varying roughness, including the light reflected
+    /// between facets; `facets` are the roughest ones.
     pub(super) fn varying(facets: Ggx) -> Self {
         Self {
             by_roughness: Some(AlbedoByRoughness::of_mirrors(facets.masking)),
@@ -37,7 +37,7 @@ impl RoughSurface {
         }
     }
 
-    /// The facets, in each lane.
+    /// Returns the facets, in each lane.
     #[inline(always)]
     pub fn facets<R: Real>(&self, like: R) -> Ggx<R> {
         Ggx {
@@ -46,8 +46,8 @@ impl RoughSurface {
         }
     }
 
-    /// The surface of a material with these facets, of a medium with an index of
-    /// refraction or of none, that loses no light.
+    /// Creates the surface of a material with these facets, including the light reflected between
+    /// them; `index` is the index of refraction, if it is a medium.
     pub(super) fn new(facets: Ggx, index: Option<f32>) -> Self {
         Self {
             facets,

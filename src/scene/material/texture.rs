@@ -14,7 +14,7 @@ macro_rules! textures {
     ($($(#[$doc:meta])* $kind:ident($file:ident::$texture:ident),)*) => {
         $(pub use super::$file::$texture;)*
 
-        /// A color for each point of a surface.
+        /// The color of each point of a surface.
         #[derive(Debug, Clone, PartialEq, Deserialize)]
         #[serde(from = "ColorOr<TexturePattern>")]
         pub enum Texture {
@@ -40,7 +40,7 @@ macro_rules! textures {
         }
 
         impl Texture {
-            /// The color at a point.
+            /// Returns the color at a point.
             #[inline(always)]
             pub fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
                 match self {
@@ -68,12 +68,12 @@ impl ColorPattern for TexturePattern {
 }
 
 impl Texture {
-    /// Whether it has the colors of vertices.
+    /// Returns true if the colors come from the vertices.
     pub fn is_of_vertices(&self) -> bool {
         matches!(self, Self::VertexColors(_))
     }
 
-    /// The array that is read for its colors, if there is one.
+    /// Returns the array that is read for the colors, if there is one.
     pub fn array_choice(&self) -> Option<&ArrayChoice> {
         match self {
             Self::Array(array) => Some(&array.choice),
@@ -82,7 +82,7 @@ impl Texture {
         }
     }
 
-    /// The array that gives its colors, if it is one.
+    /// Returns the array that gives the colors, if it is one.
     pub fn array(&self) -> Option<&ArrayTexture> {
         match self {
             Self::Array(array) => Some(array),
@@ -90,7 +90,7 @@ impl Texture {
         }
     }
 
-    /// The array that gives its colors, if it is one.
+    /// Returns the array that gives the colors, if it is one.
     pub fn array_mut(&mut self) -> Option<&mut ArrayTexture> {
         match self {
             Self::Array(array) => Some(array),
@@ -98,7 +98,7 @@ impl Texture {
         }
     }
 
-    /// Its picture, if it has one.
+    /// Returns the picture if there is one.
     pub fn image(&self) -> Option<&ImageTexture> {
         match self {
             Self::Image(image) => Some(image),
@@ -107,7 +107,7 @@ impl Texture {
         }
     }
 
-    /// Its picture, if it has one.
+    /// Returns the picture if there is one.
     pub fn image_mut(&mut self) -> Option<&mut ImageTexture> {
         match self {
             Self::Image(image) => Some(image),

@@ -1,4 +1,4 @@
-//! Where textures are looked up.
+//! The points at which textures are looked up.
 
 use glam::Vec3;
 
@@ -13,20 +13,20 @@ pub struct TexturePoint<R> {
     pub normal: Vector<R>,
     /// The texture coordinates of a mesh; 0 for other shapes.
     pub uv: [R; 2],
-    /// The side of a square of one world unit of area in texture coordinates; 0 without any.
+    /// The side of a square of unit area in texture coordinates; 0 without texture coordinates.
     pub uv_density: R,
-    /// The directions in which the texture coordinates grow; 0 without any.
+    /// The directions in which the texture coordinates grow; 0 without texture coordinates.
     pub uv_axes: [Vector<R>; 2],
     /// The number of the array that gives the color; NaN without one.
     pub scalar: R,
-    /// The color of the vertices of a mesh around it: linear light; black without any.
+    /// The interpolated color of a mesh's vertices: linear light; black without vertex colors.
     pub color: Vector<R>,
-    /// The width of the part of the surface that the ray stands for, in world units.
+    /// The width of the ray's footprint on the surface, in world units.
     pub width: R,
 }
 
 impl<R: Real> TexturePoint<R> {
-    /// A point without texture coordinates and without an extent.
+    /// Creates a point without texture coordinates and without an extent.
     #[inline(always)]
     pub fn new(position: Vector<R>, normal: Vector<R>) -> Self {
         let zero = position.x.splat(0.0);

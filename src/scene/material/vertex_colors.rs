@@ -10,8 +10,8 @@ use crate::import::ArrayChoice;
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// The colors of the vertices of a mesh, interpolated over its triangles: those that a
-/// scanner saw, or that someone painted.
+/// The colors of the vertices of a mesh, interpolated over its triangles, such as scanned or
+/// painted colors.
 ///
 /// ```
 /// # use scene::material::Texture;
@@ -23,11 +23,11 @@ use math::simd::{Real, Vector};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct VertexColors {
-    /// A color by which they are multiplied.
+    /// A color that multiplies the vertices' colors.
     pub tint: Vec3,
-    /// A picture by which they are multiplied.
+    /// A picture that multiplies the vertices' colors.
     pub image: Option<Box<ImageTexture>>,
-    /// The array of a VTK file that has them.
+    /// The array of a VTK file that has the colors.
     pub array: Option<ArrayChoice>,
 }
 
@@ -42,7 +42,7 @@ impl VertexColors {
     }
 }
 
-/// The keys of a file of VTK.
+/// The keys for a VTK file.
 #[derive(Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -52,13 +52,13 @@ struct VertexColorKeys {
     /// The name of the array of colors in a VTK file.
     #[serde(deserialize_with = "yaml::name")]
     array: String,
-    /// Whether the array is one of points or of cells; by default the one that there is,
-    /// and that of points if there are both.
+    /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
+    /// if it has both.
     #[serde(default)]
     of: Option<ArrayKind>,
 }
 
-/// A word without keys, or an array.
+/// Reads a word without keys, or an array.
 impl<'de> Deserialize<'de> for VertexColors {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         let keys = Option::<VertexColorKeys>::deserialize(d)?;

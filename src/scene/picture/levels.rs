@@ -6,12 +6,12 @@ use glam::Vec3;
 
 use super::texels::{Texels, light_of, rgba_bytes, rgba_light};
 
-/// One of the sizes of a picture.
+/// One size of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct MipLevel {
     /// Numbers of columns and rows.
     pub(super) size: [u32; 2],
-    /// The index of its first texel.
+    /// The index of the first texel.
     pub(super) first: usize,
 }
 
@@ -44,8 +44,8 @@ pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
     }
 }
 
-/// [`build`] for texels of `C` channels, which have this linear light, and as which such light
-/// is stored.
+/// [`build`] for texels of `C` channels, which `light` decodes to linear light, and `store`
+/// encodes.
 fn build_of<T: Copy, const C: usize>(
     size: [u32; 2],
     texels: &mut Vec<T>,
@@ -53,9 +53,9 @@ fn build_of<T: Copy, const C: usize>(
     stored: impl Fn([f32; C]) -> T,
 ) -> Vec<MipLevel> {
     let mut levels = vec![MipLevel { size, first: 0 }];
-    // A third of the texels, and a few where sides are not powers of two or far apart.
+    // A third of the texels, and a few more if sides are not powers of two or differ much.
     texels.reserve_exact(levels[0].n_texels() / 3);
-    // Of the level before, not yet rounded to bytes.
+    // The level before, not yet rounded to bytes.
     let mut before: Option<Vec<[f32; C]>> = None;
     let mut from = levels[0];
     while from.size != [1, 1] {
@@ -75,7 +75,7 @@ fn build_of<T: Copy, const C: usize>(
     levels
 }
 
-/// Each texel is the mean of the rectangle that it covers.
+/// Shrinks a picture: each texel is the mean of the rectangle that it covers.
 fn reduced<const C: usize>(
     texel: impl Fn(usize) -> [f32; C],
     [width, height]: [u32; 2],
@@ -102,11 +102,12 @@ fn reduced<const C: usize>(
     smaller
 }
 
-/// The texels of `n` in a row that number `i` of `n_fewer` covers, each with the share of
-/// it that is covered.
+/// Returns the texels, of `n` in a row, that number `i` of `n_fewer` covers, each with its covered
+/// share.
 fn covered(i: u32, n_fewer: u32, n: u32) -> impl Iterator<Item = (u32, f32)> {
     let [i, n_fewer, n] = [i, n_fewer, n].map(u64::from);
-    // In units of which a texel of the larger picture has `n_fewer`, one of the smaller `n`.
+    // In units in which a texel of the larger picture has length `n_fewer`, and of the smaller one
+    // `n`.
     let (begin, end) = (i * n, (i + 1) * n);
     (begin / n_fewer..end.div_ceil(n_fewer)).map(move |x| {
         let shared = end.min((x + 1) * n_fewer) - begin.max(x * n_fewer);

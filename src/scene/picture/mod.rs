@@ -1,7 +1,7 @@
 //! Pictures as functions: colors at any point between the texels.
 //!
-//! A [`Picture`] has the texels of a file and the same again at half the size, a quarter,
-//! and so on. [`Sampling`] says how one is looked up.
+//! A [`Picture`] has the texels of a file and copies at half the size, a quarter, and so on.
+//! [`Sampling`] selects the filter of a lookup.
 
 mod levels;
 mod texels;
@@ -16,36 +16,36 @@ use math::simd::Real;
 pub use texels::Texels;
 pub use wrap::Wrap;
 
-/// A rectangle of texels: linear light of red, green and blue, and the opacity.
+/// A rectangle of texels: red, green and blue as linear light, and the opacity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// The whole picture, with sides from 1 to [`Picture::MAX_SIDE`], and its smaller
     /// copies, down to one texel.
     levels: Vec<MipLevel>,
-    /// MipLevel by level and row by row, row 0 on top.
+    /// The texels, level by level and row by row, row 0 on top.
     texels: Texels,
-    /// Whether no texel is transparent.
+    /// True if no texel is transparent.
     is_opaque: bool,
 }
 
-/// How a picture is looked up between its texels and beyond its edges.
+/// The lookup of a picture between its texels and beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sampling {
-    /// Between the texels.
+    /// The filter between the texels.
     pub filter: TexelFilter,
-    /// Beyond the edges.
+    /// The continuation beyond the edges.
     pub wrap: Wrap,
 }
 
-/// How a picture is looked up between its texels.
+/// The filter between the texels of a picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(
     rename_all = "snake_case",
     expecting = "`trilinear`, `bilinear` or `nearest`"
 )]
 pub enum TexelFilter {
-    /// Linearly between the four nearest texels of two copies of the picture, with texels
-    /// as large as what one ray stands for.
+    /// Linearly between the four nearest texels of the two copies whose texels are closest in size
+    /// to the ray's footprint.
     #[default]
     Trilinear,
     /// Linearly between the four nearest texels of the whole picture.
@@ -55,12 +55,12 @@ pub enum TexelFilter {
 }
 
 impl Picture {
-    /// Largest number of columns and of rows: all coordinates of texels then are exact
-    /// numbers of 32 bits, with eight more bits for the place between two.
+    /// Maximum number of columns and of rows: all texel coordinates are then exact as 32-bit
+    /// floats, with eight more bits for the position between two.
     pub const MAX_SIDE: u32 = 1 << 16;
 
-    /// A picture of these texels, row by row, row 0 on top; `None` if a side is 0 or too
-    /// large, or if these are not `width * height` texels.
+    /// Creates a picture of these texels, row by row, row 0 on top; `None` if a side is 0 or too
+    /// large, or if there are not `width * height` texels.
     pub fn new(size: [u32; 2], mut texels: Texels) -> Option<Self> {
         let n_texels = size[0] as usize * size[1] as usize;
         let is_usable = size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side));
@@ -71,24 +71,24 @@ impl Picture {
         })
     }
 
-    /// Numbers of columns and rows.
+    /// Returns the numbers of columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.levels[0].size
     }
 
-    /// Whether no texel is transparent.
+    /// Returns true if no texel is transparent.
     pub fn is_opaque(&self) -> bool {
         self.is_opaque
     }
 
-    /// Its memory in bytes.
+    /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         self.texels.n_bytes()
     }
 
-    /// Red, green, blue and opacity at a point: `u` goes from 0 at the left edge to 1 at
-    /// the right one, `v` from 0 at the lower edge to 1 at the upper one. `footprint` is
-    /// the side of the square that the color is that of, in units of `u` and `v`.
+    /// Returns red, green, blue and opacity at a point: `u` goes from 0 at the left edge to 1 at
+    /// the right one, `v` from 0 at the lower edge to 1 at the upper one. `footprint` is the side
+    /// of the square to average, in units of `u` and `v`.
     pub fn at(&self, sampling: Sampling, [u, v]: [f32; 2], footprint: f32) -> [f32; 4] {
         let wrap = sampling.wrap;
         let place = [wrap.folded(u), 1.0 - wrap.folded(v)];
@@ -99,16 +99,16 @@ impl Picture {
         }
     }
 
-    /// Red, green, blue and opacity of a picture of all directions at a point: linearly
-    /// between its texels, and around from its right edge to the left one.
+    /// Returns red, green, blue and opacity of an equirectangular picture at a point: linearly
+    /// between its texels, and around from its right edge to the left.
     pub fn around(&self, [u, v]: [f32; 2]) -> [f32; 4] {
         let wraps = [Wrap::Repeat, Wrap::Clamp];
         let place = [Wrap::Repeat.folded(u), 1.0 - Wrap::Clamp.folded(v)];
         self.between(self.levels[0], wraps, place)
     }
 
-    /// The largest of its copies with at most this number of texels: the numbers of columns
-    /// and rows, and the texels row by row, row 0 on top.
+    /// Returns the largest copy with at most this number of texels: the numbers of columns and
+    /// rows, and the texels row by row, row 0 on top.
     pub fn reduced(&self, n_texels: usize) -> ([u32; 2], impl Iterator<Item = [f32; 4]>) {
         let is_small = |level: &&MipLevel| level.n_texels() <= n_texels;
         let last = self.levels[self.levels.len() - 1];
@@ -123,7 +123,7 @@ impl Picture {
         self.texel(whole, nearest(x, width), nearest(y, height))
     }
 
-    /// The mean of the four nearest texels, weighted by their distance.
+    /// Returns the mean of the four nearest texels, weighted by their distance.
     fn between(&self, level: MipLevel, [wrap_x, wrap_y]: [Wrap; 2], [x, y]: [f32; 2]) -> [f32; 4] {
         let [width, height] = level.size;
         let ([left, right], across) = wrap_x.neighbors(x, width);
@@ -134,13 +134,13 @@ impl Picture {
         mix(above, below, down)
     }
 
-    /// The mean of the levels whose texels are next smaller and next larger than the
+    /// Interpolates between the levels whose texels are next smaller and next larger than the
     /// footprint.
     fn filtered(&self, wrap: Wrap, place: [f32; 2], footprint: f32) -> [f32; 4] {
         let [width, height] = self.levels[0].size.map(|side| side as f32);
         let n_texels = footprint * (width * height).sqrt();
         let last = self.levels.len() - 1;
-        // Not for NaN.
+        // False for NaN.
         if n_texels > 1.0 && last > 0 {
             let level = Real::min(libm::log2f(n_texels), last as f32);
             let finer = (level as usize).min(last - 1);
@@ -174,13 +174,13 @@ impl Default for Picture {
     }
 }
 
-/// The texel of `n` in a row that a place from 0 to 1 is in.
+/// Returns the texel, of `n` in a row, that contains a position from 0 to 1.
 #[inline(always)]
 fn nearest(place: f32, n: u32) -> u32 {
     (Real::floor(place * n as f32) as u32).min(n - 1)
 }
 
-/// `a` at 0, `b` at 1, linear in between.
+/// Interpolates linearly between `a` at 0 and `b` at 1.
 #[inline(always)]
 fn mix(a: [f32; 4], b: [f32; 4], place: f32) -> [f32; 4] {
     let mut mixed = a;

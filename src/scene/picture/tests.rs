@@ -83,8 +83,8 @@ proptest! {
     }
 }
 
-/// The reference: the mean of the texels of the rectangle from `from` to `to`, in
-/// parts of the picture, by a grid of points.
+/// The reference: the mean of the texels of the rectangle from `from` to `to`, in fractions of the
+/// picture, by a grid of points.
 fn mean(picture: &Picture, from: [f64; 2], to: [f64; 2]) -> [f64; 4] {
     const N: usize = 360;
     let mut sum = [0.0; 4];
@@ -128,7 +128,7 @@ proptest! {
 
 #[test]
 fn a_footprint_of_all_has_the_mean_of_the_light() {
-    // Halves of black and white, of which sRGB has level 188.
+    // Halves of black and white, whose mean is sRGB level 188.
     let gray = |i: usize| {
         if i.is_multiple_of(3) {
             [255; 4]

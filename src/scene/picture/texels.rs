@@ -4,21 +4,21 @@ use glam::Vec3;
 
 use crate::color::Transfer;
 
-/// Texels as they are stored: red, green, blue and opacity. Of bytes only the channels that a
-/// file has; those of colors are numbers of a transfer function.
+/// Texels as they are stored: red, green, blue and opacity. Byte texels have only the channels of
+/// the file, with colors encoded by the transfer function.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Texels {
-    /// One byte each, for all three colors.
+    /// One byte per texel, for all three colors.
     Gray(Vec<u8>, Transfer),
-    /// Three bytes each.
+    /// Three bytes per texel.
     Rgb(Vec<[u8; 3]>, Transfer),
-    /// Four bytes each.
+    /// Four bytes per texel.
     Bytes(Vec<[u8; 4]>, Transfer),
     /// Linear light, finite and at least 0.
     Floats(Vec<[f32; 4]>),
 }
 
-/// The linear light of bytes, or the share of a byte of opacity.
+/// Returns the linear light of color bytes, and the share for an opacity byte.
 #[inline(always)]
 pub(super) fn light_of<const C: usize>(bytes: [u8; C], transfer: Transfer) -> [f32; C] {
     let light = transfer.light_of_bytes();
@@ -26,7 +26,7 @@ pub(super) fn light_of<const C: usize>(bytes: [u8; C], transfer: Transfer) -> [f
 }
 
 impl Texels {
-    /// Number of texels.
+    /// Returns the number of texels.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Gray(texels, _) => texels.len(),
@@ -36,7 +36,7 @@ impl Texels {
         }
     }
 
-    /// Whether none is transparent.
+    /// Returns true if no texel is transparent.
     pub(super) fn are_opaque(&self) -> bool {
         match self {
             Self::Gray(..) | Self::Rgb(..) => true,
@@ -45,7 +45,7 @@ impl Texels {
         }
     }
 
-    /// Their memory in bytes.
+    /// Returns the memory in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
         let n_bytes = match self {
             Self::Gray(texels, _) => size_of_val(&texels[..]),
@@ -56,7 +56,7 @@ impl Texels {
         n_bytes as u64
     }
 
-    /// Multiplies all colors by one, each channel from 0 to 1.
+    /// Multiplies all colors by a color, each channel from 0 to 1.
     pub fn multiply(&mut self, color: Vec3) {
         if color == Vec3::ONE {
             return;
@@ -87,7 +87,7 @@ impl Texels {
         }
     }
 
-    /// Linear light and opacity of texel `i`.
+    /// Returns linear light and opacity of texel `i`.
     #[inline(always)]
     pub(super) fn get(&self, i: usize) -> [f32; 4] {
         match self {
@@ -105,7 +105,7 @@ impl Texels {
     }
 }
 
-/// Linear light and opacity of four bytes.
+/// Returns linear light and opacity of four bytes.
 #[inline(always)]
 pub(super) fn rgba_light([r, g, b, a]: [u8; 4], transfer: Transfer) -> [f32; 4] {
     let ([r, g, b], [a]) = (
@@ -115,7 +115,7 @@ pub(super) fn rgba_light([r, g, b, a]: [u8; 4], transfer: Transfer) -> [f32; 4] 
     [r, g, b, a]
 }
 
-/// The bytes of linear light and opacity.
+/// Returns the bytes of linear light and opacity.
 pub(super) fn rgba_bytes([r, g, b, a]: [f32; 4], transfer: Transfer) -> [u8; 4] {
     let [r, g, b] = transfer.bytes(Vec3::new(r, g, b));
     let [a, ..] = Transfer::Linear.bytes(Vec3::splat(a));

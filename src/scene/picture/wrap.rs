@@ -1,24 +1,24 @@
-//! Pictures beyond their edges.
+//! The continuation of pictures beyond their edges.
 
 use serde::Deserialize;
 
 use math::simd::Real;
 
-/// How a picture goes on beyond its edges.
+/// The continuation of a picture beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`repeat`, `clamp` or `mirror`")]
 pub enum Wrap {
-    /// It is repeated.
+    /// The picture is repeated.
     #[default]
     Repeat,
-    /// With the color of the nearest edge.
+    /// The color of the nearest edge continues.
     Clamp,
-    /// It is repeated, and every other copy is mirrored.
+    /// The picture is repeated, and every other copy is mirrored.
     Mirror,
 }
 
 impl Wrap {
-    /// The place from 0 to 1 in the picture for any place of the plane; 0 for NaN.
+    /// Maps any position in the plane to the picture, from 0 to 1; 0 for NaN.
     #[inline(always)]
     pub(super) fn folded(self, place: f32) -> f32 {
         let folded = match self {
@@ -30,12 +30,12 @@ impl Wrap {
                 1.0 - (1.0 - in_pair).abs()
             }
         };
-        // The first one makes NaN, also that of infinity, 0.
+        // `max` turns NaN into 0, including that of infinity.
         Real::min(Real::max(folded, 0.0), 1.0)
     }
 
-    /// The texels of `n` in a row on both sides of a place from 0 to 1, and the place
-    /// between their centers, from 0 to 1.
+    /// Returns the texels, of `n` in a row, on both sides of a position from 0 to 1, and the
+    /// position between their centers, from 0 to 1.
     #[inline(always)]
     pub(super) fn neighbors(self, place: f32, n: u32) -> ([u32; 2], f32) {
         let at = place * n as f32 - 0.5;
@@ -47,7 +47,7 @@ impl Wrap {
         )
     }
 
-    /// The texel with an index from -1 to `n`.
+    /// Returns the texel for an index from -1 to `n`.
     #[inline(always)]
     fn texel(self, index: i32, n: u32) -> u32 {
         let last = n as i32 - 1;

@@ -5,10 +5,10 @@ use crate::import::ArrayChoice;
 use crate::material::Material;
 use crate::yaml::{Fault, FieldPath};
 
-/// The array that the materials of an object name, if they do.
+/// Returns the array that the materials of an object name, if there is one.
 ///
 /// # Errors
-/// They name different ones.
+/// They name different arrays.
 pub(super) fn choice<'a>(
     config: &'a Config,
     object: &Object,
@@ -35,12 +35,12 @@ pub(super) fn choice<'a>(
     Ok(found)
 }
 
-/// Gives materials of arrays the colors for the numbers on all of their surfaces; `places` are
-/// the indices of the objects in the scene file, and `numbers_of` returns the numbers of an
-/// object by its index.
+/// Assigns colors to the numbers on all surfaces of materials of arrays; `places` are the indices
+/// of the objects in the scene file, and `numbers_of` returns the numbers of an object by its
+/// index.
 ///
 /// # Errors
-/// An object with such a material that has no array.
+/// An object with such a material lacks the array.
 pub(super) fn prepare<'a>(
     config: &Config,
     places: &[usize],

@@ -27,7 +27,7 @@ pub(super) enum Attributes {
 /// Attributes of the corners of triangles, at least one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct CornerAttributes {
-    /// In world space, of unit length; NaN for a missing normal.
+    /// Unit vectors in world space; NaN for a missing normal.
     pub(super) normals: Option<CornerValues<Vec3>>,
     /// Texture coordinates.
     pub(super) uvs: Option<CornerValues<Vec2>>,
@@ -42,13 +42,13 @@ pub(super) struct CornerAttributes {
 pub enum AttributeKind {
     /// Attributes of corners, possibly none.
     Corners {
-        /// Normals.
+        /// True with normals.
         normals: bool,
-        /// Texture coordinates.
+        /// True with texture coordinates.
         uvs: bool,
-        /// Numbers of an array.
+        /// True with numbers of an array.
         scalars: bool,
-        /// Colors.
+        /// True with colors.
         colors: bool,
     },
     /// Colors of primitives.
@@ -60,10 +60,10 @@ pub enum AttributeKind {
 }
 
 impl AttributeKind {
-    /// How many kinds there are.
+    /// The number of kinds.
     pub(super) const COUNT: u32 = 19;
 
-    /// Its number, less than [`COUNT`](Self::COUNT).
+    /// Returns the kind's number, less than [`COUNT`](Self::COUNT).
     pub(super) fn number(self) -> u32 {
         match self {
             Self::Corners {
@@ -84,7 +84,7 @@ impl AttributeKind {
         }
     }
 
-    /// The kind of a number.
+    /// Returns the kind with this number.
     pub(super) fn numbered(number: u32) -> Self {
         match number {
             16 => Self::Colors,
@@ -99,25 +99,25 @@ impl AttributeKind {
         }
     }
 
-    /// Whether corners have normals.
+    /// Returns true if corners have normals.
     #[inline]
     pub fn has_normals(self) -> bool {
         matches!(self, Self::Corners { normals: true, .. })
     }
 
-    /// Whether corners have texture coordinates.
+    /// Returns true if corners have texture coordinates.
     #[inline]
     pub fn has_uvs(self) -> bool {
         matches!(self, Self::Corners { uvs: true, .. })
     }
 
-    /// Whether corners have numbers of an array.
+    /// Returns true if corners have numbers of an array.
     #[inline]
     pub fn has_corner_scalars(self) -> bool {
         matches!(self, Self::Corners { scalars: true, .. })
     }
 
-    /// Whether corners have colors.
+    /// Returns true if corners have colors.
     #[inline]
     pub fn has_corner_colors(self) -> bool {
         matches!(self, Self::Corners { colors: true, .. })
@@ -142,8 +142,8 @@ impl Attributes {
     }
 }
 
-/// The unit normal at a point of a triangle, or of one per lane: the interpolation of
-/// the normals at its vertices; `fallback` if one is missing.
+/// Returns the interpolated unit normal at one point of a triangle, or one per lane; `fallback` if
+/// a vertex normal is missing.
 #[inline(always)]
 pub fn interpolated_normal<R: Real>(
     triangle: &[R; N_PARAMETERS],
@@ -155,8 +155,7 @@ pub fn interpolated_normal<R: Real>(
     (a * u + b * v + c * w).normalize_or(fallback)
 }
 
-/// The number at a point of a triangle, or of one per lane: the interpolation of those at
-/// its vertices.
+/// Returns the interpolated number at one point of a triangle, or one per lane.
 #[inline(always)]
 pub fn interpolated_scalar<R: Real>(
     triangle: &[R; N_PARAMETERS],
@@ -167,8 +166,7 @@ pub fn interpolated_scalar<R: Real>(
     a * u + b * v + c * w
 }
 
-/// The color at a point of a triangle, or of one per lane: the interpolation of those at its
-/// vertices.
+/// Returns the interpolated color at one point of a triangle, or one per lane.
 #[inline(always)]
 pub fn interpolated_color<R: Real>(
     triangle: &[R; N_PARAMETERS],
@@ -179,8 +177,8 @@ pub fn interpolated_color<R: Real>(
     a * u + b * v + c * w
 }
 
-/// The number at a point of a capsule, or of one per lane: the interpolation of those at its
-/// ends.
+/// Returns the interpolated number at one point of a capsule, or one per lane, from the numbers at
+/// its ends.
 #[inline(always)]
 pub fn scalar_along<R: Real>(
     capsule: &[R; N_PARAMETERS],
@@ -191,8 +189,7 @@ pub fn scalar_along<R: Real>(
     from * (fraction.splat(1.0) - fraction) + to * fraction
 }
 
-/// A point of a triangle, or of one per lane, with texture coordinates: the interpolation
-/// of those at its vertices.
+/// Returns one point of a triangle, or one per lane, with interpolated texture coordinates.
 #[inline(always)]
 pub fn with_uv<R: Real>(
     point: TexturePoint<R>,

@@ -9,8 +9,8 @@ use crate::material::Material;
 use math::sampling::AliasTable;
 use math::simd::{Real, Vector};
 
-/// All shapes of one kind and of one material that emits light, as one light: each point
-/// of their surfaces is chosen with the same probability.
+/// All shapes of one kind and one emissive material, as one light: points are uniform on their
+/// total surface.
 #[derive(Debug, Clone)]
 pub struct Emitter {
     /// The material.
@@ -20,22 +20,22 @@ pub struct Emitter {
     radiance: glam::Vec3,
     is_two_sided: bool,
     shapes: Vec<[f32; N_PARAMETERS]>,
-    /// The shapes by area.
+    /// The shapes, sampled by area.
     by_area: AliasTable,
     /// The sum of the areas.
     area: f32,
     /// The center of a sphere around the shapes.
     center: glam::Vec3,
-    /// The square of its radius.
+    /// The square of the sphere's radius.
     square_radius: f32,
-    /// The luminance of a white surface that faces them at a distance of 1, in the mean over
-    /// all directions from them.
+    /// The luminance of a white surface that faces the shapes at a distance of 1, averaged over all
+    /// directions from them.
     intensity: f32,
 }
 
 impl Emitter {
-    /// The light of shapes of a material; `None` if they cannot be sampled: because they
-    /// have no finite area, or are too many.
+    /// Creates the light of shapes of a material; `None` if they cannot be sampled, because their
+    /// area is not finite, or they are too many.
     pub(super) fn new(
         id: MaterialId,
         material: &Material,
@@ -46,7 +46,7 @@ impl Emitter {
         let area = |shape: &[f32; N_PARAMETERS]| f64::from(kind.area(shape));
         let areas: Vec<f64> = shapes.iter().map(area).collect();
         let area = areas.iter().sum::<f64>() as f32;
-        // The mean of the area that is seen, over all directions.
+        // The visible share of the area, averaged over all directions.
         let share = match kind {
             ShapeKind::Sphere | ShapeKind::Cuboid => 0.25,
             _ if material.two_sided => 0.5,
@@ -66,14 +66,14 @@ impl Emitter {
         })
     }
 
-    /// Number of shapes.
+    /// Returns the number of shapes.
     pub(super) fn n_shapes(&self) -> usize {
         self.shapes.len()
     }
 
-    /// The light that arrives at `point` from a point of a shape, unless it is occluded;
-    /// a number in [0, 1) chooses the shape, two more its point. `error` is that of the
-    /// position of `point`.
+    /// Returns the light that arrives at `point` from a sampled point of a shape, unless it is
+    /// occluded; a number in [0, 1) selects the shape, two more the point. `error` bounds the error
+    /// of `point`.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
@@ -87,8 +87,8 @@ impl Emitter {
         let density = sample.density * self.share(&shape);
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
         let weight = density.splat(FRAC_1_PI) / density.max(least);
-        // A ray that ended at the surface itself would often hit it: it ends as far off its plane
-        // as both ends may be off their surfaces, and the ray off its way.
+        // A ray that ended on the surface itself would often hit it. It ends short of the plane by
+        // the errors of both ends and of the ray.
         let distance = sample.seen.distance;
         let at_light = point + sample.seen.direction * distance;
         let on_way = distance * distance.splat(16.0 / 16_777_216.0);
@@ -108,8 +108,7 @@ impl Emitter {
         }
     }
 
-    /// The density with which a direction to one of the shapes is chosen at the point
-    /// `from`.
+    /// Returns the probability density of a direction to one of the shapes from the point `from`.
     #[inline(always)]
     pub fn density<R: Real>(
         &self,
@@ -120,14 +119,14 @@ impl Emitter {
         self.kind.density(shape, from, seen) * self.share(shape)
     }
 
-    /// The probability of a shape.
+    /// Returns the probability of a shape.
     #[inline(always)]
     fn share<R: Real>(&self, shape: &[R; N_PARAMETERS]) -> R {
         let area = self.kind.area(shape);
         area / area.splat(self.area)
     }
 
-    /// An estimate of the luminance of a white surface at this point that faces the shapes.
+    /// Returns an estimate of the luminance of a white surface at this point that faces the shapes.
     #[inline(always)]
     pub(super) fn arrival<R: Real>(&self, point: Vector<R>) -> R {
         let to_center = Vector::splat(point.x, self.center) - point;
@@ -135,19 +134,19 @@ impl Emitter {
         point.x.splat(self.intensity) / square.max(square.splat(self.square_radius))
     }
 
-    /// The emitted power.
+    /// Returns the emitted power.
     pub(super) fn power(&self) -> f64 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         sides * f64::from(PI * self.area * luminance(self.radiance))
     }
 }
 
-/// The luminance of linear light with the primaries of sRGB (ITU-R BT.709).
+/// Returns the luminance of linear light with the primaries of sRGB (ITU-R BT.709).
 pub(super) fn luminance(color: glam::Vec3) -> f32 {
     luminance_of_lanes(color.into())
 }
 
-/// [`luminance`], or one per lane.
+/// [`luminance`] per lane.
 #[inline(always)]
 pub(super) fn luminance_of_lanes<R: Real>(color: Vector<R>) -> R {
     color.dot(Vector::splat(

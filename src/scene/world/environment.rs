@@ -1,4 +1,4 @@
-//! The picture around a scene as a light.
+//! The environment map as a light.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -11,28 +11,28 @@ use crate::picture::Picture;
 use math::sampling::EquirectangularDistribution;
 use math::simd::{Real, Vector};
 
-/// An environment map whose directions are chosen in proportion to their luminance.
+/// An environment map that is sampled in proportion to its luminance.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
     map: EnvironmentMap,
     distribution: EquirectangularDistribution,
-    /// The mean of the luminance over all directions.
+    /// The mean luminance over all directions.
     mean_luminance: f32,
 }
 
-/// Most texels of the distribution: enough for pictures of 2048 x 1024 texels, and a fraction
-/// of the memory of larger ones.
+/// Maximum number of texels of the distribution: enough for pictures of 2048 x 1024 texels, and a
+/// fraction of the memory of larger ones.
 const MAX_TEXELS: usize = 1 << 21;
 
 impl EnvironmentLight {
-    /// Upper bound of the bytes of the light of a picture, besides the picture.
+    /// Returns an upper bound of the memory of a picture's light in bytes, besides the picture.
     pub(super) fn n_bytes(picture: &Picture) -> u64 {
         let ([width, height], _) = picture.reduced(MAX_TEXELS);
         // Each texel has its density and a cumulative share.
         2 * size_of::<f32>() as u64 * u64::from(width + 1) * u64::from(height)
     }
 
-    /// The light of a map; `None` if it is black.
+    /// Creates the light of a map; `None` if it is black.
     pub(super) fn new(map: &EnvironmentMap) -> Option<Self> {
         let ([width, _], texels) = map.picture.reduced(MAX_TEXELS);
         let luminance = |[r, g, b, _]: [f32; 4]| map.brightness(luminance(Vec3::new(r, g, b)));
@@ -46,8 +46,8 @@ impl EnvironmentLight {
         })
     }
 
-    /// The light that arrives at any point from a direction that two numbers in [0, 1)
-    /// choose, unless it is occluded.
+    /// Samples a direction with two numbers in [0, 1), and returns the light that arrives from it
+    /// at any point, unless it is occluded.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, numbers: [R; 2]) -> Illumination<R> {
         let [column, height, density] = R::look_up(&self.distribution, numbers);
@@ -62,7 +62,7 @@ impl EnvironmentLight {
         }
     }
 
-    /// The density with which a direction is chosen, per steradian.
+    /// Returns the probability density of a direction, per steradian.
     #[inline(always)]
     pub fn density<R: Real>(&self, direction: Vector<R>) -> R {
         let [u, v] = self.map.place(direction);
@@ -70,18 +70,18 @@ impl EnvironmentLight {
         density
     }
 
-    /// The mean of the luminance over all directions.
+    /// Returns the mean luminance over all directions.
     pub(super) fn mean_luminance(&self) -> f32 {
         self.mean_luminance
     }
 
-    /// The power that a sphere of this radius gets.
+    /// Returns the power that a sphere of this radius receives.
     pub(super) fn power(&self, radius: f32) -> f64 {
         4.0 * f64::from(PI * radius).powi(2) * f64::from(self.mean_luminance)
     }
 }
 
-/// The mean of a map of all directions, row by row.
+/// Returns the mean of a map of all directions, row by row.
 fn mean(width: usize, texels: &[f32]) -> f32 {
     let n_rows = texels.len() / width;
     let (mut sum, mut n) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Config → the fog of a scene.
+//! Creates the fog of a scene from its config.
 
 use super::lights::bounds;
 use super::surface_class::SurfaceClass;
@@ -9,7 +9,7 @@ use crate::material::Material;
 use crate::yaml::{Fault, FieldPath};
 use base::text::keyword_name;
 
-/// Checks that the shading model has fog of this kind.
+/// Checks that the shading model supports this kind of fog.
 pub(super) fn check(config: &Config) -> Result<(), Fault> {
     let Some(fog) = config.fog else {
         return Ok(());
@@ -34,8 +34,8 @@ pub(super) fn check(config: &Config) -> Result<(), Fault> {
 }
 
 impl Scene {
-    /// Adds the fog of the config, once all objects are placed: as one more primitive, which no
-    /// ray hits, whose material its particles are.
+    /// Adds the fog of the config once all objects are placed: as an additional primitive, which no
+    /// ray hits, and whose material is the fog's particles.
     pub(super) fn add_fog(&mut self, config: &Config) {
         let Some(fog) = config.fog else {
             return;
@@ -64,17 +64,17 @@ impl Scene {
         self.classes.push(class);
     }
 
-    /// The fog whose particles scatter light.
+    /// Returns the fog whose particles scatter light.
     pub fn scattering_fog(&self) -> Option<&FogSphere> {
         self.fog.as_ref().filter(|_| self.scatters_paths())
     }
 
-    /// The fog in which light fades, and that scatters none.
+    /// Returns the fog that attenuates light without scattering it.
     pub fn fading_fog(&self) -> Option<&FogSphere> {
         self.fog.as_ref().filter(|_| !self.scatters_paths())
     }
 
-    /// The index of what the particles of fog are in hits: that behind the last primitive.
+    /// Returns the index of the fog's particles in hits: one past the last primitive.
     pub fn particles(&self) -> u32 {
         self.primitives.len() as u32
     }

@@ -27,7 +27,7 @@ pub struct Geometries {
     pub(super) pictures: Pictures,
     /// The index of each object in the scene file.
     pub(super) places: Vec<usize>,
-    /// Bytes of memory of the pictures of files' materials.
+    /// Bytes of memory of the pictures of mesh files' materials.
     own_picture_bytes: u64,
 }
 
@@ -42,19 +42,18 @@ pub(super) enum ObjectGeometry {
     Instances(Box<MeshInstances>),
 }
 
-/// A mesh and its places.
+/// A mesh with the places of its instances.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MeshInstances {
     pub(super) mesh: Mesh,
-    /// The map of each instance from the coordinates of the mesh to those of the object: at
-    /// least one.
+    /// The maps from the coordinates of the mesh to the object's, one per instance: at least one.
     pub(super) places: Arc<[DAffine3]>,
     /// The number of an array for each instance, if one was read; NaN for missing ones.
     pub(super) scalars: Option<Arc<[f32]>>,
 }
 
 impl ObjectGeometry {
-    /// Whether all of it has texture coordinates.
+    /// Returns true if the whole geometry has texture coordinates.
     pub(super) fn has_uvs(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.uvs.is_some(),
@@ -63,7 +62,7 @@ impl ObjectGeometry {
         }
     }
 
-    /// Whether all of its vertices or its spheres have colors.
+    /// Returns true if all of its vertices or spheres have colors.
     pub(super) fn has_vertex_colors(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.colors.is_some(),
@@ -73,7 +72,7 @@ impl ObjectGeometry {
         }
     }
 
-    /// The numbers of an array, if it was read with one.
+    /// Returns the numbers of an array if one was read.
     pub(super) fn scalars(&self) -> Option<&[f32]> {
         match self {
             Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
@@ -89,10 +88,9 @@ impl ObjectGeometry {
 }
 
 impl Geometries {
-    /// Reads the geometries and the pictures of a config. Paths of files are relative to
-    /// their `folders`.
-    /// Takes at most `available` bytes of memory. In the config, a mesh without a material
-    /// becomes an object for each material of its file.
+    /// Reads the geometries and the pictures of a config, with file paths relative to their
+    /// `folders`, using at most `available` bytes of memory. In the config, a mesh without a
+    /// material becomes one object per material of its file.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
@@ -135,7 +133,8 @@ impl Geometries {
         Ok(found.in_parts(config))
     }
 
-    /// Gives itself and the config an object for each material of a mesh that has its own.
+    /// Splits each mesh with its own materials into one object per material, here and in the
+    /// config.
     fn in_parts(self, config: &mut Config) -> Self {
         let mut found = Self {
             objects: Vec::with_capacity(self.objects.len()),
@@ -182,7 +181,7 @@ impl Geometries {
         found
     }
 
-    /// Upper bound of the number of primitives, of which each instance is one.
+    /// Returns an upper bound of the number of primitives, including one per instance.
     pub fn n_primitives(&self) -> usize {
         let of_object = |geometry: &ObjectGeometry| match geometry {
             ObjectGeometry::Shape(_) => 1,
@@ -195,7 +194,7 @@ impl Geometries {
         self.objects.iter().map(of_object).sum()
     }
 
-    /// Number of instances.
+    /// Returns the number of instances.
     pub fn n_instances(&self) -> usize {
         let of_object = |geometry: &ObjectGeometry| match geometry {
             ObjectGeometry::Instances(placed) => placed.places.len(),
@@ -204,12 +203,12 @@ impl Geometries {
         self.objects.iter().map(of_object).sum()
     }
 
-    /// Bytes of memory that the pictures take.
+    /// Returns the memory of the pictures in bytes.
     pub fn picture_bytes(&self) -> u64 {
         self.pictures.n_bytes() + self.own_picture_bytes
     }
 
-    /// Bytes of memory that the contents of the files take, without the pictures.
+    /// Returns the memory of the contents of the files in bytes, without the pictures.
     pub fn n_bytes(&self) -> u64 {
         let of_object = |geometry: &ObjectGeometry| match geometry {
             ObjectGeometry::Shape(_) | ObjectGeometry::Generator(_) => 0,
@@ -224,7 +223,7 @@ impl Geometries {
     }
 }
 
-/// The part of a file that is read besides shapes.
+/// Data read from a file besides shapes.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Extra<'a> {
     /// The numbers of an array, if one is given.
@@ -234,7 +233,7 @@ pub(super) enum Extra<'a> {
 }
 
 impl<'a> Extra<'a> {
-    /// What an object needs, whose materials name an array or none.
+    /// Returns the data that an object needs whose materials name this array, or none.
     pub(super) fn of(object: &Object, array: Option<&'a ArrayChoice>, available: u64) -> Self {
         if object.material.0.is_empty() {
             Self::Materials(available)
@@ -243,7 +242,7 @@ impl<'a> Extra<'a> {
         }
     }
 
-    /// The array.
+    /// Returns the array.
     fn array(self) -> Option<&'a ArrayChoice> {
         match self {
             Self::Array(array) => array,
@@ -252,8 +251,8 @@ impl<'a> Extra<'a> {
     }
 }
 
-/// Reads a file that fits into memory; of a series the first one. `path` is that of the
-/// value that names it.
+/// Reads a file that fits into memory; of a series the first one. `path` leads to the value that
+/// names the file.
 pub(super) fn read_checked(
     file: &GeometryFile,
     folder: &Path,
@@ -274,7 +273,7 @@ pub(super) fn read_checked(
     read(file, folder, extra).map_err(|fault| fault.at_value(path))
 }
 
-/// Reads the mesh of instances and their places; `path` is that of the instances.
+/// Reads the mesh of instances and their places; `path` leads to the instances.
 fn read_instances<F: Folders + ?Sized>(
     instances: &InstancedMesh,
     folders: &F,
@@ -288,7 +287,7 @@ fn read_instances<F: Folders + ?Sized>(
     check_size(&folder.join(&instances.mesh.file), available, &of_mesh)?;
     let of_points = instances.points_file().is_some_and(import::is_vtk);
     let mesh_extra = match extra {
-        // The array is one of the points.
+        // The array belongs to the points.
         Extra::Array(_) if of_points => Extra::Array(None),
         extra => extra,
     };
@@ -320,10 +319,10 @@ fn read_instances<F: Folders + ?Sized>(
     })))
 }
 
-/// The places of instances, and the numbers of an array for them, if they have one.
+/// The places of instances, and the numbers of an array for them, if there is one.
 type PlacesAndScalars = (Arc<[DAffine3]>, Option<Arc<[f32]>>);
 
-/// Reads the places of instances; `path` is that of the instances.
+/// Reads the places of instances; `path` leads to the instances.
 fn read_places<F: Folders + ?Sized>(
     instances: &InstancedMesh,
     folders: &F,
@@ -367,7 +366,7 @@ fn read_places<F: Folders + ?Sized>(
     }
 }
 
-/// Refuses a series of files, one for each time step.
+/// Refuses a series of files, one per time step.
 fn refuse_series(file: &Path, path: &FieldPath) -> Result<(), Fault> {
     if !import::is_series(file) {
         return Ok(());
@@ -380,7 +379,7 @@ fn refuse_series(file: &Path, path: &FieldPath) -> Result<(), Fault> {
     ))
 }
 
-/// Makes sure that so many places fit into memory.
+/// Returns an error if this many places do not fit into memory.
 fn check_room(needed: u64, available: u64, path: &FieldPath) -> Result<(), Fault> {
     if needed <= available {
         return Ok(());
@@ -390,7 +389,7 @@ fn check_room(needed: u64, available: u64, path: &FieldPath) -> Result<(), Fault
     Err(Fault::new(path, message, "expected a smaller number"))
 }
 
-/// Makes sure that the file fits into memory, whatever it contains.
+/// Returns an error if the file may not fit into memory, whatever it contains.
 fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault> {
     let needed = import::max_bytes(file).map_err(|fault| fault.at_value(path))?;
     if needed <= available {

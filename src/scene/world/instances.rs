@@ -1,8 +1,8 @@
 //! Instances: meshes that are stored once and placed many times.
 //!
-//! The list of a scene's primitives has three parts: what stands in world space, then a box
-//! for each instance, then the triangles of the meshes, in the spaces of the meshes. The first
-//! two parts are the upper level of an acceleration structure, and each mesh is a lower one.
+//! A scene's list of primitives has three parts: the primitives in world space, then a box for each
+//! instance, then the triangles of the instanced meshes, each in its mesh's space. The first two
+//! parts are the upper level of an acceleration structure, and each mesh is a lower one.
 
 use std::ops::Range;
 
@@ -16,23 +16,23 @@ use crate::geometry::{InstanceTransform, N_PARAMETERS, Project, Triangle};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct InstanceId(pub u32);
 
-/// A mesh at a place.
+/// An instance of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// Its place.
+    /// The placement.
     pub transform: InstanceTransform,
     /// The index of its mesh.
     pub mesh: u32,
 }
 
-/// A mesh that is placed many times.
+/// An instanced mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstancedTriangles {
-    /// The range of its triangles among the primitives.
+    /// The range of the triangles among the primitives.
     pub triangles: Range<u32>,
-    /// Its first instance.
+    /// First instance.
     pub first: InstanceId,
-    /// Whether its instances have a number of an array each.
+    /// True if each of the instances has a number of an array.
     pub(super) has_scalars: bool,
 }
 
@@ -45,66 +45,65 @@ pub struct Instances {
     pub(super) all: Vec<Instance>,
     /// The meshes, in the order of their triangles.
     pub(super) meshes: Vec<InstancedTriangles>,
-    /// The number of an array for each instance, NaN for those without one; empty if none has
-    /// any.
+    /// The number of an array for each instance, NaN if it has none; empty if no instance has one.
     pub(super) scalars: Vec<f32>,
 }
 
 impl Instances {
-    /// The instance whose box has this index among the primitives of the upper level.
+    /// Returns the instance whose box has this index among the primitives of the upper level.
     #[inline]
     pub fn of_box(&self, primitive: u32) -> Option<InstanceId> {
         primitive.checked_sub(self.first_box).map(InstanceId)
     }
 
-    /// The index of the box of an instance among the primitives.
+    /// Returns the index of the box of an instance among the primitives.
     #[inline]
     pub fn box_of(&self, id: InstanceId) -> u32 {
         self.first_box + id.0
     }
 
-    /// An instance.
+    /// Returns an instance.
     #[inline]
     pub fn get(&self, id: InstanceId) -> &Instance {
         &self.all[id.0 as usize]
     }
 
-    /// Number of instances.
+    /// Returns the number of instances.
     pub fn n_instances(&self) -> usize {
         self.all.len()
     }
 
-    /// The number of an array for an instance, if its object has one for each.
+    /// Returns the number of an array for an instance, if its object has one per instance.
     #[inline]
     pub(super) fn scalar(&self, id: InstanceId) -> Option<f32> {
         let scalar = *self.scalars.get(id.0 as usize)?;
         self.mesh_of(id).has_scalars.then_some(scalar)
     }
 
-    /// The meshes, in the order of their triangles.
+    /// Returns the meshes, in the order of their triangles.
     pub fn meshes(&self) -> &[InstancedTriangles] {
         &self.meshes
     }
 
-    /// The mesh of an instance.
+    /// Returns the mesh of an instance.
     #[inline]
     pub fn mesh_of(&self, id: InstanceId) -> &InstancedTriangles {
         &self.meshes[self.get(id).mesh as usize]
     }
 
-    /// The index of the first triangle of a mesh among the primitives.
+    /// Returns the index of the first triangle of a mesh among the primitives.
     pub fn first_triangle(&self) -> u32 {
         self.first_box + self.all.len() as u32
     }
 
-    /// The index of the mesh that has the primitive with this index, if one has.
+    /// Returns the index of the mesh that contains the primitive with this index, if there is one.
     pub fn mesh_with(&self, primitive: u32) -> Option<u32> {
         let n_before = |mesh: &InstancedTriangles| mesh.triangles.start <= primitive;
         let n_before = self.meshes.partition_point(n_before);
         n_before.checked_sub(1).map(|mesh| mesh as u32)
     }
 
-    /// Number of triangles of all instances.
+    /// Returns the number of triangles of all instances.
     pub fn n_placed(&self) -> u64 {
         let of_mesh = |mesh: &InstancedTriangles| mesh.triangles.len() as u64;
         let of_instance = |instance: &Instance| of_mesh(&self.meshes[instance.mesh as usize]);
@@ -113,7 +112,7 @@ impl Instances {
 }
 
 impl InstancedTriangles {
-    /// The range of its triangles among the primitives.
+    /// Returns the range of the triangles among the primitives.
     pub fn range(&self) -> Range<usize> {
         self.triangles.start as usize..self.triangles.end as usize
     }
@@ -122,7 +121,7 @@ impl InstancedTriangles {
 /// Everything that rays can hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct World<'a> {
-    /// What stands in world space; then, if there are any, the boxes of instances and the
+    /// The primitives in world space; then, if there are any, the boxes of instances and the
     /// triangles of their meshes.
     pub primitives: &'a [Primitive],
     /// The instances, if there are any.
@@ -130,13 +129,14 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// Number of primitives that are stored, without the boxes of instances.
+    /// Returns the number of stored primitives, without the boxes of instances.
     pub fn n_primitives(&self) -> usize {
         let n_boxes = self.instances.map_or(0, Instances::n_instances);
         self.primitives.len() - n_boxes
     }
 
-    /// The primitives of the upper level: those in world space, and the boxes of instances.
+    /// Returns the primitives of the upper level: the primitives in world space, and the boxes of
+    /// instances.
     pub fn upper_level(&self) -> &'a [Primitive] {
         match self.instances {
             None => self.primitives,
@@ -147,7 +147,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The primitives in world space, without the boxes of instances.
+    /// Returns the primitives in world space, without the boxes of instances.
     pub fn in_world_space(&self) -> &'a [Primitive] {
         match self.instances {
             None => self.primitives,
@@ -155,7 +155,8 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The instances with the triangles of their meshes, which are in the spaces of the meshes.
+    /// Returns the instances with the triangles of their meshes, which are in the spaces of the
+    /// meshes.
     pub fn placed_meshes(&self) -> impl Iterator<Item = (&'a Instance, &'a [Primitive])> {
         let (instances, primitives) = (self.instances, self.primitives);
         instances.into_iter().flat_map(move |instances| {
@@ -186,7 +187,7 @@ impl<'a> From<&'a Vec<Primitive>> for World<'a> {
     }
 }
 
-/// A primitive that a ray can hit: one in world space, or one of an instance's mesh.
+/// A primitive that a ray can hit: in world space, or in an instance's mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlacedPrimitive {
     /// The primitive's index in the scene.
@@ -206,7 +207,7 @@ impl From<u32> for PlacedPrimitive {
 }
 
 impl Scene {
-    /// Everything that rays can hit.
+    /// Returns everything that rays can hit.
     pub fn world(&self) -> World<'_> {
         World {
             primitives: &self.primitives,
@@ -214,15 +215,15 @@ impl Scene {
         }
     }
 
-    /// The place of the instance that the primitive belongs to, if it does to one.
+    /// Returns the placement of the instance that the primitive belongs to, if it belongs to one.
     #[inline]
     pub fn transform(&self, placed: PlacedPrimitive) -> Option<&InstanceTransform> {
         let instances = self.instances.as_ref()?;
         Some(&instances.get(placed.instance?).transform)
     }
 
-    /// The numbers that define the shape of a primitive, followed by zeros: in world space,
-    /// unless it is under a transform of its own.
+    /// Returns the parameters of a primitive's shape, padded with zeros: in world space, unless the
+    /// primitive has its own transform.
     #[inline]
     pub fn parameters(&self, placed: PlacedPrimitive) -> [f32; N_PARAMETERS] {
         let parameters = self.primitives[placed.primitive as usize].parameters();
@@ -232,8 +233,8 @@ impl Scene {
         }
     }
 
-    /// The point of a primitive's surface nearest to `near`, which lies on it up to rounding
-    /// errors, and the outward unit normal there.
+    /// Returns the point of a primitive's surface nearest to `near`, which lies on it up to
+    /// rounding errors, and the outward unit normal there.
     pub fn project(&self, placed: PlacedPrimitive, near: Vec3) -> (Vec3, Vec3) {
         let Some(transform) = self.transform(placed) else {
             return self.primitives[placed.primitive as usize].project(near);
@@ -251,8 +252,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// A bound of the distance between a primitive's surface and a point of it that
-    /// [`project`](Self::project) found.
+    /// Returns a bound of the distance between a primitive's surface and a point that
+    /// [`project`](Self::project) found on it.
     pub fn rounding(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
         match self.transform(placed) {
             None => self.primitives[placed.primitive as usize].rounding(point),

@@ -6,29 +6,29 @@ use crate::geometry::Aabb;
 use math::sampling::AliasTable;
 use math::simd::{Mask, Real, Vector};
 
-/// How lights are chosen.
+/// The method of choosing lights.
 #[derive(Debug, Clone, Default)]
 pub(super) enum LightChoice {
-    /// Each light, or the only one, is sampled.
+    /// Samples every light, or the only one.
     #[default]
     Each,
-    /// One light, in proportion to what would arrive at the point from each.
+    /// Samples one light, in proportion to the light that would arrive at the point from each.
     ByArrival,
-    /// One light, in proportion to their power.
+    /// Samples one light, in proportion to the power.
     ByPower(AliasTable),
 }
 
-/// One light per point.
+/// A chosen light per point.
 pub(super) struct Chosen<R> {
     /// The index of the light.
     pub(super) index: R,
     /// The probability of this choice.
     pub(super) probability: R,
-    /// A number in [0, 1) that does not depend on the choice.
+    /// A number in [0, 1) that is independent of the choice.
     pub(super) number: R,
 }
 
-/// Most lights for which the light that would arrive is computed at each point.
+/// Maximum number of lights for which the arriving light is estimated at each point.
 const MAX_COMPARED: usize = 16;
 
 /// The largest number below 1.
@@ -46,8 +46,8 @@ impl LightChoice {
         }
     }
 
-    /// The light of sample `i` at a point. Two numbers in [0, 1) choose it; by its arrival, the
-    /// second one alone does.
+    /// Chooses the light of sample `i` at a point with two numbers in [0, 1); the choice by arrival
+    /// uses only the second one.
     #[inline(always)]
     pub(super) fn choose<R: Real>(
         &self,
@@ -75,7 +75,7 @@ impl LightChoice {
         }
     }
 
-    /// The probability with which the light of this index is chosen at a point.
+    /// Returns the probability that the light of this index is chosen at a point.
     #[inline(always)]
     pub(super) fn probability<R: Real>(
         &self,
@@ -94,7 +94,7 @@ impl LightChoice {
     }
 }
 
-/// The sum of what would arrive at a point.
+/// Returns the sum of the estimated arrivals at a point.
 #[inline(always)]
 fn sum_of_arrivals<R: Real>(sources: &[LightSource], point: Vector<R>) -> R {
     let mut sum = point.x.splat(0.0);
@@ -104,8 +104,8 @@ fn sum_of_arrivals<R: Real>(sources: &[LightSource], point: Vector<R>) -> R {
     sum
 }
 
-/// Inverts the cumulative distribution of what would arrive, so that the numbers that choose
-/// one light are as well distributed as all are.
+/// Inverts the cumulative distribution of the estimated arrivals, so that the numbers that choose
+/// one light are as well distributed as all numbers.
 #[inline(always)]
 fn by_arrival<R: Real>(sources: &[LightSource], point: Vector<R>, number: R) -> Chosen<R> {
     let (zero, one) = (number.splat(0.0), number.splat(1.0));
@@ -175,7 +175,7 @@ mod tests {
                     (share - expected).abs() < 1e-3,
                     "{point} {i}: {share} {expected}"
                 );
-                // What is left of the number is spread evenly.
+                // The rest of the number is uniform.
                 assert!((sums[i] - 0.5 * share).abs() < 1e-3, "{point} {i}");
             }
         }

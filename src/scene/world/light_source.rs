@@ -8,7 +8,7 @@ use crate::light::{Illumination, Light};
 use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 
-/// Where less arrives, a light is chosen as if this did.
+/// Minimum arrival: a light from which less arrives is chosen as if this much did.
 const LEAST_ARRIVAL: f32 = 1e-20;
 
 /// A source of light.
@@ -22,7 +22,7 @@ pub(super) enum LightSource {
     Surroundings(f32),
 }
 
-/// The random numbers that choose the light at a point.
+/// The random numbers that sample the light at a point.
 #[derive(Debug, Clone, Copy)]
 pub struct LightNumbers<R> {
     /// Chooses one of the lights.
@@ -34,7 +34,7 @@ pub struct LightNumbers<R> {
 }
 
 impl LightSource {
-    /// Whether it has more than one shape.
+    /// Returns true if it has more than one shape.
     pub(super) fn has_shapes(&self) -> bool {
         matches!(self, Self::Emitter(emitter) if emitter.n_shapes() > 1)
     }
@@ -56,8 +56,8 @@ impl LightSource {
         }
     }
 
-    /// An estimate of what would arrive at a point if nothing were in the way: the luminance of
-    /// a white surface that faces the light, greater than 0.
+    /// Estimates the light that would arrive at a point if nothing were in the way: the luminance
+    /// of a white surface that faces the light, greater than 0.
     #[inline(always)]
     pub(super) fn arrival<R: Real>(&self, point: Vector<R>) -> R {
         let like = point.x;
@@ -71,7 +71,8 @@ impl LightSource {
         estimate.max(like.splat(LEAST_ARRIVAL))
     }
 
-    /// The power, of a light without surface that which a sphere around the scene gets.
+    /// Returns the power; for a light without a surface, the power that a sphere around the scene
+    /// receives.
     pub(super) fn power(&self, scene: &Aabb) -> f64 {
         let center = scene.center();
         let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
@@ -94,8 +95,8 @@ impl LightSource {
     }
 }
 
-/// White light of radiance 1 from the directions around a normal, in proportion to their
-/// cosine, and as far as nothing is nearer than a distance.
+/// Samples white light of radiance 1 from the directions around a normal, in proportion to their
+/// cosine, from this distance if nothing is nearer.
 #[inline(always)]
 fn surroundings<R: Real>(normal: Vector<R>, distance: f32, numbers: [R; 2]) -> Illumination<R> {
     let [x, y, cos] = hemisphere(numbers);

@@ -1,5 +1,5 @@
-//! The lights of a scene: those of its `lights` section, then the surfaces that emit
-//! light, then the picture around it and its sun.
+//! The lights of a scene: the `lights` section, then emissive surfaces, then the environment map
+//! and its sun.
 
 use std::collections::BTreeMap;
 
@@ -19,28 +19,28 @@ use crate::light::{Illumination, Light};
 use crate::material::Material;
 use math::simd::{Mask, Real, Vector};
 
-/// See the file's documentation.
+/// The lights of a scene; see the module's documentation for their order.
 #[derive(Debug, Clone, Default)]
 pub struct Lights {
     sources: Vec<LightSource>,
     choice: LightChoice,
     need_choices: bool,
-    /// The fog that weakens their light.
+    /// The fog that attenuates their light.
     fog: Option<FogSphere>,
-    /// Whether media weaken it, too.
+    /// True if media also attenuate it.
     has_media: bool,
-    /// The index of the source of each material and kind of shape.
+    /// The index of the source for each material and kind of shape.
     emitters: Vec<Option<u32>>,
-    /// The index of the picture around the scene.
+    /// The index of the environment map.
     environment: Option<u32>,
     /// The index of the sun.
     sun: Option<u32>,
 }
 
-/// Where a light of a scene comes from.
+/// The origin of a light of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightOrigin {
-    /// The `lights` section, or the model of shading.
+    /// The `lights` section, or the shading model.
     Listed,
     /// The surfaces of a material.
     Surfaces(MaterialId),
@@ -51,7 +51,7 @@ pub enum LightOrigin {
 }
 
 impl Lights {
-    /// The space around each point, up to a distance, as the only light.
+    /// Creates a single light: the space around each point, up to a distance.
     pub(super) fn surroundings(distance: f32) -> Self {
         Self {
             sources: vec![LightSource::Surroundings(distance)],
@@ -68,6 +68,7 @@ impl Lights {
         fog: Option<FogSphere>,
         has_media: bool,
     ) -> Self {
+        // Collect the listed lights, then emissive surfaces, environment map and sun.
         let mut sources: Vec<LightSource> = lights.map(LightSource::Light).collect();
         let n_kinds = ShapeKind::ALL.len();
         let mut emitters = vec![None; materials.len() * n_kinds];
@@ -88,6 +89,7 @@ impl Lights {
             sources.push(LightSource::Sun(*sun));
             sources.len() as u32 - 1
         });
+        // Choose how to sample them.
         let choice = LightChoice::new(sampling, &sources, &bounds(world.upper_level()));
         let has_shapes = sources.iter().any(LightSource::has_shapes);
         Self {
@@ -102,12 +104,12 @@ impl Lights {
         }
     }
 
-    /// Number of lights.
+    /// Returns the number of lights.
     pub fn n_sources(&self) -> usize {
         self.sources.len()
     }
 
-    /// Where the light with this index comes from.
+    /// Returns the origin of the light with this index.
     #[inline]
     pub fn origin(&self, index: u32) -> LightOrigin {
         match &self.sources[index as usize] {
@@ -118,7 +120,7 @@ impl Lights {
         }
     }
 
-    /// Number of lights that are sampled at each point.
+    /// Returns the number of lights that are sampled at each point.
     #[inline]
     pub fn n_samples(&self) -> usize {
         match self.choice {
@@ -127,21 +129,20 @@ impl Lights {
         }
     }
 
-    /// Whether the choice of light at a point needs random numbers.
+    /// Returns true if the choice of light at a point needs random numbers.
     pub fn are_random(&self) -> bool {
         let is_plain = |source: &LightSource| matches!(source, LightSource::Light(_));
         !self.samples_each() || !self.sources.iter().all(is_plain)
     }
 
-    /// Whether a number has to choose one of the lights by power, or one of the shapes of a
-    /// light.
+    /// Returns true if a random number selects a light by power, or one of a light's shapes.
     #[inline]
     pub fn need_choices(&self) -> bool {
         self.need_choices
     }
 
-    /// The light of sample `i`, if it is always the same one, has no surface and is
-    /// weakened by nothing, so that it needs no random numbers.
+    /// Returns the light of sample `i` if it needs no random numbers: it is always the same light,
+    /// has no surface and is not attenuated.
     #[inline]
     pub fn plain(&self, i: usize) -> Option<&Light> {
         match &self.sources[i] {
@@ -150,8 +151,8 @@ impl Lights {
         }
     }
 
-    /// The light of sample `i` that arrives at a point with a normal, unless it is
-    /// occluded, and the index of the light; `error` is that of the point's position.
+    /// Returns the light of sample `i` that arrives at a point with a normal, unless it is
+    /// occluded, and the index of the light; `error` bounds the error of the point.
     #[inline(always)]
     pub fn illuminate<R: Real>(
         &self,
@@ -184,7 +185,7 @@ impl Lights {
         (light, index)
     }
 
-    /// The light of these sources.
+    /// Samples the light of these sources.
     #[inline(always)]
     fn of_sources<R: Real>(
         &self,
@@ -215,7 +216,7 @@ impl Lights {
         light
     }
 
-    /// The light that shapes of this material and kind are, and its index; `None` if they are
+    /// Returns the light for shapes of this material and kind, and its index; `None` if they are
     /// not sampled.
     #[inline]
     pub fn emitter(
@@ -231,7 +232,7 @@ impl Lights {
         Some((emitter, index))
     }
 
-    /// The picture around the scene and its index; `None` if it is not sampled.
+    /// Returns the environment map and its index; `None` if it is not sampled.
     #[inline]
     pub fn environment(&self) -> Option<(&EnvironmentLight, u32)> {
         let index = self.environment?;
@@ -241,13 +242,13 @@ impl Lights {
         Some((environment, index))
     }
 
-    /// The index of the sun; `None` if it is not sampled.
+    /// Returns the index of the sun; `None` if it is not sampled.
     #[inline]
     pub fn sun(&self) -> Option<u32> {
         self.sun
     }
 
-    /// The probability with which the light of this index is sampled at a point.
+    /// Returns the probability that the light of this index is sampled at a point.
     #[inline(always)]
     pub fn probability<R: Real>(&self, index: u32, point: Vector<R>) -> R {
         self.choice.probability(index, &self.sources, point)
@@ -265,14 +266,14 @@ impl Lights {
 /// Shapes and their bounds.
 type Shapes = (Vec<[f32; N_PARAMETERS]>, Aabb);
 
-/// The shapes that emit light, by material and kind: its key is
-/// `material * n_kinds + kind`.
+/// Returns the shapes that emit light, by material and kind: the key is `material * n_kinds +
+/// kind`.
 fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shapes> {
     let mut shapes = BTreeMap::<usize, Shapes>::new();
     if !materials.iter().any(Material::emits) {
         return shapes;
     }
-    // Where a picture varies the light, rays find it by chance.
+    // If a picture varies the light, rays find it by chance.
     let emits = |primitive: &&Primitive| {
         let material = &materials[primitive.material.0 as usize];
         material.emits() && material.factors.emission.is_none()
@@ -299,7 +300,7 @@ fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shap
     shapes
 }
 
-/// The bounds of all primitives that have some.
+/// Returns the bounds of all bounded primitives.
 pub(super) fn bounds(primitives: &[Primitive]) -> Aabb {
     let bounded = primitives
         .iter()

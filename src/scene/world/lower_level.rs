@@ -1,5 +1,5 @@
-//! Meshes at many places → the lower level of the scene: boxes of instances, and the triangles
-//! of meshes.
+//! Builds the lower level of a scene from instanced meshes: the boxes of instances, and the
+//! triangles of meshes.
 
 use glam::{DAffine3, DVec3};
 
@@ -14,26 +14,26 @@ use crate::geometry::{Aabb, Cuboid, InstanceTransform, RenderSpace, Shape};
 use crate::import::Mesh;
 use crate::yaml::{Fault, FieldPath};
 
-/// Most triangles of all instances of a material that emits light: each is a light of its own.
+/// Maximum number of triangles of all instances of an emissive material: each is a separate light.
 const MAX_EMITTING: u64 = 1 << 20;
 
-/// Additions of the objects of instances to a scene, until all objects are placed.
+/// Collects the instances for a scene until all objects are placed.
 #[derive(Default)]
 pub(super) struct LowerLevel {
     instances: Instances,
-    /// A box for each instance.
+    /// One box per instance.
     boxes: Vec<Primitive>,
-    /// The triangles of the meshes; the ranges of the meshes are among these.
+    /// The triangles of the meshes; the meshes' ranges are indices into these.
     triangles: Vec<Primitive>,
     objects: Vec<ObjectId>,
 }
 
 impl LowerLevel {
-    /// Adds a mesh and its instances, and the number of its degenerate triangles to
-    /// `n_degenerate`; returns the attributes of the mesh and its first triangle.
+    /// Adds a mesh and its instances, and its number of degenerate triangles to `n_degenerate`;
+    /// returns the attributes of the mesh and its first triangle.
     ///
     /// # Errors
-    /// A place that exceeds the range of 32-bit numbers, or the memory of the mesh.
+    /// A placement exceeds the range of 32-bit numbers, or the mesh exceeds the memory.
     pub(super) fn add(
         &mut self,
         placement: &Placement,
@@ -45,6 +45,7 @@ impl LowerLevel {
             places,
             scalars,
         } = placed;
+        // Add the triangles in the mesh's own space.
         let mesh_from_unit = to_unit_size(&mut mesh);
         let first = self.triangles.len() as u32;
         let (in_mesh, render_from_object) = placement.in_object_space();
@@ -52,6 +53,7 @@ impl LowerLevel {
         let triangles = &self.triangles[first as usize..];
         let bounds = triangles.iter().map(Primitive::bounds);
         let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+        // Add an instance and its box for each place.
         let material = triangles[0].material;
         let mesh = self.instances.meshes.len() as u32;
         let first_instance = InstanceId(self.instances.all.len() as u32);
@@ -67,6 +69,7 @@ impl LowerLevel {
             self.boxes.push(shape);
             self.instances.all.push(Instance { transform, mesh });
         }
+        // Record the mesh and the numbers of its instances.
         if let Some(scalars) = &scalars {
             self.instances
                 .scalars
@@ -86,7 +89,7 @@ impl LowerLevel {
     /// Checks that the instances that emit light are few enough to be sampled.
     ///
     /// # Errors
-    /// The material whose triangles are too many.
+    /// The material with too many triangles.
     pub(super) fn check_emission(&self, config: &Config) -> Result<(), Fault> {
         let Some((name, n)) = self.emitting(config).find(|(_, n)| *n > MAX_EMITTING) else {
             return Ok(());
@@ -98,7 +101,7 @@ impl LowerLevel {
             .with_help("emit light from fewer instances, or from a mesh of fewer triangles"))
     }
 
-    /// The materials that emit light, with the number of triangles of their instances.
+    /// Returns the materials that emit light, with the number of triangles of their instances.
     fn emitting<'a>(&'a self, config: &'a Config) -> impl Iterator<Item = (&'a String, u64)> {
         let numbered = (0..).map(MaterialId).zip(&config.materials);
         let emitting = numbered.filter(|(_, (_, material))| material.emits());
@@ -114,7 +117,7 @@ impl LowerLevel {
         })
     }
 
-    /// Adds itself to a scene whose other objects are placed.
+    /// Appends the lower level to a scene whose other objects are placed.
     pub(super) fn add_to(self, scene: &mut Scene) {
         let Self {
             mut instances,
@@ -145,8 +148,8 @@ impl LowerLevel {
     }
 }
 
-/// Moves the center of a mesh to the origin, where numbers have most digits, and scales it by a
-/// power of two to size one; returns the map from there to where it was.
+/// Moves the center of a mesh to the origin, where numbers have the most digits, and scales it by a
+/// power of two to unit size; returns the map from there back.
 fn to_unit_size(mesh: &mut Mesh) -> DAffine3 {
     let bounds = mesh.bounds();
     let size = (bounds.max - bounds.min).max_element().into();

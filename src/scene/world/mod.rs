@@ -1,8 +1,8 @@
 //! Config → [`Scene`]: everything placed in render space, ids instead of names.
 //!
-//! Takes a checked [`Config`] and its [`Geometries`]; returns what the tracer
-//! reads, or a [`Fault`] where two parts of the file contradict each other: an
-//! undefined material, a transform without an inverse.
+//! Takes a checked [`Config`] and its [`Geometries`]; returns the tracer's input, or a [`Fault`] if
+//! two parts of the file contradict each other: an undefined material, a transform without an
+//! inverse.
 
 mod primitive;
 mod instances;
@@ -59,21 +59,21 @@ pub use timeline::{SceneFrame, Timeline};
 /// A scene in render space.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The space of all coordinates and lengths, and the way back to world space.
+    /// The space of all coordinates and lengths, with the way back to world space.
     pub space: RenderSpace,
     /// The positions of the pixels.
     pub image_plane: ImagePlane,
-    /// The part of the scene that a camera ray stands for, if a material has a picture.
+    /// The footprint of a camera ray as a cone, if a material has a picture.
     pub cone: Option<RayCone>,
     /// The radiance of rays without a hit.
     pub background: Background,
-    /// How surfaces are shaded.
+    /// The shading model and its parameters.
     pub shading: Shading,
-    /// How light becomes the numbers of the picture.
+    /// The conversion of light to the numbers of the picture.
     pub development: Development,
     /// The greatest value of a channel of a sample.
     pub sample_limit: f32,
-    /// What the film keeps besides what every film keeps.
+    /// The arrays of the film beyond what every film keeps.
     pub extra_arrays: ExtraArrays,
     /// The fog around the objects.
     pub fog: Option<FogSphere>,
@@ -81,17 +81,17 @@ pub struct Scene {
     pub lights: Lights,
     /// The materials, by [`MaterialId`].
     pub materials: Vec<Material>,
-    /// Everything that rays can hit, object by object; with instances what a [`World`] has.
+    /// Everything that rays can hit, object by object; with instances in the order of [`World`].
     pub primitives: Vec<Primitive>,
-    /// The meshes that are placed many times, if there are any.
+    /// The instanced meshes, if there are any.
     pub instances: Option<Instances>,
     /// The classes of the primitives.
     classes: Vec<SurfaceClass>,
-    /// Whether any material is a dielectric.
+    /// True if any material is a dielectric.
     has_media: bool,
-    /// Whether any material has holes.
+    /// True if any material has holes.
     has_cutouts: bool,
-    /// Whether pictures vary the roughness, the share of metal or the light of any material.
+    /// True if pictures vary the roughness, the metallicness or the emission of any material.
     pub has_factors: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
@@ -101,13 +101,13 @@ pub struct Scene {
 
 #[derive(Debug, Clone)]
 struct ObjectAttributes {
-    /// The object's first primitive.
+    /// The index of the object's first primitive.
     first: u32,
     attributes: Attributes,
 }
 
 impl Scene {
-    /// The scene of a config and the geometries of its objects.
+    /// Creates the scene of a config and the geometries of its objects.
     ///
     /// # Errors
     /// The first value of the file that contradicts others.
@@ -116,7 +116,7 @@ impl Scene {
         Self::in_space(config, geometries, space)
     }
 
-    /// The same in another render space.
+    /// Creates the same scene in another render space.
     ///
     /// # Errors
     /// The first value of the file that contradicts others.
@@ -125,6 +125,7 @@ impl Scene {
         geometries: Geometries,
         space: RenderSpace,
     ) -> Result<Self, Fault> {
+        // Check the settings that contradict each other.
         if config.objects.is_empty() {
             return Err(Fault::new(
                 FieldPath::default().key("objects"),
@@ -136,6 +137,7 @@ impl Scene {
         check_materials(config)?;
         fog::check(config)?;
         config.image.check_sampling()?;
+        // Set up everything but the primitives and the lights.
         let plane = config
             .camera
             .image_plane(config.image.picture_size(), &space);
@@ -173,6 +175,7 @@ impl Scene {
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
         };
+        // Complete the materials with pictures, microscopic facets and colors of arrays.
         for (name, material) in config.materials.keys().zip(&mut scene.materials) {
             geometries.pictures.give_to(name, material);
             if config.shading.model == ShadingModel::Path {
@@ -181,6 +184,7 @@ impl Scene {
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();
         arrays::prepare(config, &geometries.places, numbers_of, &mut scene.materials)?;
+        // Place the objects, instanced meshes in the lower level.
         let mut lower_level = LowerLevel::default();
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {
@@ -210,6 +214,7 @@ impl Scene {
                 .attributes
                 .push(ObjectAttributes { first, attributes });
         }
+        // Append the instances, the fog and the lights, which need all primitives.
         if scene.scatters_paths() {
             lower_level.check_emission(config)?;
         }
@@ -232,64 +237,64 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Whether any material is a dielectric.
+    /// Returns true if any material is a dielectric.
     #[inline]
     pub fn has_media(&self) -> bool {
         self.has_media
     }
 
-    /// Whether media weaken the light of light samples: those of the ray to the point.
+    /// Returns true if media attenuate light samples: the medium of the ray to the point.
     pub fn weakens_lights(&self) -> bool {
         self.has_media && self.scatters_paths()
     }
 
-    /// Whether any material has holes.
+    /// Returns true if any material has holes.
     #[inline]
     pub fn has_cutouts(&self) -> bool {
         self.has_cutouts
     }
 
-    /// Whether paths go on in a direction chosen at random.
+    /// Returns true if paths continue in sampled directions.
     pub fn scatters_paths(&self) -> bool {
         self.shading.model == ShadingModel::Path
     }
 
-    /// Whether media split paths.
+    /// Returns true if media split paths.
     pub fn splits_paths(&self) -> bool {
         self.has_media && !self.scatters_paths()
     }
 
-    /// Whether rays need more than an origin and a direction: media, or the density of
-    /// their choice.
+    /// Returns true if rays need more than an origin and a direction: media, or the density of
+    /// their sampling.
     pub fn has_branches(&self) -> bool {
         self.has_media || self.scatters_paths()
     }
 
-    /// Whether points need the random numbers of their samples.
+    /// Returns true if points need the random numbers of their samples.
     pub fn is_random(&self) -> bool {
         self.scatters_paths() || self.lights.are_random()
     }
 
-    /// Number of objects.
+    /// Returns the number of objects.
     pub fn n_objects(&self) -> usize {
         self.attributes.len()
     }
 
-    /// The material with this id.
+    /// Returns the material with this id.
     #[inline]
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.0 as usize]
     }
 
-    /// The color of a primitive at one of its points: its own if it has one, else
-    /// that of its material.
+    /// Returns the color of a primitive at one of its points: its own color, or else its
+    /// material's.
     pub fn color(&self, primitive: u32, point: &TexturePoint<f32>) -> Vec3 {
         let material = self.primitives[primitive as usize].material;
         self.own_color(primitive)
             .unwrap_or_else(|| self.material(material).color.color_at(point).into())
     }
 
-    /// The primitive's own color, if it has one.
+    /// Returns the primitive's own color, if it has one.
     #[inline]
     pub fn own_color(&self, primitive: u32) -> Option<Vec3> {
         match self.attributes(primitive) {
@@ -298,8 +303,8 @@ impl Scene {
         }
     }
 
-    /// The normals at the vertices of the primitive, a triangle, if it has any: of
-    /// unit length, on either side; NaN where one is missing.
+    /// Returns the normals at the vertices of the primitive, a triangle, if there are any: unit
+    /// vectors on either side; NaN for a missing one.
     #[inline]
     pub fn vertex_normals(&self, placed: PlacedPrimitive) -> Option<[Vec3; 3]> {
         let normals = match self.attributes(placed.primitive) {
@@ -312,7 +317,7 @@ impl Scene {
         })
     }
 
-    /// The texture coordinates at the vertices of the primitive, a triangle, if it has
+    /// Returns the texture coordinates at the vertices of the primitive, a triangle, if there are
     /// any and its material needs them.
     #[inline]
     pub fn vertex_uvs(&self, primitive: u32) -> Option<[[f32; 2]; 3]> {
@@ -325,7 +330,8 @@ impl Scene {
         }
     }
 
-    /// The numbers of an array at the vertices of the primitive, a triangle, if it has any.
+    /// Returns the numbers of an array at the vertices of the primitive, a triangle, if there are
+    /// any.
     #[inline]
     pub fn vertex_scalars(&self, placed: PlacedPrimitive) -> Option<[f32; 3]> {
         if let (Some(instances), Some(id)) = (&self.instances, placed.instance)
@@ -339,8 +345,8 @@ impl Scene {
         }
     }
 
-    /// The colors at the vertices of the primitive, a triangle, if it has any and its material
-    /// needs them.
+    /// Returns the colors at the vertices of the primitive, a triangle, if there are any and its
+    /// material needs them.
     #[inline]
     pub fn vertex_colors(&self, primitive: u32) -> Option<[Vec3; 3]> {
         match self.attributes(primitive) {
@@ -349,7 +355,7 @@ impl Scene {
         }
     }
 
-    /// A point of a primitive with the color of the vertices around it, if they have any.
+    /// Adds the interpolated vertex color to a point of a primitive, if there is one.
     pub fn with_color(
         &self,
         placed: PlacedPrimitive,
@@ -366,7 +372,7 @@ impl Scene {
         }
     }
 
-    /// The primitive's own number of an array, if it has one.
+    /// Returns the primitive's own number of an array, if it has one.
     #[inline]
     pub fn own_scalar(&self, primitive: u32) -> Option<f32> {
         match self.attributes(primitive) {
@@ -375,7 +381,7 @@ impl Scene {
         }
     }
 
-    /// The numbers of an array at the ends of the primitive, a capsule, if it has any.
+    /// Returns the numbers of an array at the ends of the primitive, a capsule, if there are any.
     #[inline]
     pub fn end_scalars(&self, primitive: u32) -> Option<[f32; 2]> {
         match self.attributes(primitive) {
@@ -384,7 +390,7 @@ impl Scene {
         }
     }
 
-    /// The number of an array at a point of a primitive, if it has one; else NaN.
+    /// Returns the number of an array at a point of a primitive, or else NaN.
     pub fn scalar(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
         let primitive = placed.primitive;
         if let Some(scalars) = self.vertex_scalars(placed) {
@@ -399,7 +405,7 @@ impl Scene {
         self.own_scalar(primitive).unwrap_or(f32::NAN)
     }
 
-    /// A point of a primitive with its texture coordinates, if it has any.
+    /// Adds the texture coordinates to a point of a primitive, if there are any.
     pub fn with_uv(&self, placed: PlacedPrimitive, point: TexturePoint<f32>) -> TexturePoint<f32> {
         let Some(uvs) = self.vertex_uvs(placed.primitive) else {
             return point;
@@ -408,8 +414,8 @@ impl Scene {
         with_uv(point, &triangle, uvs)
     }
 
-    /// The shading normal of a primitive at one of its points, of unit length, on
-    /// either side: `geometric` if it has no other.
+    /// Returns the shading normal of a primitive at one of its points, a unit vector on either
+    /// side: `geometric` if it has no other.
     pub fn shading_normal(
         &self,
         placed: PlacedPrimitive,
@@ -428,14 +434,13 @@ impl Scene {
         )
     }
 
-    /// The class of a primitive.
+    /// Returns the class of a primitive.
     #[inline(always)]
     pub fn class(&self, primitive: u32) -> SurfaceClass {
         self.classes[primitive as usize]
     }
 
-    /// The attributes of the primitive's object, and the primitive's index among
-    /// those of the object.
+    /// Returns the attributes of the primitive's object, and the primitive's index in that object.
     fn attributes(&self, primitive: u32) -> (&Attributes, usize) {
         let object = self.primitives[primitive as usize].object;
         let ObjectAttributes { first, attributes } = &self.attributes[object.0 as usize];
@@ -443,7 +448,7 @@ impl Scene {
     }
 }
 
-/// Checks that the shading model knows what the materials do.
+/// Checks that the shading model supports the materials.
 fn check_materials(config: &Config) -> Result<(), Fault> {
     let model = config.shading.model;
     let is_seed = model == ShadingModel::Seed;

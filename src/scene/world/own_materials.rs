@@ -1,7 +1,7 @@
-//! Meshes with materials of their own → an object for each material.
+//! Splits meshes with their own materials into one object per material.
 //!
-//! What reports name is then what the file names, and a material stays one of an object: no
-//! ray pays for a look-up of its own.
+//! Reports then name them as the file does, and a material belongs to an object, so that no ray
+//! pays for a lookup per triangle.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use crate::config::{Config, Geometry, MaterialNames, Object, ShadingModel};
 use crate::import::{Mesh, MeshMaterial};
 use crate::material::{Material, MaterialDetail};
 
-/// Longest name of a file or a material in the name of a part, in characters.
+/// Maximum number of characters of a file's or material's name in the name of a part.
 const MAX_WORD: usize = 100;
 
-/// The objects of the materials of a mesh, which the config gets.
+/// Returns the objects of the materials of a mesh, and adds the materials to the config.
 pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Object, Mesh)> {
     let file = match &object.geometry {
         Geometry::File(file) => file.file().file_name().unwrap_or_default(),
@@ -47,7 +47,7 @@ pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Obj
     parts.into_iter().map(part).collect()
 }
 
-/// A name that no material has, beginning with this one.
+/// Returns a name that no material has, beginning with this one.
 fn new_name(config: &Config, name: &str) -> String {
     let numbered = (2..).map(|number| format!("{name} {number}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);
@@ -55,7 +55,7 @@ fn new_name(config: &Config, name: &str) -> String {
     free.unwrap_or_default()
 }
 
-/// A name as a part of a longer one.
+/// Shortens a name to a part of a longer one.
 fn word(name: &str) -> String {
     let plain = name.chars().filter(|letter| !letter.is_control());
     plain.take(MAX_WORD).collect()

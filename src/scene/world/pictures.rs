@@ -1,4 +1,4 @@
-//! The pictures that materials and the background name.
+//! The pictures of materials and the background.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -14,20 +14,20 @@ use crate::material::Material;
 use crate::picture::Picture;
 use crate::yaml::{Fault, FieldPath, Folders};
 
-/// The pictures of a config, each of which was read once.
+/// The pictures of a config, each read once.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Pictures {
     read: HashMap<PictureSource, Arc<Picture>>,
-    /// Pictures of each material, by its name.
+    /// Pictures of each material, by the material's name.
     of_materials: HashMap<String, Vec<PictureSource>>,
     of_background: Option<PictureSource>,
 }
 
-/// What makes a picture: a file, and what its numbers are taken for.
+/// The source of a picture: a file, and the transfer function of its numbers.
 type PictureSource = (PathBuf, Option<Transfer>);
 
 impl Pictures {
-    /// Reads all pictures; `folders` and `available` are those of
+    /// Reads all pictures; for `folders` and `available` see
     /// [`Geometries::read`](super::Geometries::read).
     pub(super) fn read<F: Folders + ?Sized>(
         config: &Config,
@@ -75,7 +75,7 @@ impl Pictures {
         Ok(source)
     }
 
-    /// The background with its picture.
+    /// Returns the background with its picture.
     pub(super) fn background(&self, config: &Config) -> Background {
         let mut background = config.background.clone();
         match (&mut background, &self.of_background) {
@@ -96,7 +96,7 @@ impl Pictures {
         }
     }
 
-    /// Their memory in bytes, with that of the light of the background.
+    /// Returns the memory in bytes, including the light of the background.
     pub(super) fn n_bytes(&self) -> u64 {
         let of_pictures: u64 = self.read.values().map(|picture| picture.n_bytes()).sum();
         let background = self.of_background.as_ref();
@@ -105,10 +105,10 @@ impl Pictures {
     }
 }
 
-/// Whether one of the materials of the object at `path` needs texture coordinates.
+/// Returns true if one of the materials of the object at `path` needs texture coordinates.
 ///
 /// # Errors
-/// One does, but not all of the object has them.
+/// One does, but the object lacks some.
 pub(super) fn needs_uvs(
     config: &Config,
     object: &Object,

@@ -1,4 +1,4 @@
-//! An object's geometry → primitives in render space.
+//! Converts an object's geometry to primitives in render space.
 
 use glam::{DAffine3, DVec3, Vec3};
 
@@ -16,7 +16,7 @@ use base::stop;
 pub(super) struct Placement<'a> {
     object: &'a Object,
     id: ObjectId,
-    /// At least one.
+    /// The materials, at least one.
     materials: &'a [MaterialId],
     needs: Needs,
     /// The map from the object to the space of its primitives.
@@ -27,14 +27,14 @@ pub(super) struct Placement<'a> {
 /// Attributes that the materials of an object need at the corners of triangles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Needs {
-    /// Texture coordinates.
+    /// True for texture coordinates.
     pub(super) uvs: bool,
-    /// Colors.
+    /// True for colors.
     pub(super) colors: bool,
 }
 
 impl<'a> Placement<'a> {
-    /// The placement in a space of the object at `path`.
+    /// Creates the placement of the object at `path` in a space.
     pub(super) fn new(
         object: &'a Object,
         id: ObjectId,
@@ -53,12 +53,12 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// The object.
+    /// Returns the object.
     pub(super) fn id(&self) -> ObjectId {
         self.id
     }
 
-    /// The same in the object's space, and the map from it.
+    /// Returns the placement in the object's own space, and the map from there.
     pub(super) fn in_object_space(&self) -> (Self, DAffine3) {
         let in_object_space = Self {
             render_from_object: DAffine3::IDENTITY,
@@ -67,17 +67,17 @@ impl<'a> Placement<'a> {
         (in_object_space, self.render_from_object)
     }
 
-    /// The transform of a geometry whose coordinates are relative to `origin`.
+    /// Returns the transform of a geometry whose coordinates are relative to `origin`.
     ///
     /// # Errors
-    /// It has no inverse.
+    /// The transform has no inverse.
     fn transform(&self, origin: DVec3) -> Result<Transform, Fault> {
         let from_origin = DAffine3::from_translation(origin);
         Transform::new(&(self.render_from_object * from_origin))
             .ok_or_else(|| out_of_range(self.object, self.path))
     }
 
-    /// The fault of an instance that is too small, too large or too far away.
+    /// Creates the fault of an instance that is too small, too large or too far away.
     pub(super) fn place_out_of_range(&self, index: usize) -> Fault {
         let path = self.path.clone().key(InstancedMesh::KEY);
         let path = match &self.object.geometry {
@@ -93,11 +93,11 @@ impl<'a> Placement<'a> {
         Fault::new(path, message, expected)
     }
 
-    /// Adds the primitives of a geometry to `primitives`, and the number of its
-    /// degenerate triangles to `n_degenerate`; returns the primitives' attributes.
+    /// Adds the primitives of a geometry to `primitives`, and its number of degenerate triangles to
+    /// `n_degenerate`; returns the primitives' attributes.
     ///
     /// # Errors
-    /// A transform or a size that exceeds the range of 32-bit numbers.
+    /// A transform or a size exceeds the range of 32-bit numbers.
     pub(super) fn add_geometry(
         &self,
         geometry: ObjectGeometry,
@@ -112,7 +112,7 @@ impl<'a> Placement<'a> {
                 let Located { origin, geometry } = generator.corners();
                 let transform = self.transform(origin)?;
                 for i in 0..generator.n_spheres() {
-                    // The caller discards what is half done.
+                    // The caller discards the incomplete scene.
                     if stop::is_requested() {
                         break;
                     }
@@ -144,7 +144,7 @@ impl<'a> Placement<'a> {
                 return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
             }
             ObjectGeometry::Mesh(mesh) => return self.add_mesh(*mesh, primitives, n_degenerate),
-            // They are no primitives of world space: see `LowerLevel`.
+            // Instances are not primitives in world space: see `LowerLevel`.
             ObjectGeometry::Instances(_) => {}
         }
         Ok(Attributes::None)
@@ -161,6 +161,7 @@ impl<'a> Placement<'a> {
         let transform = self.transform(mesh.origin)?;
         let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
         let (scalars, colors) = (mesh.scalars.take(), mesh.colors.take());
+        // Add the triangles that have an area.
         let mut kept = Vec::with_capacity(mesh.triangles.len());
         for &indices in &mesh.triangles {
             let primitive = self.primitive(Shape::Triangle(mesh.triangle(indices)), 0, &transform);
@@ -185,6 +186,7 @@ impl<'a> Placement<'a> {
             let expected = "expected corners that are not on one line";
             return Err(Fault::new(path, message, expected));
         }
+        // Keep the attributes of these triangles that the materials need.
         Ok(Attributes::Corners(CornerAttributes {
             normals: normals.map(|normals| CornerValues {
                 values: world_normals(normals.values, &transform),
@@ -229,7 +231,7 @@ impl<'a> Placement<'a> {
     }
 }
 
-/// A mesh's normals as unit vectors in render space; NaN for a zero vector.
+/// Returns a mesh's normals as unit vectors in render space; NaN for a zero vector.
 fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
     for vector in &mut vectors {
         *vector = transform.world_normal(*vector);
@@ -237,14 +239,14 @@ fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
     vectors
 }
 
-/// The triangles that are kept.
+/// Returns the triangles that are kept.
 fn only(mut triangles: Vec<[u32; 3]>, kept: &[bool]) -> Vec<[u32; 3]> {
     let mut kept = kept.iter();
     triangles.retain(|_| kept.next().copied().unwrap_or(false));
     triangles
 }
 
-/// Whether the primitive is a triangle without an area.
+/// Returns true if the primitive is a triangle without area.
 fn is_degenerate(primitive: &Primitive) -> bool {
     let triangle = match primitive.world_shape() {
         Some(Shape::Triangle(triangle)) => Some(triangle),
@@ -253,8 +255,7 @@ fn is_degenerate(primitive: &Primitive) -> bool {
     triangle.is_some_and(|triangle| triangle.normal().is_none())
 }
 
-/// The fault of an object whose position or size exceeds the range of 32-bit
-/// numbers.
+/// Creates the fault of an object whose position or size exceeds the range of 32-bit numbers.
 fn out_of_range(object: &Object, path: &FieldPath) -> Fault {
     let (key, help) = if object.transform.is_empty() {
         (

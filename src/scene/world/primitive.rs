@@ -1,4 +1,4 @@
-//! Primitives: what rays hit.
+//! Primitives: the shapes that rays hit.
 
 use glam::Vec3;
 
@@ -18,17 +18,17 @@ pub struct MaterialId(pub u32);
 #[derive(Debug, Clone, PartialEq)]
 pub struct Primitive {
     shape: Shape,
-    /// The transform of a shape whose image in world space is a shape of no known
-    /// kind: an ellipsoid, a rotated box.
+    /// The transform of a shape whose image in world space is not one of the shapes: an ellipsoid,
+    /// a rotated box.
     placement: Option<Box<Transform>>,
-    /// Its object.
+    /// The object.
     pub object: ObjectId,
-    /// Its material.
+    /// The material.
     pub material: MaterialId,
 }
 
 impl Primitive {
-    /// A shape under a transform, if it has one.
+    /// Creates a primitive, with a transform if the shape needs one.
     pub fn new(
         shape: Shape,
         transform: Option<&Transform>,
@@ -48,13 +48,13 @@ impl Primitive {
         }
     }
 
-    /// Its shape in world space; `None` if it needs a transform.
+    /// Returns the shape in world space; `None` if it needs a transform.
     #[inline]
     pub fn world_shape(&self) -> Option<&Shape> {
         self.placement.is_none().then_some(&self.shape)
     }
 
-    /// The kind of its shape in world space; `None` if it needs a transform.
+    /// Returns the kind of the shape in world space; `None` if it needs a transform.
     #[inline]
     pub fn kind(&self) -> Option<ShapeKind> {
         match self.placement {
@@ -63,13 +63,13 @@ impl Primitive {
         }
     }
 
-    /// The numbers that define its shape, followed by zeros.
+    /// Returns the parameters that define the shape, padded with zeros.
     #[inline(always)]
     pub fn parameters(&self) -> [f32; N_PARAMETERS] {
         self.shape.parameters()
     }
 
-    /// The least `t` in (0, `t_max`) at which the ray hits it.
+    /// Returns the least `t` in (0, `t_max`) at which the ray hits the primitive.
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         match &self.placement {
@@ -78,8 +78,8 @@ impl Primitive {
         }
     }
 
-    /// The point of its surface nearest to `near`, which lies on it up to rounding
-    /// errors, and the outward unit normal there.
+    /// Returns the point of the surface nearest to `near`, which lies on it up to rounding errors,
+    /// and the outward unit normal there.
     #[inline]
     pub fn project(&self, near: Vec3) -> (Vec3, Vec3) {
         match &self.placement {
@@ -91,8 +91,8 @@ impl Primitive {
         }
     }
 
-    /// A bound of the distance between its surface and a point of it that
-    /// [`project`](Self::project) found.
+    /// Returns a bound of the distance between the surface and a point that
+    /// [`project`](Self::project) found on it.
     #[inline]
     pub fn rounding(&self, point: Vec3) -> f32 {
         let Some(placement) = &self.placement else {
@@ -104,7 +104,7 @@ impl Primitive {
         rounding_of(&[min.x, min.y, min.z, max.x, max.y, max.z])
     }
 
-    /// A point of world space in the space of its [`parameters`](Self::parameters).
+    /// Converts a point from world space to the space of the [`parameters`](Self::parameters).
     pub(super) fn object_point(&self, point: Vec3) -> Vec3 {
         match &self.placement {
             None => point,
@@ -112,7 +112,7 @@ impl Primitive {
         }
     }
 
-    /// The smallest known box around it; [`Aabb::ALL`] for a plane.
+    /// Returns the smallest known bounding box; [`Aabb::ALL`] for a plane.
     #[inline]
     pub fn bounds(&self) -> Aabb {
         match &self.placement {
@@ -121,7 +121,7 @@ impl Primitive {
         }
     }
 
-    /// The cell that a viewer draws for it, in world space; `None` for a plane.
+    /// Returns the cell that a viewer draws for the primitive, in world space; `None` for a plane.
     pub fn patch(&self) -> Option<Patch> {
         let patch = self.shape.patch()?;
         Some(match &self.placement {
@@ -130,13 +130,13 @@ impl Primitive {
         })
     }
 
-    /// Whether it has no bounds.
+    /// Returns true if it is unbounded.
     #[inline]
     pub fn is_unbounded(&self) -> bool {
         self.shape.bounds() == Aabb::ALL
     }
 
-    /// Whether its coordinates in world space are in the range of the arithmetic.
+    /// Returns true if its coordinates in world space are within the range of the arithmetic.
     pub(super) fn is_in_range(&self) -> bool {
         if self.is_unbounded() {
             return self.project(Vec3::ZERO).0.is_finite();
@@ -145,7 +145,7 @@ impl Primitive {
         bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16
     }
 
-    /// Whether it has an extent in world space.
+    /// Returns true if it has an extent in world space.
     pub(super) fn has_extent(&self) -> bool {
         let bounds = self.bounds();
         (bounds.max - bounds.min).max_element() > 1e-16

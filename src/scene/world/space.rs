@@ -1,4 +1,4 @@
-//! Config and geometries → the space in which the scene is traced.
+//! Chooses the space in which a scene is traced, from its config and geometries.
 
 use glam::{DAffine3, DVec3};
 
@@ -9,10 +9,10 @@ use crate::geometry::{Aabb, Intersectable, RenderSpace, world_from_object};
 /// A box in world space.
 type Corners = [DVec3; 2];
 
-/// The render space of a scene: of the size of all objects that have bounds, and with the most
+/// Returns the render space of a scene: scaled to the size of all bounded objects, with the most
 /// digits near their point next to the camera.
 ///
-/// The course's model starts its rays at a distance in world units: it stays there.
+/// The course's model offsets its rays by a distance in world units, so it stays in world space.
 pub(super) fn render_space(config: &Config, geometries: &Geometries) -> RenderSpace {
     if config.shading.model == ShadingModel::Seed {
         return RenderSpace::default();
@@ -31,7 +31,7 @@ pub(super) fn render_space(config: &Config, geometries: &Geometries) -> RenderSp
     RenderSpace::new(size, eye.clamp(min, max), size.min(distance))
 }
 
-/// The box around an object; `None` for a plane.
+/// Returns the box around an object; `None` for a plane.
 fn corners(geometry: &ObjectGeometry, world_from_object: &DAffine3) -> Option<Corners> {
     let (origin, bounds) = match geometry {
         ObjectGeometry::Shape(shape) => (shape.origin, shape.geometry.bounds()),
@@ -61,7 +61,7 @@ fn corners(geometry: &ObjectGeometry, world_from_object: &DAffine3) -> Option<Co
     (bounds != Aabb::ALL).then(|| around(&bounds, &world_from_geometry))
 }
 
-/// The box around the image of a box.
+/// Returns the box around the image of a box.
 fn around(bounds: &Aabb, map: &DAffine3) -> Corners {
     let corners = bounds
         .corners()
@@ -71,7 +71,7 @@ fn around(bounds: &Aabb, map: &DAffine3) -> Corners {
     })
 }
 
-/// A box that is larger on all sides.
+/// Returns a box enlarged on all sides.
 fn grown(bounds: Aabb, by: f32) -> Aabb {
     Aabb {
         min: bounds.min - by,

@@ -4,17 +4,17 @@ use super::attributes::AttributeKind;
 use super::primitive::{MaterialId, Primitive};
 use crate::geometry::ShapeKind;
 
-/// The class by which a point of a primitive is computed and shaded: the kind of the
-/// shape, the attributes and the material, in one number.
+/// The class by which a point of a primitive is computed and shaded: the kind of the shape, the
+/// attributes and the material, in a single number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SurfaceClass(u32);
 
-/// Kinds of shapes, and one more for shapes under a transform.
+/// Number of kinds of shapes, plus one for shapes under a transform.
 const N_SHAPES: u32 = ShapeKind::ALL.len() as u32 + 1;
 const N_ATTRIBUTES: u32 = AttributeKind::COUNT;
 
 impl SurfaceClass {
-    /// The class of a primitive with such attributes.
+    /// Creates the class of a primitive with these attributes.
     #[inline]
     pub(super) fn new(primitive: &Primitive, attributes: AttributeKind) -> Self {
         let shape = primitive.kind().map_or(0, |kind| kind as u32 + 1);
@@ -22,31 +22,31 @@ impl SurfaceClass {
         Self((material * N_ATTRIBUTES + attributes.number()) * N_SHAPES + shape)
     }
 
-    /// The class of particles of a material: without a shape and attributes.
+    /// Creates the class of particles of a material, without shape and attributes.
     pub(super) fn of_particles(material: MaterialId) -> Self {
         Self(material.0 * N_ATTRIBUTES * N_SHAPES)
     }
 
-    /// Its number: classes of few materials have small numbers.
+    /// Returns the number: small for scenes with few materials.
     #[inline(always)]
     pub fn number(self) -> usize {
         self.0 as usize
     }
 
-    /// The kind of the shape; `None` for shapes under a transform.
+    /// Returns the kind of the shape; `None` for shapes under a transform.
     #[inline]
     pub fn shape(self) -> Option<ShapeKind> {
         let shape = (self.0 % N_SHAPES) as usize;
         shape.checked_sub(1).map(|kind| ShapeKind::ALL[kind])
     }
 
-    /// The kind of the attributes.
+    /// Returns the kind of the attributes.
     #[inline]
     pub fn attributes(self) -> AttributeKind {
         AttributeKind::numbered(self.0 / N_SHAPES % N_ATTRIBUTES)
     }
 
-    /// The material.
+    /// Returns the material.
     #[inline]
     pub fn material(self) -> MaterialId {
         MaterialId(self.0 / N_SHAPES / N_ATTRIBUTES)

@@ -11,29 +11,29 @@ use base::stop;
 /// The frames of a scene that changes over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timeline {
-    /// How its values change.
+    /// The changes of its values.
     pub animation: Animation,
     /// The number of frames, at least 1.
     pub n_frames: u32,
     /// The data series by the index of their object.
     series: Vec<(usize, DataSeries)>,
-    /// The colors' ranges over all time steps, by the index of the material.
+    /// The range of the colors over all time steps, by the index of the material.
     ranges: Vec<(usize, [f32; 2])>,
 }
 
 /// A frame of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneFrame {
-    /// Its number; that of the first is 0.
+    /// Number, from 0.
     pub number: u32,
     /// The number of all frames.
     pub n_frames: u32,
-    /// Its time: that of the first data series or, without one, in seconds of the video.
+    /// Time, as in the first data series or, without one, in seconds of the video.
     pub time: f64,
 }
 
 impl Timeline {
-    /// The timeline of a config; `None` for a still.
+    /// Returns the timeline of a config; `None` for a still.
     ///
     /// # Errors
     /// The first mistake in the section `animation`, or in a data series.
@@ -64,12 +64,12 @@ impl Timeline {
         }))
     }
 
-    /// Finds the range of the colors over all time steps, for the materials that take theirs
-    /// from the data: reads all files of their series, one after the other, with at most
-    /// `available` bytes of memory each.
+    /// Finds the range of the colors over all time steps, for the materials whose range comes from
+    /// the data: reads all files of their series, one after the other, with at most `available`
+    /// bytes of memory each.
     ///
     /// # Errors
-    /// A file that cannot be read, or has no such array.
+    /// A file cannot be read, or lacks the array.
     pub fn find_ranges<F: Folders + ?Sized>(
         &mut self,
         config: &Config,
@@ -109,7 +109,7 @@ impl Timeline {
         Ok(())
     }
 
-    /// The files of an object: those of all steps of a series.
+    /// Returns the files of an object, one per step of a series.
     fn files_of(&self, config: &Config, index: usize) -> Vec<GeometryFile> {
         let Geometry::File(file) = &config.objects[index].geometry else {
             return Vec::new();
@@ -123,7 +123,7 @@ impl Timeline {
         }
     }
 
-    /// A frame, whose number is less than [`n_frames`](Self::n_frames).
+    /// Returns a frame, whose number is less than [`n_frames`](Self::n_frames).
     pub fn frame(&self, number: u32) -> SceneFrame {
         let time = match self.series.first() {
             None => f64::from(number) / f64::from(self.animation.fps),
@@ -136,7 +136,7 @@ impl Timeline {
         }
     }
 
-    /// The time of a frame in a series; between two steps, in proportion.
+    /// Returns the time of a frame in a series, interpolated between two steps.
     fn time_in(&self, DataSeries(steps): &DataSeries, number: u32) -> f64 {
         let (step, part) = self.step_of(steps.len(), number);
         let time = steps[step].time;
@@ -149,8 +149,8 @@ impl Timeline {
         time + span * part
     }
 
-    /// The time step of a series of `n_steps` that a frame shows, and the part of that step
-    /// that has passed: the frames of all steps are equally many, as far as possible.
+    /// Returns the time step of a series of `n_steps` that a frame shows, and the elapsed fraction
+    /// of that step: all steps have the same number of frames, as far as possible.
     fn step_of(&self, n_steps: usize, number: u32) -> (usize, f64) {
         let (n_steps, n_frames) = (n_steps as u64, u64::from(self.n_frames));
         let at = u64::from(number) * n_steps;
@@ -158,8 +158,8 @@ impl Timeline {
         ((at / n_frames) as usize, part)
     }
 
-    /// Makes a still of the config of a frame: with the files of its time step, and the
-    /// colors of all steps.
+    /// Turns the config into a still of a frame, with the files of its time step and the color
+    /// ranges over all steps.
     pub fn make_still(&self, config: &mut Config, number: u32) {
         config.animation = None;
         for (index, DataSeries(steps)) in &self.series {
@@ -179,7 +179,7 @@ impl Timeline {
     }
 }
 
-/// The path of the value that names the file of an object.
+/// Returns the path of the value that names the file of an object.
 fn file_path(index: usize, file: &GeometryFile) -> FieldPath {
     let object = FieldPath::default().key("objects").index(index);
     object.key(file.to_string()).key("file")

@@ -5,10 +5,10 @@ use crate::config::{Config, Object};
 use crate::material::Texture;
 use crate::yaml::{Fault, FieldPath};
 
-/// Whether one of the materials of the object at `path` has the colors of vertices.
+/// Returns true if one of the materials of the object at `path` shows vertex colors.
 ///
 /// # Errors
-/// One has, but the object has no such colors.
+/// One does, but the object lacks vertex colors.
 pub(super) fn are_needed(
     config: &Config,
     object: &Object,

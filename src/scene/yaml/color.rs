@@ -27,12 +27,12 @@ pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(NON_NEGATIVE))
 }
 
-/// Reads such a number for each channel.
+/// Reads a `number` for each channel.
 pub fn channels<'de, D: Deserializer<'de>>(d: D, number: Number) -> Result<Vec3, D::Error> {
     d.deserialize_any(Color(number))
 }
 
-/// Returns red, green and blue of `#rrggbb`.
+/// Parses red, green and blue of `#rrggbb`.
 pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|hex| hex.len() == 6)?;
     // `from_str_radix` accepts a sign too.
@@ -42,9 +42,9 @@ pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     Some([r, g, b])
 }
 
-/// What may stand in the place of a color.
+/// An alternative to a color.
 pub trait ColorPattern {
-    /// The patterns that are a word alone, without keys of their own.
+    /// The patterns that are a single word, without keys.
     const WORDS: &[&str] = &[];
 }
 
@@ -63,7 +63,7 @@ impl<'de, T: Deserialize<'de> + ColorPattern> Deserialize<'de> for ColorOr<T> {
     }
 }
 
-/// The same whose color is a radiance: each channel at least 0.
+/// As [`ColorOr`], with a radiance as the color: each channel at least 0.
 pub struct RadianceOr<T>(pub ColorOr<T>);
 
 impl<'de, T: Deserialize<'de> + ColorPattern> Deserialize<'de> for RadianceOr<T> {
@@ -116,7 +116,7 @@ impl<'de> Visitor<'de> for Color {
     }
 }
 
-/// The channels of a color, and what else there may be.
+/// Visits the channels of a color, or its alternatives.
 struct ColorOrVisitor<T>(Number, PhantomData<T>);
 
 impl<'de, T: Deserialize<'de> + ColorPattern> Visitor<'de> for ColorOrVisitor<T> {

@@ -1,11 +1,11 @@
-//! serde_yaml's deserializer, with the path of what it refuses.
+//! serde_yaml's deserializer, extended by the path of the rejected value.
 
 use serde::de::DeserializeOwned;
 
 use super::field_path::FieldPath;
 use super::translate;
 
-/// The path of a value that was refused, and why.
+/// The path of a rejected value, and the reason.
 pub(super) type Refusal = (FieldPath, serde_yaml::Error);
 
 /// Deserializes a text; an error comes with the path of its value.

@@ -17,20 +17,20 @@ use super::translate;
 use super::tree::Tree;
 use base::text::{Diagnostic, did_you_mean};
 
-/// A scene file, the files that it includes, and the settings of a command line: values
-/// of one tree, each of which messages show in its own text.
+/// A scene file, the files that it includes, and the settings of a command line: one tree of
+/// values; messages show each value in its own text.
 #[derive(Debug, Clone)]
 pub struct Document {
     /// The scene file, the included files, and the settings.
     sources: Vec<Source>,
     merging: Merging,
-    /// `None` if the scene file is all.
+    /// The values of all texts; `None` if there is only the scene file.
     composition: Option<Composition>,
 }
 
-/// Where relative paths of files in a scene start from.
+/// The folders to which paths of files in a scene are relative.
 pub trait Folders {
-    /// The folder for the value at `path`.
+    /// Returns the folder for the value at `path`.
     fn folder_of(&self, path: &FieldPath) -> &Path;
 }
 
@@ -41,7 +41,7 @@ impl Folders for Path {
     }
 }
 
-/// The folder of the text that has the value.
+/// The folder of the text that contains the value.
 impl Folders for Document {
     fn folder_of(&self, path: &FieldPath) -> &Path {
         let source = match &self.composition {
@@ -57,16 +57,16 @@ impl Folders for Document {
 struct Composition {
     tree: Tree,
     origins: Origins,
-    /// Settings of values that the scene did not have: the index of the source and the
-    /// number of steps up to the first new key.
+    /// Settings of values that the scene did not have: the index of the source, and the number of
+    /// steps up to and including the first new key.
     additions: Vec<(usize, usize)>,
 }
 
 impl Document {
-    /// A scene, with the files that it includes.
+    /// Creates a scene, with the files that it includes.
     ///
     /// # Errors
-    /// A file that cannot be included, or has a mistake in its syntax.
+    /// A file cannot be included, or has a syntax error.
     pub fn new(source: Source, merging: Merging) -> Result<Self, Diagnostic> {
         let mut document = Self {
             sources: vec![source],
@@ -92,8 +92,8 @@ impl Document {
         self.set_source(Source::setting(setting)?)
     }
 
-    /// Sets the value at `path`, in YAML, as [`set`](Self::set) does. The scene's key `by`
-    /// is why: messages point at it.
+    /// Sets the value at `path`, in YAML, as [`set`](Self::set) does, on behalf of the scene's key
+    /// `by`: messages point at it.
     ///
     /// # Errors
     /// The path is not valid, or the scene has no such value.
@@ -102,7 +102,7 @@ impl Document {
         self.set_source(source.map_err(|fault| self.point_at(fault))?)
     }
 
-    /// The value at a path; `None` if there is none of this type.
+    /// Returns the value at a path; `None` if there is none of this type.
     pub fn value_at<T: DeserializeOwned>(&self, path: &FieldPath) -> Option<T> {
         let of_source;
         let tree = match &self.composition {
@@ -115,7 +115,7 @@ impl Document {
         deserialize(&tree.find(&path.0)?.text()).ok()
     }
 
-    /// The scene without a section; messages still find its keys.
+    /// Returns the scene without a section; messages still find its keys.
     ///
     /// # Errors
     /// The text has a mistake.
@@ -126,7 +126,7 @@ impl Document {
         Ok(self)
     }
 
-    /// The values of all texts.
+    /// Returns the values of all texts.
     fn composition(&mut self) -> Result<&mut Composition, Diagnostic> {
         match &mut self.composition {
             Some(composition) => Ok(composition),
@@ -151,7 +151,7 @@ impl Document {
         Ok(())
     }
 
-    /// Shows the line of a fault in a source, or the key for which that was set.
+    /// Shows the line of a fault in a source, or the key on whose behalf it was set.
     fn diagnose(&self, source: &Source, fault: Fault) -> Diagnostic {
         match source.set_by() {
             Some(key) => self.point_at(Fault {
@@ -162,7 +162,7 @@ impl Document {
         }
     }
 
-    /// The settings of the command line.
+    /// Returns the settings of the command line.
     pub fn settings(&self) -> impl Iterator<Item = &str> {
         let settings = self
             .sources
@@ -171,7 +171,7 @@ impl Document {
         settings.map(Source::text)
     }
 
-    /// The names of the scene file and of those that it includes.
+    /// Returns the names of the scene file and of the files that it includes.
     pub fn files(&self) -> impl Iterator<Item = &str> {
         let sources = self.sources.iter();
         let files = sources.filter(|source| source.as_setting().is_none());
@@ -181,7 +181,7 @@ impl Document {
     /// Deserializes a `T`, as [`Source::parse`] does.
     ///
     /// # Errors
-    /// The errors of [`Source::parse`].
+    /// As [`Source::parse`].
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         let Some(composition) = &self.composition else {
             return self.sources[0].parse();
@@ -210,8 +210,8 @@ impl Document {
         })
     }
 
-    /// The fault of a setting that adds a key without which the scene would be fine; the
-    /// scene was refused at `path`.
+    /// Returns the fault of a setting that adds a key without which the scene would be valid; the
+    /// scene was rejected at `path`.
     fn misnamed<T: DeserializeOwned>(
         &self,
         composition: &Composition,
@@ -256,7 +256,7 @@ impl Document {
         self.diagnose(&self.sources[source], Fault { spot, ..fault })
     }
 
-    /// The name of the scene file in messages.
+    /// Returns the name of the scene file in messages.
     pub fn name(&self) -> &str {
         self.sources[0].name()
     }
@@ -271,7 +271,7 @@ impl Composition {
         }
     }
 
-    /// Sets the value of a setting, the source of which has this index.
+    /// Sets the value of the setting in the source with this index.
     fn set(
         &mut self,
         setting: &SettingText,
@@ -326,7 +326,7 @@ impl Composition {
     }
 }
 
-/// The fault of a setting whose key number `n_steps` is none of those that are there.
+/// Returns the fault of a setting whose key number `n_steps` does not exist.
 fn no_such_key<'k>(
     setting: &SettingText,
     n_steps: usize,
@@ -350,7 +350,7 @@ fn no_such_key<'k>(
     })
 }
 
-/// The fault of a setting whose step number `depth` does not fit the value above it.
+/// Returns the fault of a setting whose step number `depth` does not fit the value above it.
 fn no_such_value(setting: &SettingText, depth: usize, above: &Tree) -> Fault {
     let [above_path, path] = [depth, depth + 1].map(|n| FieldPath(setting.path.0[..n].to_vec()));
     let step = setting.steps(depth + 1);

@@ -8,9 +8,9 @@ use std::collections::HashMap;
 
 use saphyr_parser::Event;
 
-/// Most values that all aliases of a text expand to together.
+/// Maximum number of values that all aliases of a text expand to together.
 const MAX_VALUES: u64 = 1_000_000;
-/// Most bytes of scalars that they expand to.
+/// Maximum number of bytes of scalars in all aliases of a text together.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// Number of values, and of bytes in scalars.
@@ -24,8 +24,7 @@ struct Size {
 #[derive(Debug, Default)]
 pub(super) struct Expansion {
     of_anchor: HashMap<usize, Size>,
-    /// For each open collection its anchor, 0 for none, and the size of the
-    /// text before it.
+    /// For each open collection, its anchor (0 for none) and the size of the text before it.
     open: Vec<(usize, Size)>,
     /// The text so far, with all aliases expanded.
     all: Size,
@@ -50,8 +49,7 @@ impl Size {
 }
 
 impl Expansion {
-    /// Processes the next event; returns whether the aliases so far expand to
-    /// no more than the limits.
+    /// Processes the next event; returns false once the aliases exceed a limit.
     pub(super) fn take(&mut self, event: &Event) -> bool {
         let before = self.all;
         match event {

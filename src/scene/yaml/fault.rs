@@ -8,13 +8,13 @@ use base::text::Diagnostic;
 /// A mistake in a scene, not yet connected to a line of the text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fault {
-    /// Where the mistake is.
+    /// The position of the mistake.
     pub spot: Spot,
-    /// The fault, in one line.
+    /// The mistake, in one line.
     pub message: String,
     /// The expected value; the label beside the caret.
     pub expected: String,
-    /// How to correct it, if that needs to be said.
+    /// How to correct it, if that is not obvious.
     pub help: Option<String>,
 }
 
@@ -68,7 +68,7 @@ impl Fault {
         self
     }
 
-    /// The same fault in a text with `n_bytes` more before it.
+    /// Returns the same fault in a text with `n_bytes` more before it.
     pub(super) fn moved(mut self, n_bytes: usize) -> Self {
         if let Spot::Bytes(bytes) = &mut self.spot {
             *bytes = bytes.start + n_bytes..bytes.end + n_bytes;

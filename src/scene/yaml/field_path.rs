@@ -5,9 +5,9 @@ use std::fmt;
 /// One step down a YAML tree.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Step {
-    /// Into a mapping.
+    /// A key of a mapping.
     Key(String),
-    /// Into a sequence, 0 is the first.
+    /// An index into a sequence, from 0.
     Index(usize),
 }
 
@@ -29,7 +29,7 @@ impl FieldPath {
     }
 }
 
-/// `objects[2].sphere.radius`
+/// Formats `objects[2].sphere.radius`.
 impl fmt::Display for FieldPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (depth, step) in self.0.iter().enumerate() {

@@ -16,16 +16,14 @@ use base::text::Diagnostic;
 
 /// The key of the section.
 pub(super) const KEY: &str = "include";
-/// Most files that a scene includes.
+/// Maximum number of files that a scene includes.
 const MAX_FILES: usize = 256;
 
-/// Reads the files that the first source includes, and those that they include; returns
-/// all sections as one tree. Appends the files to `sources`. The first source must have
-/// been checked.
+/// Reads the files that the first source includes, recursively; returns all sections as one tree.
+/// Appends the files to `sources`. The first source must have been checked.
 ///
 /// # Errors
-/// A file that cannot be read, has a mistake in its syntax, includes itself, or gives what
-/// another one gives, too.
+/// A file cannot be read, has a syntax error, includes itself, or repeats a value of another file.
 pub(super) fn compose(
     sources: &mut Vec<Source>,
     merging: Merging,
@@ -41,16 +39,16 @@ pub(super) fn compose(
     Ok(files.sections(0)?.assemble())
 }
 
-/// A value and its place.
+/// A value and its origin.
 type PlacedTree = (Tree, ValuePlace);
 
 /// A section of a scene.
 enum Section {
-    /// One that is not merged.
+    /// A section that is not merged.
     Whole(PlacedTree),
-    /// One of [`Merging::maps`].
+    /// A mapping among [`Merging::maps`].
     Map(ValuePlace, IndexMap<String, PlacedTree>),
-    /// One of [`Merging::lists`].
+    /// A list among [`Merging::lists`].
     List(ValuePlace, Vec<PlacedTree>),
 }
 
@@ -58,7 +56,7 @@ enum Section {
 #[derive(Default)]
 struct Sections(IndexMap<String, Section>);
 
-/// Two values for the same key: their places.
+/// The places of two values for the same key.
 struct Conflict([ValuePlace; 2]);
 
 /// The files of a scene.
@@ -73,7 +71,7 @@ struct Files<'s> {
 }
 
 impl Files<'_> {
-    /// The sections of a source and of the files that it includes.
+    /// Returns the sections of a source and of the files that it includes.
     fn sections(&mut self, source: usize) -> Result<Sections, Diagnostic> {
         let tree = Tree::of(self.sources[source].text());
         let own = Sections::of(&tree, source, self.merging);
@@ -104,7 +102,7 @@ impl Files<'_> {
         Ok(all)
     }
 
-    /// The canonical path of a file that may be included at `path`.
+    /// Returns the canonical path of a file that may be included at `path`.
     fn canonical(&self, file: &Path, name: &str, path: &FieldPath) -> Result<PathBuf, Fault> {
         let fault = |message: String, expected: &str| Fault::new(path.clone(), message, expected);
         let ending = file.extension().unwrap_or_default();
@@ -147,7 +145,7 @@ impl Files<'_> {
     }
 }
 
-/// The files that a tree includes, with their paths in the tree.
+/// Returns the files that a tree includes, with their paths in the tree.
 fn included(tree: &Tree) -> Result<Vec<(FieldPath, &str)>, Fault> {
     let path = FieldPath::default().key(KEY);
     let fault = |path| {
@@ -175,7 +173,7 @@ fn included(tree: &Tree) -> Result<Vec<(FieldPath, &str)>, Fault> {
 }
 
 impl Sections {
-    /// The sections of a source.
+    /// Returns the sections of a source.
     fn of(tree: &Tree, source: usize, merging: Merging) -> Result<Self, Fault> {
         let Tree::Map(sections) = tree else {
             let message = "an included file must have sections";
@@ -210,7 +208,7 @@ impl Sections {
         Ok(Self(sections.iter().map(section).collect()))
     }
 
-    /// Adds the sections of a file that is included beside others.
+    /// Adds the sections of a file that is included next to others.
     fn add(&mut self, sections: Self) -> Result<(), Conflict> {
         for (key, section) in sections.0 {
             match (self.0.get_mut(&key), section) {
@@ -238,12 +236,12 @@ impl Sections {
         Ok(())
     }
 
-    /// Adds the sections of the file that includes these, which replace those of the same
-    /// key, and the entries of the same name.
+    /// Adds the sections of the file that includes these; they replace sections of the same key and
+    /// entries of the same name.
     fn replace(&mut self, own: Self, is_included: bool) {
         for (key, section) in own.0 {
             match (self.0.get_mut(&key), section) {
-                // The scene file's own is checked with its other sections.
+                // The scene file's `include` is checked with its other sections.
                 _ if key == KEY && is_included => {}
                 (Some(Section::Map(place, known)), Section::Map(own, map)) => {
                     *place = own;
@@ -260,7 +258,7 @@ impl Sections {
         }
     }
 
-    /// All sections as one tree, with the places of their values.
+    /// Returns all sections as one tree, with the places of their values.
     fn assemble(self) -> (Tree, Origins) {
         let mut origins = Origins::default();
         let mut tree = IndexMap::new();

@@ -1,6 +1,6 @@
 //! Values in another notation: `4px`, `50%`, `(0, 0, 0)`, `0 0 0`, `red`.
 
-/// The colors that are written as words most often.
+/// The colors that are most often written as words.
 const COLORS: [(&str, &str); 10] = [
     ("black", "#000000"),
     ("white", "#ffffff"),
@@ -14,7 +14,7 @@ const COLORS: [(&str, &str); 10] = [
     ("purple", "#800080"),
 ];
 
-/// Advice on a text that stands where numbers or a color are expected.
+/// Returns advice on a text that is given instead of numbers or a color.
 pub(super) fn advice(written: &str, expected: &str) -> Option<String> {
     let bare = written.trim_matches(['"', '\'']);
     if expected.contains("color")
@@ -47,7 +47,7 @@ pub(super) fn advice(written: &str, expected: &str) -> Option<String> {
     })
 }
 
-/// The color of a word, or of `#rgb`, in six digits.
+/// Returns the color of a word, or of `#rgb`, in six digits.
 fn color_of(word: &str) -> Option<String> {
     let word = word.to_lowercase();
     if let Some(short) = word.strip_prefix('#') {
@@ -59,7 +59,7 @@ fn color_of(word: &str) -> Option<String> {
     known.map(|(_, color)| (*color).to_owned())
 }
 
-/// A number and the unit behind it.
+/// Splits a text into a number and its unit.
 fn with_unit(text: &str) -> Option<(f64, &str)> {
     let end = text.find(|c: char| c.is_alphabetic() || c == '°' || c == '%')?;
     let (number, unit) = text.split_at(end);

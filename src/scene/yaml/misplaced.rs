@@ -1,7 +1,7 @@
 //! Keys one level too high or too low: `{ center: …, radius: … }` without its `sphere:`, or a
 //! `material` within it.
 //!
-//! Nothing here knows the keys of scenes: the keys are moved, and the scene is read again.
+//! This module does not know the keys of scenes: it moves keys and reads the scene again.
 
 use serde::de::DeserializeOwned;
 
@@ -11,22 +11,22 @@ use super::field_path::{FieldPath, Step};
 use super::translate;
 use super::tree::{Keys, Tree};
 
-/// Where unknown keys of a mapping belong.
+/// The place where unknown keys of a mapping belong.
 #[derive(Debug)]
 pub(super) enum MisplacedKeys {
     /// Under one of these keys, which is missing.
     Under {
         choices: Vec<String>,
         keys: Vec<String>,
-        /// A key whose value is the choice, as in `type: sphere`.
+        /// A key whose value names the choice, as in `type: sphere`.
         by_word: Option<String>,
     },
-    /// Beside the mapping, which is the value of a key.
+    /// Next to the mapping, which is the value of a key.
     Beside { key: String },
 }
 
-/// Finds out where the unknown key at `path` and those beside it belong; `None` if nowhere
-/// else, or if the error is another one.
+/// Finds the place where the unknown key at `path` and its siblings belong; `None` if nowhere else,
+/// or for another error.
 pub(super) fn keys<T: DeserializeOwned>(
     tree: &Tree,
     path: &FieldPath,
@@ -48,7 +48,7 @@ pub(super) fn keys<T: DeserializeOwned>(
         .or_else(|| beside::<T>(&mut tree, above, own, strange))
 }
 
-/// The missing keys under each of which the strange keys are accepted.
+/// Returns the missing keys under each of which the strange keys are accepted.
 fn under<T: DeserializeOwned>(
     tree: &mut Tree,
     above: &[Step],
@@ -82,7 +82,7 @@ fn under<T: DeserializeOwned>(
     })
 }
 
-/// Whether the strange keys are accepted beside the mapping.
+/// Returns true if the strange keys are accepted next to the mapping.
 fn beside<T: DeserializeOwned>(
     tree: &mut Tree,
     above: &[Step],
@@ -105,8 +105,8 @@ fn beside<T: DeserializeOwned>(
     is_accepted::<T>(tree, outer, moved).then(|| MisplacedKeys::Beside { key: key.clone() })
 }
 
-/// Whether the mapping at `path` may have these keys: then the whole tree is accepted, or
-/// what is refused is elsewhere.
+/// Returns true if the mapping at `path` may have these keys: then the whole tree is accepted, or
+/// rejected elsewhere.
 fn is_accepted<T: DeserializeOwned>(tree: &mut Tree, path: &[Step], keys: Keys) -> bool {
     let Some(place) = tree.at(path) else {
         return false;
@@ -119,7 +119,7 @@ fn is_accepted<T: DeserializeOwned>(tree: &mut Tree, path: &[Step], keys: Keys) 
 }
 
 impl MisplacedKeys {
-    /// The fault of the first key, which is at `path`.
+    /// Returns the fault of the first key, which is at `path`.
     pub(super) fn fault(&self, path: FieldPath) -> Fault {
         let mut above = path.clone();
         let word = match above.0.pop() {
@@ -153,7 +153,7 @@ impl MisplacedKeys {
     }
 }
 
-/// "`a:`", or "one of `a:` and `b:`".
+/// Formats "`a:`", or "one of `a:` and `b:`".
 fn one_of(choices: &[String]) -> String {
     let quoted: Vec<String> = choices
         .iter()

@@ -1,14 +1,13 @@
-//! Files that are not there.
+//! Missing files.
 
 use std::path::Path;
 
 use base::text::did_you_mean;
 
-/// Most files of a folder among which one of a similar name is searched.
+/// Maximum number of files of a folder to search for a similar name.
 const MAX_NAMES: usize = 1000;
 
-/// The likely reason why there is no file at a path; `None` if there is one, or no reason is
-/// known.
+/// Returns the likely reason why a file is missing; `None` if it exists, or no reason is known.
 pub(crate) fn why_missing(path: &Path) -> Option<String> {
     if path.exists() {
         return None;

@@ -1,8 +1,7 @@
-//! All mistakes of a text, once the first one is known.
+//! Finds all mistakes of a text once the first one is known.
 //!
-//! A deserializer stops at the first value that it refuses. That value is taken out of the
-//! tree, and the rest is read again. What is refused then for lack of the removed value is
-//! not a mistake of its own.
+//! A deserializer stops at the first value that it rejects. That value is removed from the tree,
+//! and the rest is read again. An error that is only due to a removed value is not reported.
 
 use serde::de::DeserializeOwned;
 
@@ -14,25 +13,25 @@ use super::translate;
 use super::tree::Tree;
 use base::text::Diagnostic;
 
-/// Most mistakes that are reported at a time.
+/// Maximum number of mistakes reported at a time.
 const MOST: usize = 10;
-/// Most values that are removed.
+/// Maximum number of removed values.
 const MOST_REMOVED: usize = 100;
-/// Longest text that is read more than once, in bytes.
+/// Maximum length of a text that is read more than once, in bytes.
 const MAX_BYTES: usize = 1 << 20;
 
-/// How the mistakes of a text are shown.
+/// Functions that turn the mistakes of a text into messages.
 pub(super) struct Explain<'a> {
-    /// Whether a value is in the text itself, and not in that of an anchor.
+    /// True if a value is in the text itself, not copied from an anchor.
     pub(super) is_written: &'a dyn Fn(&FieldPath) -> bool,
-    /// The message of a value that the deserializer refused.
+    /// The message for a value that the deserializer rejected.
     pub(super) refused: &'a dyn Fn(FieldPath, &serde_yaml::Error) -> Diagnostic,
-    /// The message of another fault.
+    /// The message for any other fault.
     pub(super) fault: &'a dyn Fn(Fault) -> Diagnostic,
 }
 
-/// The messages of all mistakes of a text that is no `T`, the first of which is known. `tree`
-/// makes its tree.
+/// Returns the messages for all mistakes of a text that is not a `T`, given the first; `tree`
+/// parses the text.
 pub(super) fn of<T: DeserializeOwned>(
     text: &str,
     tree: impl FnOnce() -> Tree,
@@ -61,7 +60,7 @@ pub(super) fn of<T: DeserializeOwned>(
             }
             found.push(match misplaced::keys::<T>(&left.tree, &path, &error) {
                 Some(keys) => {
-                    // The keys beside it are misplaced, too.
+                    // Its sibling keys are misplaced, too.
                     path.0.pop();
                     (explain.fault)(keys.fault(original))
                 }
@@ -83,12 +82,12 @@ pub(super) fn of<T: DeserializeOwned>(
 /// The rest of a tree.
 struct Remains {
     tree: Tree,
-    /// What was removed, by its path in the whole tree.
+    /// The removed values, by their paths in the whole tree.
     removed: Vec<FieldPath>,
 }
 
 impl Remains {
-    /// The path in the whole tree of a value that is left.
+    /// Returns the path in the whole tree of a remaining value.
     fn original(&self, path: &FieldPath) -> FieldPath {
         let mut original = FieldPath::default();
         for step in &path.0 {
@@ -101,7 +100,7 @@ impl Remains {
         original
     }
 
-    /// The number in the whole list of an item that is left.
+    /// Returns the index in the whole list of a remaining item.
     fn original_index(&self, list: &FieldPath, mut index: usize) -> usize {
         let item_of = |removed: &FieldPath| match removed.0.split_last() {
             Some((Step::Index(item), above)) if above == list.0 => Some(*item),
@@ -115,7 +114,7 @@ impl Remains {
         index
     }
 
-    /// Whether not a key of the text is known: it is no scene with mistakes.
+    /// Returns true if none of the text's keys is known: it is not a scene with mistakes.
     fn is_of_another_kind(&self, (path, error): &Refusal) -> bool {
         let known = translate::unknown_key_of(error).filter(|_| path.0.len() == 1);
         match (known, &self.tree) {
@@ -124,15 +123,14 @@ impl Remains {
         }
     }
 
-    /// Whether something was removed from the value at a path of the whole tree.
+    /// Returns true if something was removed from the value at this path of the whole tree.
     fn is_consequence(&self, path: &FieldPath) -> bool {
         let mut removed = self.removed.iter();
         removed.any(|removed| removed.0.starts_with(&path.0))
     }
 
-    /// Removes the value at a path of what is left, or one around it if that is as wrong: a
-    /// list of numbers or lists, or the mapping of an empty value. Returns whether there was
-    /// one.
+    /// Removes the value at a path of the rest, or an enclosing one that is equally wrong: a list
+    /// of numbers or lists, or the mapping of an empty value. Returns true if there was one.
     fn remove(&mut self, path: &FieldPath) -> bool {
         let mut path = path.clone();
         let is_whole = |value: &Tree| matches!(value, Tree::Map(_));

@@ -1,9 +1,9 @@
 //! YAML text → typed, checked values.
 //!
-//! [`Source::parse`] takes a scene file's text and a serde type, and returns
-//! the value or one [`Diagnostic`](base::text::Diagnostic) that points at a line. serde_yaml
-//! deserializes; the events of saphyr-parser give the position of each key and
-//! value, so that every error, also one found later, is shown at its place.
+//! [`Source::parse`] takes a scene file's text and a serde type, and returns the value or one
+//! [`Diagnostic`](base::text::Diagnostic) that points at a line. serde_yaml deserializes; the
+//! events of saphyr-parser give the position of each key and value, so that every error, including
+//! one found later, is shown in its place.
 
 mod color;
 mod name;

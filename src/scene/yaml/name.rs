@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, Visitor};
 
-/// Most characters of a name, a title or a key.
+/// Maximum number of characters of a name, a title or a key.
 pub const MAX_NAME: usize = 256;
 
 /// Reads a name; for `#[serde(deserialize_with = "…")]`.
@@ -15,7 +15,7 @@ pub fn name<'de, D: Deserializer<'de>>(d: D) -> Result<String, D::Error> {
     d.deserialize_str(NameVisitor)
 }
 
-/// Whether the text has more than [`MAX_NAME`] characters.
+/// Returns true if the text has more than [`MAX_NAME`] characters.
 pub(super) fn is_long(text: &str) -> bool {
     text.len() > MAX_NAME && text.chars().nth(MAX_NAME).is_some()
 }

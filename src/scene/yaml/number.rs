@@ -21,7 +21,7 @@ const MIN_LENGTH: f64 = 1e-15;
 pub struct Number {
     /// A description that follows the word "expected".
     pub expected: &'static str,
-    /// Whether a finite number is accepted.
+    /// True if a finite number is accepted.
     pub accepts: fn(f64) -> bool,
 }
 
@@ -79,12 +79,12 @@ pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
     COORDINATE.deserialize(d)
 }
 
-/// Reads a length, greater than 0, in its 64 bits.
+/// Reads a length, greater than 0, with 64 bits.
 pub fn exact_positive<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     Exactly(POSITIVE).deserialize(d)
 }
 
-/// Reads a coordinate of a point, in its 64 bits.
+/// Reads a coordinate of a point, with 64 bits.
 pub fn exact_coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     Exactly(COORDINATE).deserialize(d)
 }
@@ -94,7 +94,7 @@ pub fn count<'de, D: Deserializer<'de>, const MAX: u32>(d: D) -> Result<u32, D::
     whole(d, 1..=MAX)
 }
 
-/// Reads a seed: any unsigned number of 64 bits.
+/// Reads a seed: any unsigned 64-bit number.
 pub fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     whole(d, 0..=u64::MAX)
 }
@@ -178,7 +178,7 @@ pub fn cone_radii<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Error>
     Ok(radii)
 }
 
-/// The numbers in 32 bits.
+/// Rounds the numbers to 32 bits.
 pub(super) fn rounded<const N: usize>(numbers: [f64; N]) -> [f32; N] {
     numbers.map(|number| number as f32)
 }
@@ -242,7 +242,7 @@ pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Er
     }
 }
 
-/// A number in its 64 bits.
+/// A number with 64 bits.
 struct Exactly(Number);
 
 impl<'de> Visitor<'de> for Exactly {

@@ -1,13 +1,13 @@
-//! The texts from which the values of a scene come.
+//! The texts that the values of a scene come from.
 
 use std::collections::BTreeMap;
 
 use super::field_path::{FieldPath, Step};
 
-/// The sections that several files of a scene may have: their entries are put together.
+/// The sections that several files of a scene may have, and whose entries are merged.
 #[derive(Debug, Clone, Copy)]
 pub struct Merging {
-    /// Mappings, whose entries have different names.
+    /// Mappings whose entries must have different names.
     pub maps: &'static [&'static str],
     /// Lists.
     pub lists: &'static [&'static str],
@@ -22,14 +22,13 @@ pub(super) struct ValuePlace {
     pub(super) path: FieldPath,
 }
 
-/// The places of the values of a scene, by their paths in the scene. A value that is not
-/// listed has the place of the nearest value above it. In the order of paths those below a
-/// value follow it.
+/// The places of the values of a scene, by their paths in the scene. A value that is not listed has
+/// the place of its nearest listed ancestor. In the order of paths, descendants follow a value.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Origins(BTreeMap<Vec<Step>, ValuePlace>);
 
 impl Origins {
-    /// Sets the place of the value at `path` and of all below it.
+    /// Sets the place of the value at `path` and of all its descendants.
     pub(super) fn replace(&mut self, path: &FieldPath, place: ValuePlace) {
         let from = self.0.range(path.0.clone()..);
         let below = from.map(|(known, _)| known);
@@ -40,12 +39,12 @@ impl Origins {
         self.insert(path.clone(), place);
     }
 
-    /// Sets the place of the value at `path` and of those below it that have none.
+    /// Sets the place of the value at `path` and of its descendants without one.
     pub(super) fn insert(&mut self, path: FieldPath, place: ValuePlace) {
         self.0.insert(path.0, place);
     }
 
-    /// The place of the value at `path`; of the first text's root if none is known.
+    /// Returns the place of the value at `path`; the first text's root if none is known.
     pub(super) fn of(&self, path: &FieldPath) -> ValuePlace {
         let (above, place) = (0..=path.0.len())
             .rev()

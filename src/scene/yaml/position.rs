@@ -10,17 +10,18 @@ use super::walk::walk;
 /// The byte ranges of a value and its key in the text.
 #[derive(Debug)]
 pub(super) struct Location {
-    /// Whether this is the requested value, not an ancestor of it.
+    /// True if this is the requested value, not an ancestor of it.
     pub is_exact: bool,
-    /// Whether the value is missing.
+    /// True if the value is missing.
     pub is_empty: bool,
     key: Option<Range<usize>>,
-    /// Also empty for a block collection, which has no character of its own.
+    /// The bytes of the value; empty also for a block collection, which has no characters of its
+    /// own.
     value: Range<usize>,
 }
 
 impl Location {
-    /// The position of a step of a path that is not a value of its own.
+    /// Creates the position of a step of a path that is not itself a value.
     pub fn of_step(step: Range<usize>) -> Self {
         Self {
             is_exact: true,
@@ -30,7 +31,7 @@ impl Location {
         }
     }
 
-    /// The same position in a text with `n_bytes` more before it.
+    /// Returns the same position in a text with `n_bytes` more before it.
     pub fn moved(self, n_bytes: usize) -> Self {
         let moved = |bytes: Range<usize>| bytes.start + n_bytes..bytes.end + n_bytes;
         Self {
@@ -40,7 +41,7 @@ impl Location {
         }
     }
 
-    /// The same value under this key.
+    /// Returns the same value under this key.
     pub fn with_key(self, key: Range<usize>) -> Self {
         Self {
             key: Some(key),
@@ -48,7 +49,7 @@ impl Location {
         }
     }
 
-    /// Returns the bytes of the value, or of its key if the value has none.
+    /// Returns the bytes of the value, or of its key if the value is empty.
     pub fn value(self) -> Range<usize> {
         if self.value.is_empty() {
             self.key.unwrap_or(self.value)
@@ -70,15 +71,15 @@ impl Location {
         &text[self.value.clone()]
     }
 
-    /// Whether a comment follows on the same line.
+    /// Returns true if a comment follows on the same line.
     pub fn is_before_comment(&self, text: &str) -> bool {
         let rest = &text[self.value.end..];
         rest.trim_start_matches([' ', ':']).starts_with('#')
     }
 }
 
-/// Checks what serde_yaml does not check, or reports without a position:
-/// syntax, a single document, scalar keys, no duplicate keys, no tags.
+/// Checks the rules that serde_yaml does not check, or reports without a position: syntax, a single
+/// document, scalar keys, no duplicate keys, no tags.
 pub(super) fn check(text: &str) -> Result<(), Fault> {
     syntax::check_characters(text)?;
     let mut is_empty = true;
@@ -101,7 +102,7 @@ pub(super) fn check(text: &str) -> Result<(), Fault> {
 /// Locates the value at `path`, or its nearest ancestor in the text.
 pub(super) fn locate(text: &str, path: &FieldPath) -> Option<Location> {
     let mut deepest: Option<(usize, Location)> = None;
-    // After a syntax error the values before it remain valid.
+    // After a syntax error, the values before it remain valid.
     let _ = walk(text, |node| {
         let depth = node.path.len();
         if path.0.starts_with(node.path) && deepest.as_ref().is_none_or(|(best, _)| depth > *best) {

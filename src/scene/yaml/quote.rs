@@ -1,7 +1,7 @@
-//! Quotes that no quote on their line closes.
+//! Quotes that are not closed on their line.
 //!
-//! YAML lets a quoted text span lines, so that a parser reports an unclosed quote
-//! where the next one ends it, or not at all as such. Scenes have no such texts.
+//! YAML lets a quoted text span lines, so a parser reports an unclosed quote where the next one
+//! ends it, or not at all. Scenes have no such texts.
 
 use super::fault::Fault;
 use base::text::line_start;
@@ -27,7 +27,7 @@ pub(super) fn unclosed(text: &str, at: usize) -> Option<Fault> {
     Some(fault.with_help(format!("put another `{quote}` at the end of the text")))
 }
 
-/// Returns the remedy where a text goes on after the quote that ends at byte `end`.
+/// Returns the remedy for text after the quote that ends at byte `end`.
 pub(super) fn how_to_quote(text: &str, end: usize) -> &'static str {
     if text[..end].trim_end().ends_with('\'') {
         "close each quote, and inside single quotes write a single quote twice"
@@ -56,8 +56,8 @@ fn quoted_texts(text: &str) -> Vec<QuotedText> {
     found
 }
 
-/// Returns the first quote from byte `from` on that opens a text: one at which a value
-/// or a key can begin, outside comments.
+/// Returns the first quote at or after byte `from` that opens a text: one at which a value or a key
+/// can begin, outside of comments.
 fn next_opening(text: &str, from: usize) -> Option<usize> {
     let mut in_comment = false;
     text[from..].char_indices().find_map(|(offset, c)| {

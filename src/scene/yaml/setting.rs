@@ -1,7 +1,7 @@
 //! A setting of the command line: `camera.look_at.fov_y_deg=30`.
 //!
-//! Left of the `=` is the path of a value, as messages show it; a key with a `.`, `[`,
-//! `=` or `"` in it is put in double quotes. Right of it is a value in YAML.
+//! Left of the `=` is the path of a value, as messages show it; a key that contains `.`, `[`, `=`
+//! or `"` is put in double quotes. Right of it is a value in YAML.
 
 use std::ops::Range;
 
@@ -24,12 +24,12 @@ pub(super) struct SettingText {
 /// The text of a scene file or of a setting, in which values are located.
 pub(super) struct LocatedText<'a> {
     pub(super) text: &'a str,
-    /// `None` for a scene file.
+    /// The setting; `None` for a scene file.
     pub(super) setting: Option<&'a SettingText>,
 }
 
 impl LocatedText<'_> {
-    /// Whether the value at `path` is in the text, and not in that of an anchor.
+    /// Returns true if the value at `path` is in the text itself, not copied from an anchor.
     pub(super) fn has(&self, path: &FieldPath) -> bool {
         self.locate(path).is_some_and(|location| location.is_exact)
     }
@@ -43,7 +43,7 @@ impl LocatedText<'_> {
     }
 }
 
-/// The remedy where a setting has no path or no value.
+/// The remedy for a setting without a path or a value.
 const ADVICE: &str = "write `--set key.key=value`, such as `--set image.seed=7` or \
                       `--set 'objects[0].sphere.radius=0.5'`";
 
@@ -69,18 +69,18 @@ impl SettingText {
         Ok(Self { path, steps, value })
     }
 
-    /// The value.
+    /// Returns the value.
     pub(super) fn tree(&self, text: &str) -> Tree {
         Tree::of(&text[self.value..])
     }
 
-    /// The bytes of the path up to its first `n` steps.
+    /// Returns the bytes of the path up to its first `n` steps.
     pub(super) fn steps(&self, n: usize) -> Range<usize> {
         let end = n.max(1).min(self.steps.len());
         self.steps[end - 1].clone()
     }
 
-    /// Locates the value at a path of the scene; for one above the setting's, its step.
+    /// Locates the value at a path of the scene; for an ancestor of the setting's value, its step.
     pub(super) fn locate(&self, text: &str, path: &FieldPath) -> Option<Location> {
         let depth = self.path.0.len();
         let Some(below) = path
@@ -103,7 +103,7 @@ impl SettingText {
 /// A step and its bytes.
 type StepInText = (Step, Range<usize>);
 
-/// The steps of a path, and the byte of the `=` behind them.
+/// Returns the steps of a path, and the byte of the `=` after them.
 fn steps_of(text: &str) -> Result<(Vec<StepInText>, usize), Fault> {
     let mut steps = Vec::new();
     let mut at = 0;
@@ -136,7 +136,7 @@ fn steps_of(text: &str) -> Result<(Vec<StepInText>, usize), Fault> {
     }
 }
 
-/// The key at a byte, and its length with its quotes.
+/// Returns the key at a byte, and its length including quotes.
 fn key(text: &str, at: usize) -> Result<(Step, usize), Fault> {
     let rest = &text[at..];
     let fault = |message: &str, n: usize, expected: &str| {
@@ -162,7 +162,7 @@ fn key(text: &str, at: usize) -> Result<(Step, usize), Fault> {
     Ok((Step::Key(key.to_owned()), n))
 }
 
-/// The index at a byte, and its length with its brackets.
+/// Returns the index at a byte, and its length including brackets.
 fn index(text: &str, at: usize) -> Result<(Step, usize), Fault> {
     let rest = &text[at..];
     let n = rest.find(']').map_or(rest.len(), |end| end + 1);

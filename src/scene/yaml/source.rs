@@ -20,30 +20,30 @@ use base::files::InputFile;
 use base::host::{advice, available_memory};
 use base::text::Diagnostic;
 
-/// Longest scene file that is read, in bytes.
+/// Maximum length of a scene file in bytes.
 pub(super) const MAX_BYTES: u64 = 64 << 20;
-/// Most bytes of memory that the parsers need for each byte of the text:
-/// `[[],[],…` has an event in every second byte.
+/// Maximum number of bytes of memory that the parsers need per byte of the text: `[[],[],…` has an
+/// event in every second byte.
 const MEMORY_PER_BYTE: u64 = 80;
-/// Bytes of memory that are asked for without a check, which reads many files of the
-/// system.
+/// Bytes of memory that are used without a check: reading the available memory opens several files
+/// in `/proc`.
 const WORTH_A_CHECK: u64 = 1 << 20;
 
 /// A YAML text and its name in messages.
 #[derive(Debug, Clone)]
 pub struct Source {
     name: String,
-    /// Shared by the copies of the source.
+    /// The text, shared by the copies of the source.
     text: Arc<str>,
     /// The path and the value of the text if it is a setting.
     setting: Option<SettingText>,
-    /// The key of the scene for which it was set; `None` for the command line.
+    /// The scene's key on whose behalf it was set; `None` for the command line.
     set_by: Option<FieldPath>,
 }
 
 impl Source {
-    /// Creates a source from a name (a path, as the user typed it) and a text,
-    /// whose lines may end with LF, CR LF or CR.
+    /// Creates a source from a name (a path as typed by the user) and a text, whose lines may end
+    /// with LF, CR LF or CR.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let (name, mut text) = (name.into(), text.into());
         if text.contains('\r') {
@@ -57,10 +57,10 @@ impl Source {
         }
     }
 
-    /// A setting of the command line, such as `image.seed=7`.
+    /// Creates a setting of the command line, such as `image.seed=7`.
     ///
     /// # Errors
-    /// Its path or its value is not valid.
+    /// The path or the value is not valid.
     pub(super) fn setting(text: &str) -> Result<Self, Diagnostic> {
         let mut source = Self::new("--set", text);
         let setting = SettingText::parse(&source.text);
@@ -68,7 +68,7 @@ impl Source {
         Ok(source)
     }
 
-    /// A setting of the value at `path`, for the sake of the scene's key `by`.
+    /// Creates a setting of the value at `path`, on behalf of the scene's key `by`.
     ///
     /// # Errors
     /// The path is not valid: a fault at that key.
@@ -87,7 +87,7 @@ impl Source {
     /// Reads standard input to its end.
     ///
     /// # Errors
-    /// As those of a file.
+    /// As [`read`](Self::read).
     pub fn read_standard_input() -> Result<Self, Diagnostic> {
         Self::read_from("stdin", |bytes| {
             let input = std::io::stdin().lock();
@@ -108,7 +108,7 @@ impl Source {
         })
     }
 
-    /// Fills a source with this name by a function that reads bytes.
+    /// Fills a source with this name from a function that reads bytes.
     fn read_from(
         name: &str,
         read: impl FnOnce(&mut Vec<u8>) -> io::Result<usize>,
@@ -151,8 +151,8 @@ impl Source {
     /// Deserializes a `T` from the text.
     ///
     /// # Errors
-    /// The first mistake found: a syntax error or a duplicate key; else all that `T`'s
-    /// `Deserialize` rejects, up to ten.
+    /// The first syntax error or duplicate key; otherwise all values that `T`'s `Deserialize`
+    /// rejects, up to ten.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
         self.check()?;
         deserialize(&self.text).map_err(|first| {
@@ -168,13 +168,13 @@ impl Source {
         })
     }
 
-    /// Whether the text has a key at its top; not if it has a mistake in its syntax.
+    /// Returns true if the text has this key at its top; false if it has a syntax error.
     pub fn has_key(&self, key: &str) -> bool {
         let may_have = self.text.contains(key) && self.check().is_ok();
         may_have && Tree::of(&self.text).get(key).is_some()
     }
 
-    /// Checks what the deserializer does not check.
+    /// Checks the rules that the deserializer does not check.
     ///
     /// # Errors
     /// The first mistake.
@@ -187,7 +187,7 @@ impl Source {
         self.located().locate(path)
     }
 
-    /// The text for messages about it.
+    /// Returns the text for messages about it.
     pub(super) fn located(&self) -> LocatedText<'_> {
         LocatedText {
             text: &self.text,
@@ -195,12 +195,12 @@ impl Source {
         }
     }
 
-    /// The path and the value if the source is a setting.
+    /// Returns the path and the value if the source is a setting.
     pub(super) fn as_setting(&self) -> Option<&SettingText> {
         self.setting.as_ref()
     }
 
-    /// The key of the scene for which it was set.
+    /// Returns the scene's key on whose behalf it was set.
     pub(super) fn set_by(&self) -> Option<&FieldPath> {
         self.set_by.as_ref()
     }
@@ -218,24 +218,24 @@ impl Source {
         diagnostic.at(&self.name, &self.text, span, &expected)
     }
 
-    /// The name of the source in messages.
+    /// Returns the name of the source in messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The folder of the file, if the name is a path.
+    /// Returns the folder of the file, if the name is a path.
     pub fn folder(&self) -> &Path {
         Path::new(&self.name).parent().unwrap_or(Path::new(""))
     }
 
-    /// The whole text.
+    /// Returns the whole text.
     pub fn text(&self) -> &str {
         &self.text
     }
 }
 
-/// Why a text is refused as a `T`: the path of the value and the message; `None` if it is
-/// not. The text must be free of the mistakes that [`Source::parse`] checks first.
+/// Returns why a text is rejected as a `T`: the path of the value and the message; `None` if it is
+/// accepted. The text must pass the checks that [`Source::parse`] makes first.
 pub fn refusal<T: DeserializeOwned>(text: &str) -> Option<(FieldPath, String)> {
     let refused = deserialize::<T>(text).err()?;
     Some((refused.0, translate::message_of(&refused.1)))

@@ -1,4 +1,4 @@
-//! Messages of the two YAML parsers → faults in plain language.
+//! Translates messages of the two YAML parsers to faults in plain language.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use super::fault::Fault;
 use super::quote;
 use base::text::line_start;
 
-/// The remedy of most mistakes.
+/// The remedy for most mistakes.
 const ADVICE: &str = "put a space after each `:` (also on the line above), indent all keys of a \
                       mapping by the same number of spaces, and quote a text that contains `: `";
 const BRACKETS: &str = "put a comma between two entries and close each bracket";
@@ -151,12 +151,12 @@ const REWORDED: &[(&str, &str, &str)] = &[
 
 /// Replaces a parser's message if the mistake is not at the start of a line.
 const END_OF_LINE: &str = "end of the line";
-/// A part of a parser's message about a text that goes on after its closing quote.
+/// Part of a parser's message about text after a closing quote.
 const AFTER_QUOTE: &str = "trailing content after";
 const SUBJECT: &str = "invalid YAML syntax";
 
-/// Converts an error of saphyr. The collections that start at the bytes
-/// `opened`, the outermost first, were open at that point.
+/// Translates an error of saphyr. `opened` are the starting bytes of the collections that were open
+/// at that point, outermost first.
 pub(super) fn fault(
     text: &str,
     error: &ScanError,
@@ -207,7 +207,7 @@ fn still_open(text: &str, bracket: usize) -> String {
     format!("the `{bracket}` of line {line} is still open here: {advice}")
 }
 
-/// Converts an error that libyaml found and saphyr did not.
+/// Translates an error that only libyaml found.
 pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     let message = error.to_string();
     let info = message.split(" at ").next().unwrap_or(&message);
@@ -218,7 +218,7 @@ pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     broken(at..at, info, ADVICE)
 }
 
-/// Checks that the text has no character that YAML forbids.
+/// Checks that the text has no characters that YAML forbids.
 pub(super) fn check_characters(text: &str) -> Result<(), Fault> {
     let is_forbidden = |c: char| match c {
         '\t' | '\n' | '\r' | '\u{85}' => false,
@@ -255,7 +255,7 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
         .next()
         .is_none_or(|line| line.trim().is_empty())
     {
-        // A blank line: underline the last line before it that is not blank.
+        // For a blank line, underline the last line before it that is not blank.
         let end = text[..line_start].trim_end().len();
         let line = text[..end].lines().next_back().unwrap_or_default();
         return end - line.trim_start().len()..end;
@@ -263,7 +263,7 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
     at..at
 }
 
-/// Converts a span, which counts characters, to bytes without trailing blanks.
+/// Converts a span of characters to bytes, without trailing blanks.
 pub(super) fn bytes(text: &str, span: Span) -> Range<usize> {
     let start = byte_of(text, span.start.index());
     let end = byte_of(text, span.end.index()).max(start);

@@ -1,10 +1,9 @@
-//! Messages of serde → faults in plain language.
+//! Translates messages of serde to faults in plain language.
 //!
-//! The formats of serde's messages ("unknown field `x`, expected one of …",
-//! "invalid type: string "x", expected …") are those of the default methods of
-//! its `Error` trait. The deserializers of this crate may return "cannot …,
-//! expected …" instead, which is appended to the path of the value. Any other
-//! message comes from libyaml.
+//! The formats of serde's messages ("unknown field `x`, expected one of …", "invalid type: string
+//! "x", expected …") come from the default methods of its `Error` trait. The deserializers of this
+//! crate may return "cannot …, expected …" instead, which is appended to the path of the value. Any
+//! other message comes from libyaml.
 
 use serde_path_to_error::Segment;
 
@@ -16,7 +15,7 @@ use super::setting::LocatedText;
 use super::syntax;
 use base::text::{did_you_mean, number_meant};
 
-/// Converts an error that serde_yaml found at a path of `text`.
+/// Translates an error that serde_yaml found at a path of `text`.
 pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Error) -> Fault {
     let message = message_of(error);
     let (problem, expected) = message.rsplit_once(", expected ").unwrap_or((&message, ""));
@@ -50,12 +49,12 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
     }
 }
 
-/// Whether the error is that of a key that does not exist.
+/// Returns true if the error is about an unknown key.
 pub(super) fn is_unknown_key(error: &serde_yaml::Error) -> bool {
     message_of(error).starts_with("unknown field `")
 }
 
-/// The unknown key or word of an error, and those that there are; `None` for other errors.
+/// Returns the unknown key or word of an error, and the known ones; `None` for other errors.
 pub(super) fn unknown_key_of(error: &serde_yaml::Error) -> Option<(String, Vec<String>)> {
     let message = message_of(error);
     let (problem, expected) = message.rsplit_once(", expected ")?;
@@ -99,7 +98,7 @@ fn unknown_key(path: FieldPath, word: &str, expected: &str) -> Fault {
     Fault::of_key(path, format!("unknown key `{word}`"), "no such key here").with_help(help)
 }
 
-/// A variant is a string, or the only key of a mapping.
+/// Returns the fault of an unknown variant: a string, or the only key of a mapping.
 fn unknown_choice(text: &LocatedText, path: FieldPath, word: &str, expected: &str) -> Fault {
     let is_key = path.0.last() == Some(&Step::Key(word.to_owned()))
         && location_of(text, &path).is_none_or(|location| location.written(text.text) != word);
@@ -124,7 +123,7 @@ fn missing_key(text: &LocatedText, path: FieldPath, word: &str) -> Fault {
     Fault::of_key(path, message, "it is missing here").with_help(help)
 }
 
-/// A value of the wrong type or out of its range.
+/// Returns the fault of a value of the wrong type or out of its range.
 fn invalid(text: &LocatedText, path: FieldPath, problem: &str, expected: &str) -> Fault {
     let subject = subject(&path);
     let location = location_of(text, &path);
@@ -171,7 +170,7 @@ fn invalid(text: &LocatedText, path: FieldPath, problem: &str, expected: &str) -
     Fault { help, ..fault }
 }
 
-/// Whether only some commas of a list have a space behind them, as in `[0,5, 1, 2]`.
+/// Returns true if only some commas of a list are followed by a space, as in `[0,5, 1, 2]`.
 fn has_decimal_commas(written: &str) -> bool {
     let commas = || written.split(',').skip(1);
     let is_decimal = |behind: &str| behind.starts_with(|c: char| c.is_ascii_digit());
@@ -192,7 +191,7 @@ fn not_one_key(path: FieldPath, subject: &str) -> Fault {
     }
 }
 
-/// Describes the value found; follows the words "cannot be".
+/// Describes the found value; follows the words "cannot be".
 fn found_of(problem: &str, written: &str) -> String {
     match problem.strip_prefix("invalid length ") {
         Some("0") => return "an empty list".to_owned(),
@@ -216,7 +215,7 @@ fn found_of(problem: &str, written: &str) -> String {
     }
 }
 
-/// Describes the value expected; follows the word "expected".
+/// Describes the expected value; follows the word "expected".
 fn description(expected: &str) -> String {
     let n_of = |start: &str, end: &str| expected.strip_prefix(start)?.strip_suffix(end);
     if let Some(n) = n_of("an array of length ", "").or(n_of("sequence of ", " elements")) {

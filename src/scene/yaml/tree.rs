@@ -1,8 +1,8 @@
 //! YAML values as a tree that remembers how its scalars were written.
 //!
-//! A scene of several texts is put together as a tree, and written as one YAML text in
-//! flow style. What reads that text sees the same scalars as in the texts: a number
-//! stays a number, and a quoted one a text.
+//! A scene of several texts is assembled as a tree, and written as one YAML text in flow style. Its
+//! reader sees the same scalars as in the texts: a number stays a number, and a quoted number stays
+//! text.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use super::field_path::Step;
 /// A value.
 #[derive(Debug, Clone)]
 pub(super) enum Tree {
-    /// A text; if it is plain, it may stand for a number or a boolean.
+    /// A text; if it is plain, it may represent a number or a boolean.
     Scalar { text: String, is_plain: bool },
     /// A list.
     List(Vec<Tree>),
@@ -25,7 +25,7 @@ pub(super) enum Tree {
 /// The keys of a mapping with their values.
 pub(super) type Keys = IndexMap<String, Tree>;
 
-/// A collection whose end has not come yet.
+/// A collection that has not ended yet.
 struct OpenTree {
     tree: Tree,
     anchor: usize,
@@ -34,8 +34,8 @@ struct OpenTree {
 }
 
 impl Tree {
-    /// The value of a text that has no mistakes; aliases are replaced by copies. That of a
-    /// text with a mistake is empty.
+    /// Parses a text without mistakes; aliases are replaced by copies. A text with mistakes gives
+    /// the empty value.
     pub(super) fn of(text: &str) -> Self {
         let mut open: Vec<OpenTree> = Vec::new();
         let mut anchors: HashMap<usize, Self> = HashMap::new();
@@ -66,7 +66,7 @@ impl Tree {
                 },
                 Ok(Event::Alias(anchor)) => (anchors.get(&anchor).cloned().unwrap_or_default(), 0),
                 Ok(_) => continue,
-                // The parser would repeat it without end.
+                // The parser would repeat the error without end.
                 Err(_) => break,
             };
             if anchor > 0 {
@@ -80,7 +80,7 @@ impl Tree {
         Self::default()
     }
 
-    /// The value one step below; `None` if there is none.
+    /// Returns the value one step below; `None` if there is none.
     pub(super) fn child(&mut self, step: &Step) -> Option<&mut Self> {
         match (self, step) {
             (Self::Map(map), Step::Key(key)) => map.get_mut(key),
@@ -89,12 +89,12 @@ impl Tree {
         }
     }
 
-    /// The value at a path; `None` if there is none.
+    /// Returns the value at a path; `None` if there is none.
     pub(super) fn at(&mut self, path: &[Step]) -> Option<&mut Self> {
         path.iter().try_fold(self, |tree, step| tree.child(step))
     }
 
-    /// The value at a path, to be read; `None` if there is none.
+    /// Returns the value at a path for reading; `None` if there is none.
     pub(super) fn find(&self, path: &[Step]) -> Option<&Self> {
         path.iter().try_fold(self, |tree, step| match (tree, step) {
             (Self::Map(map), Step::Key(key)) => map.get(key),
@@ -103,7 +103,7 @@ impl Tree {
         })
     }
 
-    /// The value of a key of a mapping; `None` if there is none.
+    /// Returns the value of a key of a mapping; `None` if there is none.
     pub(super) fn get(&self, key: &str) -> Option<&Self> {
         match self {
             Self::Map(map) => map.get(key),
@@ -111,12 +111,12 @@ impl Tree {
         }
     }
 
-    /// Whether there is no value.
+    /// Returns true if it is the empty value.
     pub(super) fn is_empty(&self) -> bool {
         matches!(self, Self::Scalar { text, is_plain: true } if text.is_empty())
     }
 
-    /// Removes the value at a path; returns whether there was one that is part of another.
+    /// Removes the value at a path; returns true if it existed within another value.
     pub(super) fn remove(&mut self, path: &[Step]) -> bool {
         let Some((last, above)) = path.split_last() else {
             return false;
@@ -131,7 +131,7 @@ impl Tree {
         }
     }
 
-    /// The value as a YAML text in flow style.
+    /// Formats the value as a YAML text in flow style.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
@@ -149,7 +149,7 @@ impl Tree {
                 out.push('[');
                 for item in list {
                     match item {
-                        // Nothing would be no item.
+                        // An empty scalar would not be an item.
                         Self::Scalar {
                             text,
                             is_plain: true,
@@ -205,13 +205,13 @@ impl OpenTree {
     }
 }
 
-/// Whether a plain scalar of such characters means the same in flow style. All numbers,
-/// booleans and nulls have such characters only.
+/// Returns true if a plain scalar of such characters means the same in flow style. All numbers,
+/// booleans and nulls have only such characters.
 fn is_safe(c: char) -> bool {
     c.is_ascii_alphanumeric() || "_.+-~".contains(c)
 }
 
-/// Appends a text in double quotes: that of JSON is one of YAML.
+/// Appends a text in double quotes, in JSON's form, which is valid YAML.
 fn push_quoted(text: &str, out: &mut String) {
     out.push_str(&serde_json::Value::from(text).to_string());
 }

@@ -14,20 +14,19 @@ use super::syntax::{self, bytes};
 /// A value of the text.
 pub(super) struct Node<'a> {
     pub path: &'a [Step],
-    /// Its key, if it is in a mapping.
+    /// The key, for a value in a mapping.
     pub key: Option<Span>,
-    /// Empty for a block collection.
+    /// The span of the value; empty for a block collection.
     pub value: Span,
-    /// Whether the value is missing.
+    /// True if the value is missing.
     pub is_empty: bool,
 }
 
-/// Calls `visit` for every value in the order of the text; for a collection at
-/// its end.
+/// Calls `visit` for every value in the order of the text, and for a collection at its end.
 ///
 /// # Errors
-/// The first syntax error, or the first use of YAML that scenes do not allow: a
-/// second document, a tag, a key that is not a scalar, a duplicate key.
+/// The first syntax error, or the first use of YAML that scenes do not allow: a second document, a
+/// tag, a key that is not a scalar, a duplicate key.
 pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
     let mut walk = Walk {
         text,
@@ -134,7 +133,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
         }
     }
 
-    /// Refuses a key that is the end of a number, as in `{ radius: 0,8 }`.
+    /// Refuses a key that is the end of a decimal number, as in `{ radius: 0,8 }`.
     fn check_decimal_comma(&self, key: Range<usize>) -> Result<(), Fault> {
         let digits = &self.text[key.clone()];
         let behind = self.text[key.end..].trim_start();
@@ -198,7 +197,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
 
     fn close(&mut self, end: Span) {
         if let Some(Frame { start, key, .. }) = self.frames.pop() {
-            // The end of a block collection has no character and may lie lines below.
+            // The end of a block collection has no character and may be several lines below.
             let end = if end.is_empty() { start } else { end };
             self.leave(key, Span::new(start.start, end.end), false);
         }
@@ -237,7 +236,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
     }
 }
 
-/// Returns the tag of a value unless it is one of YAML's core schema.
+/// Returns the tag of a value unless YAML's core schema defines it.
 fn tag<'a>(event: &'a Event) -> Option<&'a Tag> {
     match event {
         Event::Scalar(_, _, _, tag)

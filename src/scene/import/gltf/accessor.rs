@@ -17,20 +17,20 @@ pub(super) struct Accessors<'a> {
 
 /// Elements in the bytes of a view.
 struct Elements<'a> {
-    /// From the first element on.
+    /// The bytes from the first element on.
     bytes: &'a [u8],
     /// Bytes from one element to the next.
     stride: usize,
     component: ComponentType,
-    /// Whether whole numbers stand for fractions of the largest.
+    /// True if whole numbers represent fractions of the largest one.
     normalized: bool,
 }
 
 impl Accessors<'_> {
-    /// The first `N` numbers of each element, 0 for those that it has not.
+    /// Returns the first `N` numbers of each element, with 0 for missing ones.
     ///
     /// # Errors
-    /// An accessor that reaches out of its view, or needs too much memory.
+    /// The accessor exceeds its view, or needs too much memory.
     pub(super) fn vectors<const N: usize>(
         &self,
         index: Index<Accessor>,
@@ -58,10 +58,10 @@ impl Accessors<'_> {
         Ok(found)
     }
 
-    /// The whole numbers of an accessor of indices.
+    /// Returns the whole numbers of an accessor of indices.
     ///
     /// # Errors
-    /// The errors of [`vectors`](Self::vectors), and numbers that are not whole.
+    /// As [`vectors`](Self::vectors), or a number is not whole.
     pub(super) fn indices(&self, index: Index<Accessor>, budget: &mut Budget) -> Result<Vec<u32>> {
         let (accessor, n) = self.shape(index, budget, size_of::<u32>())?;
         let is_whole = matches!(
@@ -80,12 +80,12 @@ impl Accessors<'_> {
         Ok((0..n).map(|i| elements.index(i)).collect())
     }
 
-    /// Number of elements.
+    /// Returns the number of elements.
     pub(super) fn count(&self, index: Index<Accessor>) -> u64 {
         self.root.get(index).map_or(0, |accessor| accessor.count.0)
     }
 
-    /// An accessor and the number of its elements, whose memory is taken.
+    /// Returns an accessor and the number of its elements, whose memory is taken from the budget.
     fn shape(
         &self,
         index: Index<Accessor>,
@@ -98,7 +98,7 @@ impl Accessors<'_> {
         Ok((accessor, n as usize))
     }
 
-    /// The elements in the view of an accessor, if it has one.
+    /// Returns the elements in the view of an accessor, if it has one.
     fn elements(
         &self,
         index: Index<Accessor>,
@@ -118,7 +118,7 @@ impl Accessors<'_> {
         }))
     }
 
-    /// `n` elements of this size in a view; `None` if they reach out of it.
+    /// Returns `n` elements of this size in a view; `None` if they exceed it.
     fn in_view(
         &self,
         view: Index<buffer::View>,
@@ -143,8 +143,8 @@ impl Accessors<'_> {
         }))
     }
 
-    /// Calls `replace` with each element that a sparse accessor replaces: its index, the values
-    /// and the index of the value; it returns whether there is such an element.
+    /// Calls `replace` for each element that a sparse accessor replaces, with its index, the values
+    /// and the index of the value; `replace` returns true if the element exists.
     fn replace(
         &self,
         index: Index<Accessor>,
@@ -189,11 +189,11 @@ impl Accessors<'_> {
 impl Elements<'_> {
     fn bytes<const N: usize>(&self, element: usize, component: usize) -> [u8; N] {
         let at = element * self.stride + component * N;
-        // All elements are in the bytes.
+        // All elements are within the bytes.
         self.bytes[at..].first_chunk().copied().unwrap_or([0; N])
     }
 
-    /// A component of an element.
+    /// Returns a component of an element.
     fn number(&self, i: usize, k: usize) -> f32 {
         let (number, largest): (f32, f32) = match self.component {
             ComponentType::F32 => return f32::from_le_bytes(self.bytes(i, k)),
@@ -210,7 +210,7 @@ impl Elements<'_> {
         }
     }
 
-    /// The first component of an element as a whole number.
+    /// Returns the first component of an element as a whole number.
     fn index(&self, i: usize) -> u32 {
         match self.component {
             ComponentType::U8 => self.bytes::<1>(i, 0)[0].into(),
@@ -225,7 +225,7 @@ fn outside(index: Index<Accessor>) -> FileFault {
     FileFault::new(problem, "an offset and a count within it")
 }
 
-/// The type of components, which was checked.
+/// Returns the type of the components, which was checked before.
 fn component(accessor: &Accessor) -> ComponentType {
     match &accessor.component_type {
         Checked::Valid(kind) => kind.0,
@@ -241,7 +241,7 @@ fn size_of_component(component: ComponentType) -> usize {
     }
 }
 
-/// The number of components, of a type which was checked.
+/// Returns the number of components, whose type was checked before.
 fn n_components(accessor: &Accessor) -> usize {
     match &accessor.type_ {
         Checked::Valid(Type::Scalar) | Checked::Invalid => 1,

@@ -1,4 +1,4 @@
-//! The bytes of a glTF file's buffers: within the file, in its JSON as base64, or beside it.
+//! The bytes of a glTF file's buffers: in the file, in its JSON as base64, or in other files.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::import::{FileFault, Result, max_bytes, open, read_whole};
 pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
 
 impl<'a> Buffers<'a> {
-    /// Reads the buffers. `binary` is the first one of a binary file, `folder` that of the file.
+    /// Reads the buffers. `binary` is the first buffer of a binary file, `folder` is the file's.
     ///
     /// # Errors
-    /// A buffer that cannot be read, or has fewer bytes than the file says.
+    /// A buffer cannot be read, or has fewer bytes than the file says.
     pub(super) fn read(
         root: &'a Root,
         binary: Option<&'a [u8]>,
@@ -45,11 +45,11 @@ impl<'a> Buffers<'a> {
         Ok(Self(found))
     }
 
-    /// The bytes of a view of a buffer, and the bytes from one element to the next if they are
-    /// given.
+    /// Returns the bytes of a view of a buffer, and the bytes from one element to the next if they
+    /// are given.
     ///
     /// # Errors
-    /// A view that reaches out of its buffer.
+    /// The view exceeds its buffer.
     pub(super) fn view(
         &self,
         root: &Root,
@@ -70,10 +70,10 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The bytes that a URI stands for.
+/// Returns the bytes that a URI refers to.
 ///
 /// # Errors
-/// Base64 that is damaged, or a file that cannot be read.
+/// The base64 is damaged, or the file cannot be read.
 pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Result<Vec<u8>> {
     if let Some(bytes) = embedded(uri, budget) {
         return bytes;
@@ -83,7 +83,7 @@ pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Res
     read.map_err(|fault| of_reference(&path, fault))
 }
 
-/// The bytes of a URI that contains them; `None` for another one.
+/// Returns the bytes that a URI contains; `None` if it refers to a file.
 pub(super) fn embedded(uri: &str, budget: &mut Budget) -> Option<Result<Vec<u8>>> {
     let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
     Some(budget.take(text.len() as u64).and_then(|()| {
@@ -94,7 +94,7 @@ pub(super) fn embedded(uri: &str, budget: &mut Budget) -> Option<Result<Vec<u8>>
     }))
 }
 
-/// A URI's path: `%20` stands for a blank.
+/// Decodes a URI's path: `%20` is a blank.
 pub(super) fn decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -12,19 +12,19 @@ use crate::import::fault::cut;
 use crate::import::{FileFault, FileLocation, Result};
 
 const MAGIC: &[u8] = b"glTF";
-/// Bytes of the header of a binary file, and of that of a chunk.
+/// Length of the header of a binary file, and of the header of a chunk, in bytes.
 const HEADER: usize = 12;
 const CHUNK_HEADER: usize = 8;
-/// Most bytes of memory that a JSON object takes, and a byte of the JSON besides.
+/// Maximum memory per JSON object, and additionally per byte of the JSON.
 const OBJECT_BYTES: u64 = 1024;
 const BYTES_PER_BYTE: u64 = 32;
-/// Longest place in the JSON that a message shows.
+/// Maximum length of a JSON path that a message shows.
 const MAX_PLACE: usize = 80;
 
 /// Parses a file: the JSON, and the bytes of its first buffer if it is a binary file.
 ///
 /// # Errors
-/// A damaged file, or JSON that is not as glTF 2.0 has it.
+/// The file is damaged, or the JSON does not conform to glTF 2.0.
 pub(super) fn parse<'a>(file: &'a [u8], budget: &mut Budget) -> Result<(Root, Option<&'a [u8]>)> {
     let (json, binary) = match file.strip_prefix(MAGIC) {
         Some(_) => chunks(file)?,
@@ -46,7 +46,7 @@ pub(super) fn parse<'a>(file: &'a [u8], budget: &mut Budget) -> Result<(Root, Op
     }
 }
 
-/// What a file says about its version and its extensions.
+/// The version and the extensions of a file.
 #[derive(Deserialize)]
 struct GltfHead {
     asset: GltfAsset,
@@ -60,7 +60,7 @@ struct GltfAsset {
     version: Value,
 }
 
-/// Extensions that change the bytes of a file, each with what it does.
+/// Extensions that change the bytes of a file, each with its effect.
 const ENCODINGS: [(&str, &str); 9] = [
     (
         "KHR_draco_mesh_compression",
@@ -82,10 +82,10 @@ const ENCODINGS: [(&str, &str); 9] = [
     ("KHR_gaussian_splatting", "it is made of splats"),
 ];
 
-/// Refuses glTF of another version, and extensions without which a file means something else.
-/// What follows from them would be mistakes in the rest of the JSON.
+/// Refuses glTF of another version, and extensions without which a file means something else: their
+/// consequences would be reported as mistakes in the rest of the JSON.
 fn check_head(json: &[u8]) -> Result<()> {
-    // A mistake here is one in the whole, too.
+    // A mistake here is also one in the whole file.
     let Ok(GltfHead { asset, extensions }) = serde_json::from_slice(json) else {
         return Ok(());
     };
@@ -111,7 +111,7 @@ fn check_head(json: &[u8]) -> Result<()> {
     ))
 }
 
-/// The JSON and the first buffer of a binary file.
+/// Returns the JSON and the first buffer of a binary file.
 fn chunks(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     let number = |at: usize| {
         let bytes = file.get(at..at + 4).and_then(|bytes| bytes.first_chunk());
@@ -134,7 +134,7 @@ fn chunks(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     Ok((json, binary.map(|(binary, _)| binary)))
 }
 
-/// The first chunk, which has this kind, and what follows it.
+/// Returns the first chunk, which must be of this kind, and the rest.
 fn chunk<'a>(chunks: &'a [u8], kind: &[u8; 4]) -> Result<(&'a [u8], &'a [u8])> {
     let name = String::from_utf8_lossy(&kind[..3]);
     let header = chunks.first_chunk::<CHUNK_HEADER>();
@@ -152,10 +152,10 @@ fn chunk<'a>(chunks: &'a [u8], kind: &[u8; 4]) -> Result<(&'a [u8], &'a [u8])> {
     })
 }
 
-/// Integers for numbers of vertices: read, but not known to gltf-json.
+/// Integer vertex attributes: supported, but unknown to gltf-json.
 const QUANTIZATION: &str = "KHR_mesh_quantization";
 
-/// The first index that is out of range, or value that is none of glTF's.
+/// Returns the first index that is out of range, or value that glTF does not define.
 fn first_mistake(root: &Root) -> Option<FileFault> {
     let mut first = None;
     // gltf-json looks these up before it has checked them.

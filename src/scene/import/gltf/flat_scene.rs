@@ -1,4 +1,4 @@
-//! The meshes of a scene as one.
+//! Merges the meshes of a scene into one.
 
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf_json::Index;
@@ -15,10 +15,10 @@ use crate::import::{FileFault, Result};
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
 const BYTES_PER_VERTEX: u64 = 136;
-/// The same of a corner of a triangle, in a strip of which each one adds a triangle.
+/// Upper bound of the memory of a triangle corner in bytes; in a strip, each one adds a triangle.
 const BYTES_PER_CORNER: u64 = 112;
 
-/// The triangles so far.
+/// The triangles merged so far.
 pub(super) struct FlatScene<'a> {
     accessors: Accessors<'a>,
     mesh: Mesh,
@@ -28,10 +28,10 @@ pub(super) struct FlatScene<'a> {
     colors: CornerValues<Vec3>,
 }
 
-/// A triangle mesh of one material, as the file has it.
+/// A triangle mesh of one material, as stored in the file.
 struct Part<'a> {
     primitive: &'a Primitive,
-    /// The corners of its triangles.
+    /// The corners of the triangles.
     triangles: Vec<[u32; 3]>,
     n_vertices: usize,
     material: u32,
@@ -53,7 +53,7 @@ impl<'a> FlatScene<'a> {
     /// Takes the memory of all meshes, which nodes may share.
     ///
     /// # Errors
-    /// Not enough is left.
+    /// Too little is left.
     pub(super) fn take_memory(&self, placed: &[PlacedMesh], budget: &mut Budget) -> Result<()> {
         let root = self.accessors.root;
         let meshes = placed.iter().filter_map(|placed| root.get(placed.mesh));
@@ -73,7 +73,7 @@ impl<'a> FlatScene<'a> {
     /// Adds the triangles of a mesh.
     ///
     /// # Errors
-    /// Numbers that are not finite, indices out of range, or too many of them.
+    /// A number is not finite, an index is out of range, or there are too many.
     pub(super) fn add(&mut self, placed: &PlacedMesh, budget: &mut Budget) -> Result<()> {
         let root = self.accessors.root;
         let mesh = root.get(placed.mesh);
@@ -97,9 +97,10 @@ impl<'a> FlatScene<'a> {
         let Some(positions) = attribute(primitive, Semantic::Positions) else {
             return Ok(());
         };
+        // Read the triangles, and check their indices.
         let mut triangles = self.triangles(primitive, positions, budget)?;
         if scene_from_mesh.determinant() < 0.0 {
-            // Mirrored, with the same side outside.
+            // Mirrored: swap corners so that the same side stays outside.
             triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let vertices = self.accessors.vectors::<3>(positions, budget)?;
@@ -115,6 +116,7 @@ impl<'a> FlatScene<'a> {
                 format!("one of the {n_vertices}, from 0"),
             ));
         }
+        // Add the attributes.
         let part = Part {
             primitive,
             triangles,
@@ -125,6 +127,7 @@ impl<'a> FlatScene<'a> {
         self.add_normals(&part, budget)?;
         self.add_uvs(&part, budget)?;
         self.add_colors(&part, budget)?;
+        // Place the vertices, and append the triangles.
         let first = count(self.vertices.len() + n_vertices)? - n_vertices as u32;
         for vertex in vertices {
             let vertex: Vec3 = finite(vertex)?;
@@ -137,13 +140,13 @@ impl<'a> FlatScene<'a> {
         Ok(())
     }
 
-    /// The index of the material of a primitive; that of the default one is the last.
+    /// Returns the index of a primitive's material; the default material is the last.
     fn material_of(&self, primitive: &Primitive) -> u32 {
         let default = self.accessors.root.materials.len();
         primitive.material.map_or(default, |index| index.value()) as u32
     }
 
-    /// The triangles of a primitive; none for points and lines.
+    /// Returns the triangles of a primitive; none for points and lines.
     fn triangles(
         &self,
         primitive: &Primitive,
@@ -186,7 +189,7 @@ impl<'a> FlatScene<'a> {
             return Ok(());
         };
         let [x, y, z] = [0, 1, 2].map(|k| part.scene_from_mesh.col(k).truncate());
-        // The matrix of cofactors: that of normals, also of a matrix without an inverse.
+        // The matrix of cofactors transforms normals, even if the matrix has no inverse.
         let mut world = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
         if part.scene_from_mesh.determinant() < 0.0 {
             world = -world;
@@ -212,7 +215,7 @@ impl<'a> FlatScene<'a> {
         };
         let placed = uvs.into_iter().map(|uv| {
             let Vec2 { x, y } = placing.picture_from_set.transform_point2(finite(uv)?);
-            // From the upper left corner to the lower left one.
+            // Move the origin from the upper left corner to the lower left one.
             finite([x, 1.0 - y])
         });
         let placed = placed.collect::<Result<_>>()?;
@@ -233,7 +236,7 @@ impl<'a> FlatScene<'a> {
             .append(light, &part.triangles, self.mesh.triangles.len())
     }
 
-    /// The mesh of all triangles.
+    /// Returns the mesh of all triangles.
     pub(super) fn finish(self) -> Mesh {
         let Self {
             mut mesh,
@@ -253,7 +256,7 @@ impl<'a> FlatScene<'a> {
 }
 
 impl Part<'_> {
-    /// The values of an attribute at its vertices, if it has it.
+    /// Returns the values of an attribute at the vertices, if there is one.
     fn values<const N: usize>(
         &self,
         accessors: &Accessors,

@@ -29,16 +29,16 @@ pub(super) struct Materials<'a> {
     pub(super) shelf: PictureShelf,
 }
 
-/// Where the pictures of a material are on a surface.
+/// The placement of a material's pictures on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Placing {
     /// The number of the set of texture coordinates.
     pub(super) set: u32,
-    /// The coordinates in the picture from those of the set.
+    /// Maps the coordinates of the set to the picture's.
     pub(super) picture_from_set: Mat3,
 }
 
-/// Those without a transform.
+/// The first set, without a transform.
 impl Default for Placing {
     fn default() -> Self {
         Self {
@@ -49,10 +49,10 @@ impl Default for Placing {
 }
 
 impl Materials<'_> {
-    /// All materials, and last the one of triangles without any.
+    /// Returns all materials; the last one is for triangles without any.
     ///
     /// # Errors
-    /// Too many of them, or a picture that is missing or damaged.
+    /// There are too many, or a picture is missing or damaged.
     pub(super) fn read(mut self) -> Result<Vec<MeshMaterial>> {
         if self.root.materials.len() >= MAX_MATERIALS {
             let expected = format!("at most {}", MAX_MATERIALS - 1);
@@ -121,8 +121,8 @@ impl Materials<'_> {
         Ok(made)
     }
 
-    /// The radiance that a surface emits, and the picture that it is multiplied by: one that
-    /// lies elsewhere than the material's other pictures counts by its mean.
+    /// Returns the radiance that a surface emits, and the picture that multiplies it; a picture
+    /// placed differently from the material's others is replaced by its mean.
     fn emission(&mut self, of: &Material) -> Result<(Vec3, Option<MeshPicture>)> {
         let factor = Vec3::from(of.emissive_factor.0).max(Vec3::ZERO);
         if factor == Vec3::ZERO {
@@ -141,7 +141,8 @@ impl Materials<'_> {
         Ok((emission * Vec3::new(red, green, blue), None))
     }
 
-    /// The picture of roughness and metal, with its factors, if it lies where the others do.
+    /// Returns the picture of roughness and metallicness, with its factors, if it is placed as the
+    /// others are.
     fn facets_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, [f32; 2])>> {
         let pbr = &of.pbr_metallic_roughness;
         let info = pbr.metallic_roughness_texture.as_ref();
@@ -150,7 +151,7 @@ impl Materials<'_> {
         Ok(map.map(|map| (map, factors.map(|factor| factor.clamp(0.0, 1.0)))))
     }
 
-    /// Reads a picture, if it lies where the other ones of the material do.
+    /// Reads a picture if it is placed as the material's others are.
     fn placed_as_others(
         &mut self,
         of: &Material,
@@ -161,7 +162,7 @@ impl Materials<'_> {
         self.picture(info, transfer, Vec3::ONE)
     }
 
-    /// The picture of normals, if it lies where that of the color does.
+    /// Returns the picture of normals if it is placed as the picture of the color is.
     fn normal_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, f32)>> {
         let Some(map) = &of.normal_texture else {
             return Ok(None);
@@ -181,7 +182,7 @@ impl Materials<'_> {
         Ok(picture.map(|picture| (picture, strength)))
     }
 
-    /// The mean of a picture, or ones without a picture.
+    /// Returns the mean of a picture, or ones without a picture.
     fn mean(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> Result<[f32; 4]> {
         let picture = self.picture(info, transfer, Vec3::ONE)?;
         let picture = picture.map(|of| of.picture).unwrap_or_default();
@@ -189,7 +190,7 @@ impl Materials<'_> {
         Ok(texels.next().unwrap_or([1.0; 4]))
     }
 
-    /// Reads a picture whose colors are multiplied by a tint.
+    /// Reads a picture and multiplies its colors by a tint.
     fn picture(
         &mut self,
         info: Option<&Info>,
@@ -216,8 +217,8 @@ impl Materials<'_> {
     }
 }
 
-/// Where the pictures of a material are: where the first one is of those of its color, its
-/// normals, its facets and its light.
+/// Returns the placement of a material's pictures: of the first one among color, normals, facets
+/// and emission.
 pub(super) fn of_material(material: &Material) -> Placing {
     let pbr = &material.pbr_metallic_roughness;
     if let (None, Some(map)) = (&pbr.base_color_texture, &material.normal_texture) {
@@ -247,7 +248,7 @@ fn placing(info: &Info) -> Placing {
         tex_coord,
         ..
     } = transform;
-    // v grows downward, so that a turn to the left is one of a negative angle.
+    // v grows downward, so that a counterclockwise rotation has a negative angle.
     let (sin, cos) = libm::sincosf(-rotation.0);
     let turned = Mat3::from_cols_array(&[cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0]);
     Placing {
@@ -258,7 +259,7 @@ fn placing(info: &Info) -> Placing {
     }
 }
 
-/// The name of a picture in messages, unique in its file.
+/// Returns the name of a picture in messages, unique in its file.
 fn name_of(index: Index<image::Image>, image: &image::Image, folder: &Path) -> PathBuf {
     match &image.uri {
         Some(uri) if !uri.starts_with("data:") => path_in(folder, &decoded(uri)),
@@ -266,7 +267,7 @@ fn name_of(index: Index<image::Image>, image: &image::Image, folder: &Path) -> P
     }
 }
 
-/// The bytes of a picture.
+/// Returns the bytes of a picture.
 fn bytes_of(
     root: &Root,
     image: &image::Image,

@@ -1,7 +1,7 @@
 //! glTF 2.0: the triangles of its default scene, placed by its nodes, and their materials.
 //!
-//! gltf-json parses the JSON and checks its indices. The crate gltf, which reads numbers and
-//! binary files with it, panics on some damaged ones and does not bound memory.
+//! gltf-json parses the JSON and checks its indices. The crate gltf, which builds on it to read
+//! numbers and binary files, panics on some damaged files and does not bound memory.
 
 mod buffers;
 mod container;

@@ -12,11 +12,11 @@ pub(super) struct PlacedMesh {
     pub(super) scene_from_mesh: DMat4,
 }
 
-/// The meshes of the default scene, or of the first one; of a file without scenes those of all
-/// nodes that are no children.
+/// Returns the meshes of the default scene, or else of the first one; in a file without scenes, the
+/// meshes below all root nodes.
 ///
 /// # Errors
-/// A node with two parents, or a transform that is not finite.
+/// A node has two parents, or a transform is not finite.
 pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
     let scene = root.scene.and_then(|scene| root.get(scene));
     let mut open: Vec<(Index<Node>, DMat4)> = match scene.or(root.scenes.first()) {
@@ -27,7 +27,7 @@ pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
             .collect(),
         None => roots(root).map(|node| (node, DMat4::IDENTITY)).collect(),
     };
-    // The first one comes last, from where it is taken.
+    // Reversed, because nodes are taken from the end.
     open.reverse();
     let mut is_known = vec![false; root.nodes.len()];
     let mut found = Vec::new();
@@ -54,7 +54,7 @@ pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
     Ok(found)
 }
 
-/// The nodes that are no children.
+/// Returns the nodes that are not children of another.
 fn roots(root: &Root) -> impl Iterator<Item = Index<Node>> {
     let mut is_child = vec![false; root.nodes.len()];
     for child in root

@@ -1,4 +1,4 @@
-//! The materials that an OBJ file gives to its faces.
+//! The materials that an OBJ file assigns to its faces.
 
 use std::path::Path;
 
@@ -12,31 +12,31 @@ use base::text::did_you_mean;
 /// The statements about materials so far.
 #[derive(Default)]
 pub(super) struct MaterialGroups {
-    /// The names of files of materials, each with its line.
+    /// The names of material files, each with its line.
     libraries: Vec<(String, u64)>,
-    /// The names of materials, each with the line that uses it first.
+    /// The names of materials, each with the line of its first use.
     used: Vec<(String, u64)>,
-    /// The index of the name that faces use at present.
+    /// The index of the current material name.
     present: Option<u32>,
     /// The group of each triangle; `u32::MAX` for none.
     of_triangles: Vec<u32>,
 }
 
-/// The index of no material.
+/// The index that means no material.
 const NONE: u32 = u32::MAX;
 
 impl MaterialGroups {
-    /// `mtllib`
+    /// Handles `mtllib`.
     pub(super) fn library(&mut self, names: &str, line: u64) {
         if !names.is_empty() && !self.libraries.iter().any(|(known, _)| known == names) {
             self.libraries.push((names.to_owned(), line));
         }
     }
 
-    /// `usemtl`
+    /// Handles `usemtl`.
     ///
     /// # Errors
-    /// Too many different ones.
+    /// There are too many different materials.
     pub(super) fn use_material(&mut self, name: &str, line: u64) -> Result<()> {
         let known = self.used.iter().position(|(known, _)| known == name);
         let index = known.unwrap_or(self.used.len());
@@ -51,17 +51,16 @@ impl MaterialGroups {
         Ok(())
     }
 
-    /// Notes that there are this many triangles, those that are new with the material at
-    /// present.
+    /// Assigns the current material to the new triangles, up to this number of triangles.
     pub(super) fn triangles(&mut self, n: usize) {
         self.of_triangles.resize(n, self.present.unwrap_or(NONE));
     }
 
-    /// The materials, and the index of that of each triangle; none if the file names no file
-    /// of materials.
+    /// Returns the materials, and the index of each triangle's material; none if the file names no
+    /// material file.
     ///
     /// # Errors
-    /// A file of materials that cannot be read, or a material that is in none of them.
+    /// A material file cannot be read, or a material is in none of them.
     pub(super) fn materials(
         mut self,
         around: &Surroundings,
@@ -91,7 +90,7 @@ impl MaterialGroups {
     }
 }
 
-/// Reads one file of materials, whose name may have blanks, or several.
+/// Reads one material file, whose name may contain blanks, or several.
 fn read_library(
     folder: &Path,
     names: &str,

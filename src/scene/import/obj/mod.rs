@@ -1,9 +1,8 @@
 //! Wavefront OBJ: its polygons, their normals, texture coordinates and materials.
 //!
-//! The format is described in appendix B1 of the Advanced Visualizer's manual
-//! (Wavefront, 1992). No crate fits: tobj 4 panics on some indices and reports
-//! no line numbers, obj-rs 0.7 panics on unknown statements, and both allocate
-//! memory for each face.
+//! The format is described in appendix B1 of the Advanced Visualizer's manual (Wavefront, 1992). No
+//! crate fits: tobj 4 panics on some indices and reports no line numbers, obj-rs 0.7 panics on
+//! unknown statements, and both allocate memory for each face.
 
 mod mtl;
 mod groups;
@@ -79,7 +78,7 @@ struct Reader {
     normals: CornerValues<Vec3>,
     /// Texture coordinates of the triangles of all faces; [`MISSING`] for triangles without any.
     uvs: CornerValues<Vec2>,
-    /// Colors of all vertices, as long as all vertices have them.
+    /// Colors of all vertices, unless some vertex lacks one.
     colors: Vec<Vec3>,
     /// Vertices, normals and texture coordinates of one face's corners.
     face: Vec<u32>,
@@ -115,7 +114,7 @@ impl Reader {
             }
             "f" | "fo" => return self.face(words),
             "mtllib" | "usemtl" => {}
-            // Old programs begin comments with a dollar sign.
+            // Old programs start comments with a dollar sign.
             _ if IGNORED.contains(&keyword) || keyword.starts_with('$') => {}
             _ => return Err(unknown_statement(keyword)),
         }
@@ -123,6 +122,7 @@ impl Reader {
     }
 
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<()> {
+        // Parse the corners.
         self.face.clear();
         self.face_normals.clear();
         self.face_uvs.clear();
@@ -140,12 +140,13 @@ impl Reader {
                 let n = self.normals.values.len();
                 self.face_normals.push(index(normal, "normal", n)?);
             }
-            // Some programs number texture coordinates that they do not write.
+            // Some programs index texture coordinates that they do not write.
             if !texture.is_empty() && !self.uvs.values.is_empty() {
                 let n = self.uvs.values.len();
                 self.face_uvs.push(index(texture, "texture coordinate", n)?);
             }
         }
+        // Check that all corners have the same attributes, and triangulate them.
         let (n, n_normals) = (self.face.len(), self.face_normals.len());
         if n < 3 {
             let problem = format!("a face has {n} corners");
@@ -168,7 +169,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Parses one line, with those about materials.
+    /// Parses one line, including statements about materials.
     fn statement_with_materials(
         &mut self,
         line: &str,
@@ -188,8 +189,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Gives the lower left corner of pictures to faces without texture coordinates, if others
-    /// have some.
+    /// If only some faces have texture coordinates, gives the others the lower left corner of
+    /// pictures.
     fn complete_uvs(&mut self) {
         let uvs = std::mem::take(&mut self.uvs);
         let n = self.mesh.triangles.len();
@@ -213,9 +214,8 @@ impl Reader {
     }
 }
 
-/// The optional values after a vertex: a weight, or a color of three numbers
-/// with an optional weight or opacity. Returns the linear light of a color of three numbers
-/// from 0 to 1.
+/// Parses the optional values after a vertex: a weight, or a color of three numbers with an
+/// optional weight or opacity. Returns the linear light of a color of three numbers from 0 to 1.
 fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<Option<Vec3>> {
     const EXPECTED: &str = "three coordinates, then a weight or a color of three or four numbers";
     let mut numbers = ArrayVec::<f32, 4>::new();
@@ -226,13 +226,13 @@ fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<Option<Ve
             return Err(FileFault::new(problem, EXPECTED));
         }
     }
-    // Of four numbers, programs disagree on which are the color.
+    // Programs disagree on which of four numbers are the color.
     let color = <[f32; 3]>::try_from(numbers.as_slice()).ok();
     Ok(color.and_then(|color| light(color).ok()))
 }
 
-/// Parses one to three numbers: the first two are the texture coordinates, the second one
-/// 0 if it is missing.
+/// Parses one to three numbers: the first two are the texture coordinates, the second one 0 if it
+/// is missing.
 fn texture_coordinates<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec2> {
     let mut numbers = [0.0; 3];
     let mut n = 0;
@@ -269,8 +269,8 @@ pub(super) fn vector<'a, T: FromStr + Default>(
     Ok(numbers)
 }
 
-/// Converts an index of `n` elements that counts from 1, or from -1 backward,
-/// to one that counts from 0.
+/// Converts an index of `n` elements that counts from 1, or from -1 backward, to one that counts
+/// from 0.
 fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
     let n = n as i64;
     let found = word.parse::<i64>().ok();

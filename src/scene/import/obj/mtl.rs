@@ -17,7 +17,7 @@ use crate::import::picture::bytes_of_file;
 use crate::import::{FileFault, FileLocation, Result, open};
 use crate::picture::{Sampling, Wrap};
 
-/// Options of pictures, with the greatest number of values that follow them.
+/// Options of pictures, with the maximum number of values that follow them.
 const OPTIONS: [(&str, usize); 13] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -34,11 +34,10 @@ const OPTIONS: [(&str, usize); 13] = [
     ("-type", 1),
 ];
 
-/// Reads the materials of a file, whose pictures are in its folder, and appends them to
-/// `found`.
+/// Reads the materials of a file, whose pictures are in its folder, and appends them to `found`.
 ///
 /// # Errors
-/// A file that cannot be read or is damaged, with the line.
+/// The file cannot be read, or is damaged in this line.
 pub(super) fn read(
     path: &Path,
     shelf: &mut PictureShelf,
@@ -84,7 +83,7 @@ struct Statements {
     exponent: Option<f32>,
     /// The number of the illumination model.
     illumination: f32,
-    /// What `Tr` and `d` say, each of which programs write.
+    /// The value of `Tr`; programs write either this or `d`.
     transparency: Option<f32>,
     opacity_number: Option<f32>,
     roughness: Option<f32>,
@@ -112,7 +111,7 @@ impl Statements {
         }
     }
 
-    /// Adds a statement; those that raycost does not show are ignored.
+    /// Adds a statement; unsupported ones are ignored.
     fn add(&mut self, keyword: &str, rest: &str, line: u64) -> Result<()> {
         match keyword {
             "Kd" => self.color = Some(color(rest)?),
@@ -133,14 +132,14 @@ impl Statements {
         Ok(())
     }
 
-    /// The material, with its pictures.
+    /// Returns the material, with its pictures.
     fn material(self, path: &Path, shelf: &mut PictureShelf) -> Result<MeshMaterial> {
         let mut color = self
             .color
             .unwrap_or(MeshMaterial::default().color)
             .min(Vec3::ONE);
         if self.picture.is_some() && color == Vec3::ZERO {
-            // Programs write black where only the picture counts.
+            // Programs write black if only the picture counts.
             color = Vec3::ONE;
         }
         let mut load = |map: Option<&MapStatement>, transfer, tint| {
@@ -150,7 +149,7 @@ impl Statements {
         let picture = load(self.picture.as_ref(), None, color)?;
         let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
         let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
-        // Holes in the picture of the color are for those who gave it no other ones.
+        // Holes in the picture of the color apply only without an opacity picture.
         let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
         let transmission = self.transmission();
         Ok(MeshMaterial {
@@ -165,7 +164,7 @@ impl Statements {
         })
     }
 
-    /// Whether its illumination model is one of glass, with refraction.
+    /// Returns true if its illumination model describes glass, with refraction.
     fn is_glass(&self) -> bool {
         [4.0, 6.0, 7.0, 9.0].contains(&self.illumination)
     }
@@ -176,15 +175,15 @@ impl Statements {
         }
         let transparency = match (self.opacity_number, self.transparency) {
             (Some(opacity), _) => 1.0 - opacity,
-            // Programs that take it for the opacity write it for what is opaque: nobody draws
-            // a surface that is not there.
+            // Programs that mistake it for the opacity write this for opaque surfaces: nobody draws
+            // an invisible surface.
             (None, Some(1.0)) | (None, None) => 0.0,
             (None, Some(transparency)) => transparency,
         };
         transparency.clamp(0.0, 1.0)
     }
 
-    /// What is transparent without refraction is as air.
+    /// Returns the index of refraction of the inside: 1 if it is transparent without refraction.
     fn index_behind(&self) -> f32 {
         if self.is_glass() {
             let index = self.index.filter(|index| (1.0..=10.0).contains(index));
@@ -203,8 +202,8 @@ impl Statements {
         }
         let strength = self.specular.max_element().min(1.0);
         let mirrors = [3.0, 5.0].contains(&self.illumination);
-        // Without an exponent there is no highlight. One below 1, which would be as wide as the
-        // surface, is how programs write a dull one.
+        // Without an exponent there is no highlight. Programs write an exponent below 1, a
+        // highlight as wide as the surface, for a dull surface.
         let exponent = self.exponent.filter(|exponent| *exponent >= 1.0);
         Finish::Highlight {
             specular: exponent.map_or(0.0, |_| strength),
@@ -215,7 +214,7 @@ impl Statements {
 }
 
 impl MapStatement {
-    /// Splits options from the name of the file, which may have blanks.
+    /// Splits options from the name of the file, which may contain blanks.
     fn new(value: &str, line: u64) -> Result<Self> {
         let (mut rest, mut wrap, mut size) = (value, Wrap::Repeat, [1.0; 2]);
         while let Some((option, behind)) = option(rest) {
@@ -279,14 +278,14 @@ impl MapStatement {
     }
 }
 
-/// The option that a value begins with, and what follows it.
+/// Returns the option that a value begins with, and the rest.
 fn option(value: &str) -> Option<((&str, usize), &str)> {
     let (word, rest) = value.split_once(char::is_whitespace)?;
     let known = OPTIONS.iter().find(|(name, _)| *name == word)?;
     Some((*known, rest.trim_start()))
 }
 
-/// A text without its first words.
+/// Returns a text without its first `n` words.
 fn behind_words(text: &str, n: usize) -> &str {
     let behind = |text: &'_ str| -> usize {
         let end = text.find(char::is_whitespace).unwrap_or(text.len());
@@ -295,7 +294,7 @@ fn behind_words(text: &str, n: usize) -> &str {
     (0..n).fold(text, |text, _| &text[behind(text)..])
 }
 
-/// One to three numbers: the last one stands for those that are missing.
+/// Parses one to three numbers; the last one fills in for missing ones.
 fn color(text: &str) -> Result<Vec3> {
     let mut words = text.split_ascii_whitespace();
     let first = number(words.next().unwrap_or_default())?;
@@ -306,7 +305,7 @@ fn color(text: &str) -> Result<Vec3> {
     Ok(color.max(Vec3::ZERO))
 }
 
-/// The first word as a finite number.
+/// Parses the first word as a finite number.
 fn number(text: &str) -> Result<f32> {
     let word = text.split_ascii_whitespace().next().unwrap_or_default();
     let number = word.parse().ok().filter(|number: &f32| number.is_finite());

@@ -1,4 +1,4 @@
-//! The file that serde-ply reads, with the current position.
+//! The file that serde-ply reads, with its current position.
 
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
@@ -8,9 +8,9 @@ use crate::import::GeometryFileReader;
 /// The position of a [`Cursor`].
 #[derive(Debug, Default)]
 pub(super) struct Position {
-    /// Newlines before the last byte that was read.
+    /// Number of newlines before the last byte that was read.
     n_lines: Cell<u64>,
-    /// Whether that byte was a newline.
+    /// True if the last byte was a newline.
     at_line_end: Cell<bool>,
     ends_with_newline: Cell<bool>,
 }
@@ -23,7 +23,7 @@ pub(super) struct Cursor<'a> {
 }
 
 impl Position {
-    /// The line of the last byte that was read; the first one is 1.
+    /// Returns the line of the last byte that was read, counted from 1.
     pub(super) fn line(&self) -> u64 {
         self.n_lines.get() + 1
     }
@@ -46,7 +46,7 @@ impl<'a> Cursor<'a> {
         Self { file, position }
     }
 
-    /// Whether only whitespace follows.
+    /// Returns true if only whitespace follows.
     pub(super) fn is_at_end(&mut self) -> io::Result<bool> {
         loop {
             let bytes = self.file.fill_buf()?;
@@ -70,7 +70,7 @@ impl BufRead for Cursor<'_> {
     }
 
     fn consume(&mut self, n: usize) {
-        // Behind the file's end only the appended newline is left.
+        // Past the end of the file, only the appended newline is left.
         let bytes = self.file.buffer();
         self.position.advance(&bytes[..n.min(bytes.len())]);
         self.file.consume(n);

@@ -8,18 +8,18 @@ use crate::import::fault::cut;
 use crate::import::mesh::count;
 use crate::import::{FileFault, Result};
 
-/// The names that a face's list of vertices may have.
+/// The accepted names of a face's list of vertices.
 const FACE_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// What the header defines of a mesh.
+/// The properties of a mesh that its header defines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MeshHeader {
     pub(super) n_vertices: u32,
-    /// Whether vertices have normals.
+    /// True if vertices have normals.
     pub(super) has_normals: bool,
-    /// The names of the texture coordinates of vertices, if they have any.
+    /// The names of the vertices' texture coordinates, if there are any.
     pub(super) uvs: Option<UvNames>,
-    /// The greatest number of the colors of vertices, if they have any.
+    /// The greatest value of the vertices' color channels, if there are any.
     pub(super) color_maximum: Option<f32>,
 }
 
@@ -82,8 +82,8 @@ impl MeshHeader {
     }
 }
 
-/// Makes sure that the element's rows are not empty, so that reading them ends,
-/// and that its properties have different names.
+/// Checks that the element's rows are not empty, so that reading them ends, and that its properties
+/// have distinct names.
 fn check(element: &ElementDef) -> Result<()> {
     let mut names = HashSet::new();
     for property in &element.properties {
@@ -99,7 +99,7 @@ fn check(element: &ElementDef) -> Result<()> {
     }
 }
 
-/// Adds a name to those that there are.
+/// Adds a name, which must be new.
 fn expect_new<'a>(names: &mut HashSet<&'a str>, name: &'a str, kind: &str) -> Result<()> {
     if !names.insert(name) {
         Err(FileFault::new(
@@ -136,7 +136,7 @@ fn is_scalar(vertex: &ElementDef, name: &str) -> bool {
     matches!(kind, Some(PropertyType::Scalar(_)))
 }
 
-/// The number that stands for the whole light of a channel, if vertices have colors.
+/// Returns the value of a channel at full light, if vertices have colors.
 fn color_maximum(vertex: &ElementDef) -> Option<f32> {
     let kind = |name| match vertex.get_property(name)?.property_type {
         PropertyType::Scalar(kind) => Some(kind),

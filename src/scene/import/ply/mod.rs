@@ -1,9 +1,8 @@
-//! The Stanford polygon format: `vertex` and `face` elements, or `tristrips`, as text or
-//! binary.
+//! The Stanford polygon format: `vertex` and `face` elements, or `tristrips`, as text or binary.
 //!
-//! serde-ply decodes the encodings. It reports no position of an error, accepts
-//! any header and cannot read a last word without a newline: the [`Cursor`] below
-//! it and the checks of the [`header`] compensate for that.
+//! serde-ply decodes the encodings. It does not report the position of an error, accepts any header
+//! and cannot read a last word without a newline: the [`Cursor`] below it and the checks of the
+//! [`header`] compensate for that.
 
 mod cursor;
 mod header;
@@ -132,7 +131,7 @@ impl Body {
         }
     }
 
-    /// Reads all rows of the next element; `n_rows` counts those begun.
+    /// Reads all rows of the next element; `n_rows` counts the rows begun.
     fn read(
         &mut self,
         element: &ElementDef,
@@ -186,9 +185,9 @@ impl Body {
         Ok(())
     }
 
-    /// Adds the triangles of strips, each of which ends at an index of -1. Each vertex from
-    /// the third on makes a triangle with the two before it; every other one is turned, so
-    /// that all have the same side outside.
+    /// Adds the triangles of strips, each of which ends at an index of -1. Each vertex from the
+    /// third on makes a triangle with the two before it; every second one is reversed, so that all
+    /// have the same side outside.
     fn strips(&mut self, row: &Face) -> Result<()> {
         let n = self.header.n_vertices;
         for strip in row.vertex_indices.split(|&index| index == -1) {
@@ -232,7 +231,7 @@ impl Body {
     }
 }
 
-/// The index of one of `n` vertices.
+/// Returns the index of one of `n` vertices.
 fn vertex(index: i64, n: u32) -> Result<u32> {
     let vertex = u32::try_from(index).ok().filter(|vertex| *vertex < n);
     vertex.ok_or_else(|| {
@@ -241,7 +240,7 @@ fn vertex(index: i64, n: u32) -> Result<u32> {
     })
 }
 
-/// The fault of a row that serde-ply could not read.
+/// Returns the fault of a row that serde-ply could not read.
 fn of_row(error: &DeserializeError, element: &ElementDef) -> FileFault {
     let ElementDef { name, count, .. } = element;
     match error.0.kind() {

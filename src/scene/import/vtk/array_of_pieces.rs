@@ -1,4 +1,4 @@
-//! An array of a data set of pieces.
+//! An array of a data set in pieces.
 
 use super::super::{FileFault, Result};
 use super::piece::Piece;
@@ -13,7 +13,7 @@ pub(super) struct ArrayOfPieces {
 }
 
 impl ArrayOfPieces {
-    /// [`Piece::scalars`], or missing numbers if the piece has no such array.
+    /// Returns [`Piece::scalars`], or missing numbers if the piece lacks the array.
     pub(super) fn scalars(
         &mut self,
         piece: &Piece,
@@ -30,7 +30,7 @@ impl ArrayOfPieces {
     /// Checks that a piece had the array.
     ///
     /// # Errors
-    /// None of those that were asked for it.
+    /// No piece had it.
     pub(super) fn check(self) -> Result<()> {
         match self.unknown.filter(|_| !self.is_found) {
             None => Ok(()),

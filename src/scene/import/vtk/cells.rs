@@ -1,7 +1,7 @@
 //! The types of VTK's cells, and their faces.
 //!
-//! The numbers of the types and the order of the corners are those of vtkCellType.h and
-//! of "VTK File Formats" (The VTK User's Guide, Kitware, 2010, figures 2 and 3).
+//! The numbers of the types and the order of the corners follow vtkCellType.h and "VTK File
+//! Formats" (The VTK User's Guide, Kitware, 2010, figures 2 and 3).
 
 use super::super::{FileFault, FileLocation, Result};
 use super::budget::Budget;
@@ -22,20 +22,20 @@ pub(super) struct Cells {
     pub(super) polyhedra: Polyhedra,
 }
 
-/// The shape of a cell without the points on its edges.
+/// The shape of a cell, ignoring the points on its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CellShape {
     /// Points or lines: no surface.
     Thin,
-    /// Its first corners in their order around it.
+    /// A polygon given by its first corners, in order around it.
     Polygon(usize),
-    /// A rectangle, row by row.
+    /// A rectangle, given row by row.
     Pixel,
     /// Triangles, each of which shares two corners with the one before.
     Strip,
-    /// Faces by the numbers of their corners, counter-clockwise as seen from outside.
+    /// Faces as corner numbers, counter-clockwise as seen from outside.
     Solid(&'static [&'static [u8]]),
-    /// Flat faces in any number, which [`Cells::polyhedra`] has.
+    /// Any number of flat faces, which are in [`Cells::polyhedra`].
     Polyhedron,
 }
 
@@ -98,8 +98,8 @@ pub(super) const POLYGON: u8 = 7;
 const POLYHEDRON: u8 = 42;
 
 impl CellShape {
-    /// The shape of a cell of a type with `n` points; `None` for other types. Curved cells
-    /// have their corners before the points on their edges.
+    /// Returns the shape of a cell of a type with `n` points; `None` for unknown types. Curved
+    /// cells list their corners before the points on their edges.
     pub(super) fn of(cell_type: u8, n: usize) -> Option<Self> {
         Some(match cell_type {
             // Nothing, vertices, lines; curves.
@@ -122,7 +122,7 @@ impl CellShape {
         })
     }
 
-    /// The least number of points of such a cell.
+    /// Returns the minimum number of points of such a cell.
     pub(super) fn min_points(self) -> usize {
         match self {
             Self::Thin | Self::Polyhedron => 0,
@@ -145,15 +145,15 @@ impl Cells {
         }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(super) fn len(&self) -> usize {
         self.types.len()
     }
 
-    /// Adds cells of these types, the corners of which end at `ends` of `connectivity`.
+    /// Adds cells of these types, whose corners end at `ends` in `connectivity`.
     ///
     /// # Errors
-    /// Ends or points that do not exist, or too many of them for the memory.
+    /// Ends or points do not exist, or there are too many for the memory.
     pub(super) fn add(
         &mut self,
         types: impl Fn(usize) -> f64,
@@ -186,7 +186,7 @@ impl Cells {
     /// Adds a cell.
     ///
     /// # Errors
-    /// A point that does not exist.
+    /// A point does not exist.
     pub(super) fn push(&mut self, cell_type: f64, points: impl Iterator<Item = f64>) -> Result<()> {
         for point in points {
             if !(point >= 0.0 && point < self.n_points as f64) {
@@ -204,15 +204,15 @@ impl Cells {
         Ok(())
     }
 
-    /// Whether there are polyhedra.
+    /// Returns true if there are polyhedra.
     pub(super) fn has_polyhedra(&self) -> bool {
         self.types.contains(&POLYHEDRON)
     }
 
-    /// The points of a cell in their order along it, if it is a line.
+    /// Returns the points of a cell in order along it, if it is a line.
     pub(super) fn line(&self, cell: usize) -> Option<impl ExactSizeIterator<Item = u32> + '_> {
         let (cell_type, points) = (self.types[cell], self.points(cell));
-        // Curves have their ends before the points between them.
+        // Curves list their ends before the points between them.
         let is_curve = match cell_type {
             3 | POLY_LINE => false,
             21 | 35 | 68 => true,
@@ -228,22 +228,22 @@ impl Cells {
         Some((0..n).map(move |i| points[at(i)]))
     }
 
-    /// The points of a cell.
+    /// Returns the points of a cell.
     fn points(&self, cell: usize) -> &[u32] {
         let begin = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.corners[begin..self.ends[cell]]
     }
 
-    /// The fault of a polyhedron that its faces do not close.
+    /// Returns the fault of a polyhedron whose faces do not close it.
     pub(super) fn open_polyhedron(&self, cell: usize) -> FileFault {
         let expected = "each of its edges in two of its faces";
         FileFault::new("the faces of this polyhedron leave a hole", expected).at(at_cell(cell))
     }
 
-    /// The shape and the points of a cell.
+    /// Returns the shape and the points of a cell.
     ///
     /// # Errors
-    /// A cell of an unknown type, or with too few points.
+    /// The cell has an unknown type, or too few points.
     pub(super) fn get(&self, cell: usize) -> Result<(CellShape, &[u32])> {
         let corners = self.points(cell);
         let (cell_type, n) = (self.types[cell], corners.len());

@@ -3,7 +3,7 @@
 use super::super::{FileFault, Result};
 use super::document::parse;
 
-/// The name and the time of each file of a `.pvd`.
+/// Returns the name and the time of each file of a `.pvd`.
 pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<(String, f64)>> {
     let (root, _) = parse(bytes)?;
     let collection = root.child("Collection").ok_or_else(|| {

@@ -8,11 +8,11 @@ use quick_xml::{Reader, XmlVersion};
 use super::super::fault::cut;
 use super::super::{FileFault, Result};
 
-/// Most elements of a file, and how deep they may be nested: files of VTK have a few for
-/// each array of each piece.
+/// Maximum number of elements of a file, and maximum nesting depth: VTK's files have a few for each
+/// array of each piece.
 const MAX_ELEMENTS: usize = 1 << 16;
 const MAX_DEPTH: usize = 32;
-/// Most attributes of an element: VTK writes a dozen.
+/// Maximum number of attributes of an element: VTK writes a dozen.
 const MAX_ATTRIBUTES: usize = 64;
 
 /// An element.
@@ -21,21 +21,21 @@ pub(super) struct Element<'a> {
     pub(super) name: String,
     attributes: Vec<(String, String)>,
     pub(super) children: Vec<Self>,
-    /// The last text in it that is not blank.
+    /// The last text in the element that is not blank.
     pub(super) text: &'a [u8],
 }
 
 impl Element<'_> {
-    /// The value of an attribute.
+    /// Returns the value of an attribute.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         let found = self.attributes.iter().find(|(known, _)| known == name);
         found.map(|(_, value)| value.as_str())
     }
 
-    /// The value of an attribute that has to be there.
+    /// Returns the value of a required attribute.
     ///
     /// # Errors
-    /// It is missing.
+    /// The attribute is missing.
     pub(super) fn required(&self, name: &str) -> Result<&str> {
         self.attribute(name).ok_or_else(|| {
             let problem = format!("an element `{}` has no `{name}`", cut(&self.name));
@@ -43,10 +43,10 @@ impl Element<'_> {
         })
     }
 
-    /// The number of things that an attribute gives; 0 without it.
+    /// Returns the value of an attribute as a count; 0 without it.
     ///
     /// # Errors
-    /// It is not a number.
+    /// The value is not a number.
     pub(super) fn number(&self, name: &str) -> Result<usize> {
         match self.attribute(name) {
             None => Ok(0),
@@ -54,10 +54,10 @@ impl Element<'_> {
         }
     }
 
-    /// The numbers that an attribute gives.
+    /// Returns the numbers in an attribute.
     ///
     /// # Errors
-    /// It is missing, or it has other words or more or fewer of them.
+    /// The attribute is missing, or has other words or a different number of them.
     pub(super) fn numbers<T: std::str::FromStr, const N: usize>(
         &self,
         name: &str,
@@ -78,19 +78,19 @@ impl Element<'_> {
             })
     }
 
-    /// Whether a child has this name as an array.
+    /// Returns true if a child is an array of this name.
     pub(super) fn has_array(&self, name: &str) -> bool {
         let mut children = self.children.iter();
         children.any(|child| child.attribute("Name") == Some(name))
     }
 
-    /// Its child of this name.
+    /// Returns the child of this name.
     pub(super) fn child(&self, name: &str) -> Option<&Self> {
         self.children.iter().find(|child| child.name == name)
     }
 }
 
-/// The elements of a file, and its appended data: the bytes behind the `_`.
+/// Parses the elements of a file; also returns its appended data: the bytes after the `_`.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Element<'_>, &[u8])> {
     let mut reader = Reader::from_reader(bytes);
     reader.config_mut().expand_empty_elements = true;
@@ -135,7 +135,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Element<'_>, &[u8])> {
     Err(too_many())
 }
 
-/// The outermost element.
+/// Closes all open elements and returns the outermost.
 fn closed(mut open: Vec<Element<'_>>) -> Element<'_> {
     while open.len() > 1 {
         let element = open.pop().unwrap_or_default();

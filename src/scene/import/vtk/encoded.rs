@@ -11,11 +11,11 @@ use super::budget::Budget;
 use super::numbers::ByteOrder;
 use vtk::Compressor;
 
-/// How a file stores the bytes of all of its arrays.
+/// How a file encodes the bytes of its arrays.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ArrayEncoding {
     pub(super) order: ByteOrder,
-    /// Bytes of the lengths before arrays and of blocks: four or eight.
+    /// Bytes of the lengths of arrays and blocks: four or eight.
     pub(super) length_bytes: usize,
     /// The compressor of the arrays, if they are compressed.
     pub(super) compressor: Option<&'static dyn Compressor>,
@@ -29,10 +29,10 @@ pub(super) enum Encoded<'a> {
 }
 
 impl ArrayEncoding {
-    /// Decodes an array, whose length stands before it.
+    /// Decodes an array, which is preceded by its length.
     ///
     /// # Errors
-    /// Bytes that end early or cannot be decoded, or too many of them for the memory.
+    /// The bytes end early, cannot be decoded, or are too many for the memory.
     pub(super) fn decode(&self, mut from: Encoded<'_>, budget: &mut Budget) -> Result<Vec<u8>> {
         match self.compressor {
             Some(compressor) => self.decode_blocks(compressor, &mut from, budget),
@@ -44,9 +44,8 @@ impl ArrayEncoding {
         }
     }
 
-    /// Decodes a block table and the blocks. The table has the number of blocks, the
-    /// uncompressed length of all but a last shorter one, the length of that one or 0, and
-    /// the compressed length of each.
+    /// Decodes a block table and the blocks. The table has the number of blocks, their uncompressed
+    /// length, the length of a shorter last block or 0, and the compressed length of each.
     fn decode_blocks(
         &self,
         compressor: &'static dyn Compressor,
@@ -81,10 +80,10 @@ impl ArrayEncoding {
 }
 
 impl<'a> Encoded<'a> {
-    /// The next bytes.
+    /// Returns the next `n` bytes.
     ///
     /// # Errors
-    /// There are not so many.
+    /// There are fewer bytes.
     fn bytes(&mut self, n: u64) -> Result<Cow<'a, [u8]>> {
         let n = usize::try_from(n).map_err(|_| ends_early())?;
         match self {
@@ -97,7 +96,7 @@ impl<'a> Encoded<'a> {
         }
     }
 
-    /// At least as many bytes as are left.
+    /// Returns an upper bound of the bytes left.
     fn max_bytes(&self) -> u64 {
         match self {
             Self::Raw(bytes) => bytes.len() as u64,
@@ -106,19 +105,19 @@ impl<'a> Encoded<'a> {
     }
 }
 
-/// Accepts bits behind the last byte that are not zero.
+/// Accepts nonzero bits after the last byte.
 const ENGINE: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_allow_trailing_bits(true),
 );
 
-/// A text of groups of four characters for three bytes or, with padding, fewer, with line
-/// breaks between groups. Padding may be anywhere: VTK encodes the length or the block table of
-/// an array separately.
+/// Text in groups of four characters for three bytes or, with padding, fewer, with line breaks
+/// between groups. Padding may be anywhere: VTK encodes the length or the block table of an array
+/// separately.
 #[derive(Debug, Clone)]
 pub(super) struct Base64<'a> {
     text: &'a [u8],
-    /// Bytes that were decoded with those before them, at most two.
+    /// At most two decoded bytes that have not been returned yet.
     left: Vec<u8>,
 }
 
@@ -133,7 +132,7 @@ impl<'a> Base64<'a> {
         while bytes.len() < n {
             self.text = self.text.trim_ascii_start();
             let n_wanted = (n - bytes.len()).div_ceil(3).saturating_mul(4);
-            // Whole groups, up to a line break or up to padding and with it.
+            // Whole groups, up to a line break, or up to and including padding.
             let mut digits = self.text.iter().take(n_wanted);
             let end = digits.position(|c| *c == b'=' || c.is_ascii_whitespace());
             let end = end.unwrap_or(n_wanted.min(self.text.len()));
@@ -182,7 +181,7 @@ mod tests {
     fn groups_are_on_lines_and_damage_is_found() {
         let bytes = |text: &'static str, n| Base64::new(text.as_bytes()).bytes(n).ok();
         assert_eq!(bytes("  YWJj\n ZGU=\nZg==", 6), Some(b"abcdef".to_vec()));
-        // Bits behind the last byte.
+        // Bits after the last byte.
         assert_eq!(bytes("Zh==", 1), Some(b"f".to_vec()));
         for damaged in ["====", "Z===", "Z=g=", "YW Jj", "YWJ", "Y-Jj", ""] {
             assert_eq!(bytes(damaged, 1), None, "{damaged}");

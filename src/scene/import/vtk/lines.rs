@@ -1,4 +1,4 @@
-//! The lines of a piece as tubes.
+//! Converts the lines of a piece to tubes.
 
 use super::super::Result;
 use super::super::tubes::Tubes;
@@ -9,10 +9,10 @@ use super::points::{Radii, at_point};
 use super::{ArrayChoice, ArrayOf, RadiusChoice};
 use crate::geometry::Sphere;
 
-/// Adds a tube for each line, except for copies of other pieces' lines and hidden ones.
+/// Adds a tube for each line, except for hidden lines and copies of other pieces' lines.
 ///
 /// # Errors
-/// An array that is missing, a radius that is none, or too many lines for the memory.
+/// An array is missing, a radius is invalid, or there are too many lines for the memory.
 pub(super) fn add(
     piece: &Piece,
     radius: &RadiusChoice,
@@ -26,6 +26,7 @@ pub(super) fn add(
     if tubes.arrays.is_empty() {
         tubes.arrays = piece.color_arrays();
     }
+    // Find the radii and the numbers at the points.
     budget.take_of::<f32>(piece.n_points())?;
     let radii = Radii::of(piece, radius)?;
     if tubes.is_empty() {
@@ -35,6 +36,7 @@ pub(super) fn add(
         .map(|array| numbers.scalars(piece, array))
         .transpose()?;
     let ghosts = piece.cell_data.get(GHOSTS);
+    // Add the visible lines.
     for cell in 0..cells.len() {
         let Some(points) = cells.line(cell) else {
             continue;

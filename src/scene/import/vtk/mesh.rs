@@ -1,4 +1,4 @@
-//! The mesh that the surfaces of all pieces make.
+//! Merges the surfaces of all pieces into a mesh.
 
 use glam::{Vec2, Vec3};
 
@@ -11,12 +11,12 @@ use super::piece::Piece;
 use super::surface::PieceSurface;
 use super::{ArrayChoice, ArrayOf};
 
-/// The pieces so far.
+/// The mesh of the pieces so far.
 pub(super) struct Pieces<'a> {
     array: Option<&'a ArrayChoice>,
     numbers: ArrayOfPieces,
     mesh: Mesh,
-    /// Whether all pieces have them.
+    /// True if all pieces have normals.
     has_normals: bool,
     has_uvs: bool,
     normals: Vec<Vec3>,
@@ -43,11 +43,12 @@ impl<'a> Pieces<'a> {
     /// Adds the surface of a piece.
     ///
     /// # Errors
-    /// Numbers that are not finite, an array that is missing, or too many of them.
+    /// Numbers are not finite or too many, or an array is missing.
     pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
         if self.mesh.arrays.is_empty() {
             self.mesh.arrays = piece.color_arrays();
         }
+        // Extract the surface.
         let PieceSurface {
             mut triangles,
             cells,
@@ -55,16 +56,18 @@ impl<'a> Pieces<'a> {
         if triangles.is_empty() {
             return Ok(());
         }
-        // Most points of solid cells are inside.
+        // Most points of solid cells are in the interior.
         let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
         used.sort_unstable();
         used.dedup();
+        // Re-index its triangles to the used points.
         let first = count(self.mesh.vertices.len() + used.len())? - used.len() as u32;
         budget.take_of::<[f32; 16]>(used.len())?;
         for corner in triangles.as_flattened_mut() {
-            // All of them are among the used.
+            // Every corner is in `used`.
             *corner = first + used.partition_point(|point| point < corner) as u32;
         }
+        // Add the values of the array.
         if let Some(array) = self.array {
             let surface = (&used[..], &triangles[..], &cells[..]);
             let n_before = self.mesh.vertices.len();
@@ -76,6 +79,7 @@ impl<'a> Pieces<'a> {
                 add_values(&mut self.scalars, n_before, of, &values, surface);
             }
         }
+        // Add the vertices with their normals and texture coordinates.
         if self.mesh.vertices.is_empty() {
             self.mesh.origin = piece.origin();
         }
@@ -119,10 +123,10 @@ impl<'a> Pieces<'a> {
         Ok(())
     }
 
-    /// The mesh of all pieces.
+    /// Returns the mesh of all pieces.
     ///
     /// # Errors
-    /// None of them has the array.
+    /// No piece has the array.
     pub(super) fn finish(self) -> Result<Mesh> {
         let Self {
             mut mesh,
@@ -148,9 +152,8 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// Adds the values of an array on a surface: its points that are used, its triangles with the
-/// corners that they have in the mesh, and their cells. `n_before` is the number of the mesh's
-/// vertices before.
+/// Adds the values of an array on a surface, given its used points, its triangles with their
+/// corners in the mesh, and their cells. `n_before` is the number of vertices already in the mesh.
 fn add_values<T: Copy>(
     into: &mut CornerValues<T>,
     n_before: usize,

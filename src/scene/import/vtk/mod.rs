@@ -1,7 +1,7 @@
-//! VTK's files of data sets: XML files, those of pieces and blocks, and legacy files.
+//! Files of VTK data sets: XML files, their lists of pieces and blocks, and legacy files.
 //!
-//! A file is read whole, and of its arrays only those that are wanted. What its numbers
-//! would take is taken from a budget before it is allocated.
+//! A file is read whole, but only the wanted arrays are decoded. Memory is taken from a budget
+//! before it is allocated.
 
 mod numbers;
 mod encoded;
@@ -36,7 +36,7 @@ pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
 use xml::Contents;
 
-/// The extensions of VTK's files, in lower case.
+/// The extensions of VTK files, in lower case.
 pub(super) const EXTENSIONS: [&str; 13] = [
     "vtp",
     "vtu",
@@ -61,7 +61,7 @@ pub(super) fn read_mesh(file: DataFile, array: Option<&ArrayChoice>) -> Result<M
     mesh.finish()
 }
 
-/// Reads the isosurfaces of an array of a data set, with the numbers of another one.
+/// Reads the isosurfaces of an array of a data set, with the numbers of another array.
 pub(super) fn read_isosurface(
     file: DataFile,
     choice: &IsosurfaceChoice,
@@ -96,7 +96,7 @@ pub(super) fn read_spheres(
     numbers.check().map(|()| spheres)
 }
 
-/// Reads the points of a data set as places of instances.
+/// Reads the points of a data set as placements of instances.
 pub(super) fn read_places(file: DataFile, arrays: PlaceArrays) -> Result<Vec<InstancePlace>> {
     let of_arrays = arrays.color.into_iter().chain(arrays.scale);
     let names = of_arrays.map(|array| array.name.as_str());
@@ -138,7 +138,7 @@ fn refuse_colors(array: Option<&ArrayChoice>, shapes: &str) -> Result<()> {
     }
 }
 
-/// The names of the arrays of radii and of colors.
+/// Returns the names of the arrays of radii and of colors.
 fn wanted<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&'a str> {
     let of_radius = match radius {
         RadiusChoice::Same(_) => None,
@@ -148,7 +148,7 @@ fn wanted<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&
     wanted.map(|array| array.name.as_str()).collect()
 }
 
-/// What is done with each piece of a data set.
+/// The function called with each piece of a data set.
 type Visit<'a> = dyn FnMut(&Piece, &mut Budget) -> Result<()> + 'a;
 
 /// Reads a data set piece by piece.

@@ -36,7 +36,7 @@ impl NumberType {
         ("short", Self::I16),
         ("unsigned_short", Self::U16),
         ("int", Self::I32),
-        // VTK converts its ids to it in legacy files.
+        // VTK converts its ids to this type in legacy files.
         ("vtkidtype", Self::I32),
         ("unsigned_int", Self::U32),
         ("long", Self::I64),
@@ -46,13 +46,13 @@ impl NumberType {
         ("double", Self::F64),
     ];
 
-    /// The type with this name.
+    /// Returns the type with this name.
     pub(super) fn named(name: &str) -> Option<Self> {
         let is_it = |(known, _): &&(&str, Self)| known.eq_ignore_ascii_case(name);
         Self::NAMES.iter().find(is_it).map(|(_, kind)| *kind)
     }
 
-    /// Bytes of a number.
+    /// Returns the number of bytes of a number.
     pub(super) fn n_bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -71,7 +71,7 @@ pub(super) enum ByteOrder {
 }
 
 impl ByteOrder {
-    /// The bytes of a number from the least significant one on.
+    /// Returns the bytes of a number, least significant first.
     fn little<const N: usize>(self, mut bytes: [u8; N]) -> [u8; N] {
         if self == Self::Big {
             bytes.reverse();
@@ -79,7 +79,7 @@ impl ByteOrder {
         bytes
     }
 
-    /// The unsigned number of four or eight bytes.
+    /// Returns the unsigned number in four or eight bytes.
     pub(super) fn length(self, bytes: &[u8]) -> u64 {
         let mut wide = [0; 8];
         wide[..bytes.len()].copy_from_slice(bytes);
@@ -100,7 +100,7 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    /// Numbers of these bytes, which are a multiple of a number's.
+    /// Creates numbers from these bytes, whose length is a multiple of a number's.
     pub(super) fn new(kind: NumberType, order: ByteOrder, bytes: Vec<u8>) -> Self {
         Self {
             n_components: 1,
@@ -110,18 +110,18 @@ impl Numbers {
         }
     }
 
-    /// Numbers that were written as text.
+    /// Creates numbers that were written as text.
     pub(super) fn of_text(numbers: &[f64]) -> Self {
         let bytes = numbers.iter().flat_map(|number| number.to_le_bytes());
         Self::new(NumberType::F64, ByteOrder::Little, bytes.collect())
     }
 
-    /// Whether their type is one of whole numbers.
+    /// Returns true if the numbers have a type of whole numbers.
     pub(super) fn are_whole(&self) -> bool {
         !matches!(self.kind, NumberType::F32 | NumberType::F64)
     }
 
-    /// The same numbers in tuples.
+    /// Groups the numbers into tuples.
     pub(super) fn in_tuples_of(self, n_components: usize) -> Self {
         Self {
             n_components,
@@ -129,12 +129,12 @@ impl Numbers {
         }
     }
 
-    /// The number of numbers.
+    /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
         self.bytes.len() / self.kind.n_bytes()
     }
 
-    /// Number `i`; integers beyond 2^53 are rounded.
+    /// Returns number `i`; integers beyond 2^53 are rounded.
     pub(super) fn at(&self, i: usize) -> f64 {
         let order = self.order;
         macro_rules! number {
@@ -157,20 +157,20 @@ impl Numbers {
         }
     }
 
-    /// The numbers in their order.
+    /// Returns the numbers in order.
     pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.len()).map(|i| self.at(i))
     }
 
-    /// Tuple `i` of three numbers.
+    /// Returns tuple `i` of three numbers.
     pub(super) fn triple(&self, i: usize) -> [f64; 3] {
         [0, 1, 2].map(|k| self.at(3 * i + k))
     }
 
-    /// Checks that there are `n_tuples` of tuples.
+    /// Checks that there are `n_tuples` tuples.
     ///
     /// # Errors
-    /// More or fewer numbers, or tuples of none.
+    /// There are more or fewer numbers, or tuples are empty.
     pub(super) fn check(&self, name: &str, n_tuples: usize) -> Result<()> {
         let Self { n_components, .. } = *self;
         if n_components > 0 && n_tuples.checked_mul(n_components) == Some(self.len()) {

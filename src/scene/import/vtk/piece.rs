@@ -23,7 +23,7 @@ pub(super) struct Piece {
 /// The positions of points.
 #[derive(Debug)]
 pub(super) enum PointPositions {
-    /// Triples.
+    /// One triple of coordinates per point.
     Explicit(Numbers),
     /// The coordinates along each axis.
     Axes([Numbers; 3]),
@@ -39,15 +39,15 @@ pub(super) struct Lattice {
     pub(super) first: [i64; 3],
     pub(super) origin: [f64; 3],
     pub(super) spacing: [f64; 3],
-    /// The rows of the matrix that turns the axes.
+    /// The rows of the matrix that rotates the axes.
     pub(super) direction: [f64; 9],
 }
 
-/// How points make cells.
+/// The cells that the points form.
 #[derive(Debug)]
 pub(super) enum Topology {
     Cells(Cells),
-    /// A grid of so many points along each axis, x first.
+    /// A grid with these numbers of points along each axis, x first.
     Grid([usize; 3]),
 }
 
@@ -64,23 +64,23 @@ pub(super) struct PieceArrays {
     pub(super) uvs: Option<String>,
 }
 
-/// The names that VTK and ParaView give arrays of normals, of texture coordinates and of
-/// the kinds of ghosts.
+/// The names that VTK and ParaView give to arrays of normals, of texture coordinates and of ghost
+/// types.
 const NORMALS: &str = "Normals";
 const UVS: [&str; 3] = ["TCoords", "Texture Coordinates", "TextureCoordinates"];
 pub(super) const GHOSTS: &str = "vtkGhostType";
 
-/// The arrays to be read, besides those that every mesh needs.
+/// The arrays to read, besides those that every mesh needs.
 pub(super) type Wanted<'a> = [&'a str];
 
-/// Whether an array is to be read.
+/// Returns true if an array is to be read.
 pub(super) fn is_wanted(name: &str, wanted: &Wanted) -> bool {
     let own = [NORMALS, GHOSTS].into_iter().chain(UVS);
     own.chain(wanted.iter().copied()).any(|known| known == name)
 }
 
 impl PieceArrays {
-    /// The array of this name, if it was read.
+    /// Returns the array of this name if it was read.
     pub(super) fn get(&self, name: &str) -> Option<&Numbers> {
         let found = self.arrays.iter().find(|(known, _)| known == name);
         found.map(|(_, numbers)| numbers)
@@ -89,13 +89,13 @@ impl PieceArrays {
     /// Checks the lengths of all arrays.
     ///
     /// # Errors
-    /// An array that has more or fewer tuples.
+    /// An array has more or fewer tuples.
     pub(super) fn check(&self, n_tuples: usize) -> Result<()> {
         let mut arrays = self.arrays.iter();
         arrays.try_for_each(|(name, numbers)| numbers.check(&cut(name), n_tuples))
     }
 
-    /// The normals, if there are any.
+    /// Returns the normals, if there are any.
     pub(super) fn normals(&self) -> Option<&Numbers> {
         let named = self.normals.as_deref().and_then(|name| self.get(name));
         named
@@ -103,7 +103,7 @@ impl PieceArrays {
             .filter(|numbers| numbers.n_components == 3)
     }
 
-    /// The texture coordinates, if there are any: two or three numbers each.
+    /// Returns the texture coordinates, if there are any: two or three numbers each.
     pub(super) fn uvs(&self) -> Option<&Numbers> {
         let named = self.uvs.as_deref().and_then(|name| self.get(name));
         named
@@ -113,7 +113,7 @@ impl PieceArrays {
 }
 
 impl Piece {
-    /// Number of points.
+    /// Returns the number of points.
     pub(super) fn n_points(&self) -> usize {
         match &self.topology {
             Topology::Grid(size) => size.iter().product(),
@@ -121,7 +121,7 @@ impl Piece {
         }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(super) fn n_cells(&self) -> usize {
         match &self.topology {
             Topology::Grid(size) => size.iter().map(|n| (n - 1).max(1)).product(),
@@ -132,7 +132,7 @@ impl Piece {
     /// Checks the lengths of all arrays.
     ///
     /// # Errors
-    /// An array that has more or fewer tuples than there are points or cells.
+    /// An array has more or fewer tuples than there are points or cells.
     pub(super) fn check(&self) -> Result<()> {
         if let PointPositions::Explicit(points) = &self.points {
             points.check("Points", self.n_points())?;
@@ -141,10 +141,10 @@ impl Piece {
         self.cell_data.check(self.n_cells())
     }
 
-    /// The position of a point.
+    /// Returns the position of a point.
     ///
     /// # Errors
-    /// A coordinate that is not finite.
+    /// A coordinate is not finite.
     pub(super) fn position(&self, point: usize) -> Result<DVec3> {
         let position = match &self.points {
             PointPositions::Explicit(points) => points.triple(point),
@@ -157,12 +157,12 @@ impl Piece {
         mesh::point(position)
     }
 
-    /// The origin for the coordinates of its points.
+    /// Returns the origin for the coordinates of the points.
     pub(super) fn origin(&self) -> DVec3 {
         origin_near((0..self.n_points()).filter_map(|point| self.position(point).ok()))
     }
 
-    /// The numbers of an array, one for each point or cell: a component, or by default the
+    /// Returns the numbers of an array, one per point or cell: a component, or by default the
     /// magnitude of vectors.
     ///
     /// # Errors
@@ -190,10 +190,10 @@ impl Piece {
         })
     }
 
-    /// The colors of an array, one for each point or cell: linear light.
+    /// Returns the colors of an array, one per point or cell: linear light.
     ///
     /// # Errors
-    /// There is no such array, or its tuples are no colors.
+    /// There is no such array, or its tuples are not colors.
     pub(super) fn colors(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<Vec3>)> {
         let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;
@@ -204,7 +204,7 @@ impl Piece {
                 "three or four numbers: red, green and blue",
             ));
         }
-        // Those of texts may be whole numbers, too.
+        // Text files may also store them as whole numbers.
         let is_bytes = numbers.are_whole() || numbers.iter().any(|number| number > 1.0);
         let largest = if is_bytes { 255.0 } else { 1.0 };
         let tuples = (0..numbers.len()).step_by(n);
@@ -212,7 +212,7 @@ impl Piece {
         Ok((of, tuples.map(color).collect::<Result<_>>()?))
     }
 
-    /// The array of a choice.
+    /// Returns the array of a choice.
     pub(super) fn chosen(&self, choice: &ArrayChoice) -> Result<(ArrayOf, &Numbers)> {
         let of_points = self.point_data.get(&choice.name);
         let of_points = of_points.map(|numbers| (ArrayOf::Points, numbers));
@@ -226,8 +226,8 @@ impl Piece {
         found.ok_or_else(|| self.unknown(choice))
     }
 
-    /// The names of the arrays that may give colors, those of points first: not those that
-    /// VTK and ParaView add for their own use.
+    /// Returns the names of the arrays that may give colors, point arrays first, without the arrays
+    /// that VTK and ParaView add for internal use.
     pub(super) fn color_arrays(&self) -> Vec<String> {
         let own = |of: &PieceArrays, name: &String| {
             let active = [&of.normals, &of.uvs].contains(&&Some(name.clone()));
@@ -271,7 +271,7 @@ impl Piece {
     }
 }
 
-/// Most names of arrays in a message.
+/// Maximum number of names of arrays in a message.
 const MAX_LISTED: usize = 8;
 
 impl Lattice {
@@ -286,15 +286,15 @@ impl Lattice {
     }
 }
 
-/// The indices along the axes of a point of a grid.
+/// Returns the indices along the axes of a point of a grid.
 pub(super) fn grid_index([nx, ny, _]: [usize; 3], point: usize) -> [usize; 3] {
     [point % nx, point / nx % ny, point / nx / ny]
 }
 
-/// The numbers of points of a grid along each axis, by its first and last ones.
+/// Returns the number of points of a grid along each axis, given the first and the last index.
 ///
 /// # Errors
-/// There is none, or more than 32 bits can number.
+/// There are none, or more than 32 bits can number.
 pub(super) fn grid_size(extent: [i64; 6]) -> Result<[usize; 3]> {
     let n = |axis: usize| {
         let n = extent[2 * axis + 1]

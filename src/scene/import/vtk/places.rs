@@ -1,4 +1,4 @@
-//! The points of a piece as places of instances.
+//! Converts the points of a piece to placements of instances.
 
 use glam::Vec3;
 
@@ -9,10 +9,10 @@ use super::budget::Budget;
 use super::piece::{GHOSTS, Piece};
 use super::points::{at_point, of_points};
 
-/// Adds a place for each point, except for copies of other pieces' points and hidden ones.
+/// Adds a placement for each point, except for hidden points and copies of other pieces' points.
 ///
 /// # Errors
-/// An array that is missing or one of cells, or positions that are not finite.
+/// An array is missing or has values of cells, or positions are not finite.
 pub(super) fn add(
     piece: &Piece,
     arrays: PlaceArrays,

@@ -1,4 +1,4 @@
-//! The points of a piece as spheres.
+//! Converts the points of a piece to spheres.
 
 use super::super::spheres::Spheres;
 use super::super::{FileFault, FileLocation, Result};
@@ -9,10 +9,10 @@ use super::{ArrayChoice, ArrayOf, RadiusChoice};
 use crate::geometry::Sphere;
 use glam::Vec3;
 
-/// Adds a sphere for each point, except for copies of other pieces' points and hidden ones.
+/// Adds a sphere for each point, except for hidden points and copies of other pieces' points.
 ///
 /// # Errors
-/// An array that is missing or one of cells, or a radius that is none.
+/// An array is missing or has values of cells, or a radius is invalid.
 pub(super) fn add(
     piece: &Piece,
     radius: &RadiusChoice,
@@ -61,8 +61,10 @@ pub(super) struct Radii {
 }
 
 impl Radii {
+    /// Finds the radii of a piece.
+    ///
     /// # Errors
-    /// The array is missing, or is one of cells.
+    /// The array is missing, or has values of cells.
     pub(super) fn of(piece: &Piece, choice: &RadiusChoice) -> Result<Self> {
         Ok(match choice {
             RadiusChoice::Same(radius) => Self {
@@ -76,10 +78,10 @@ impl Radii {
         })
     }
 
-    /// The radius at a point.
+    /// Returns the radius at a point.
     ///
     /// # Errors
-    /// It is not a number greater than 0.
+    /// The radius is not a number greater than 0.
     pub(super) fn at(&self, point: usize) -> Result<f32> {
         let number = self.of_points.as_ref().map_or(1.0, |radii| radii[point]);
         let radius = self.factor * number;
@@ -91,12 +93,12 @@ impl Radii {
     }
 }
 
-/// The position of a point in a file.
+/// Returns the position of a point in a file.
 pub(super) fn at_point(point: usize) -> FileLocation {
     FileLocation::Element("point".into(), point as u64)
 }
 
-/// The numbers of an array at the points of a piece.
+/// Returns the numbers of an array at the points of a piece.
 pub(super) fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
     piece.scalars(&at_points(array)?).map(|(_, values)| values)
 }
@@ -105,7 +107,7 @@ fn colors_of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<Vec3>> {
     piece.colors(&at_points(array)?).map(|(_, values)| values)
 }
 
-/// The choice of an array of points.
+/// Returns the choice of a point array.
 fn at_points(array: &ArrayChoice) -> Result<ArrayChoice> {
     if array.of == Some(ArrayOf::Cells) {
         let problem = format!("`{}` is an array of cells", array.name);

@@ -5,7 +5,7 @@ use super::super::{FileFault, Result};
 use super::budget::Budget;
 use super::numbers::Numbers;
 
-/// The faces of the cells of a piece that are polyhedra.
+/// The faces of a piece's polyhedral cells.
 #[derive(Debug, Default)]
 pub(super) struct Polyhedra {
     /// The end of each cell's faces.
@@ -19,11 +19,12 @@ pub(super) struct Polyhedra {
 }
 
 impl Polyhedra {
-    /// Polyhedra of the four arrays that VTK has written since version 9.4: the points of faces
-    /// and where those of each face end, the faces of cells and where those of each cell end.
+    /// Creates polyhedra from the four arrays that VTK has written since version 9.4: the points of
+    /// faces and the end of each face's points, the faces of cells and the end of each cell's
+    /// faces.
     ///
     /// # Errors
-    /// Points, faces or ends that do not exist, or too many of them for the memory.
+    /// Points, faces or ends do not exist, or there are too many for the memory.
     pub(super) fn of_arrays(
         [points, face_ends, faces, ends]: [&Numbers; 4],
         n_points: usize,
@@ -39,12 +40,12 @@ impl Polyhedra {
         })
     }
 
-    /// Polyhedra of the two arrays that older versions write: for each cell the number of its
-    /// faces, and for each face the number of its points and the points; and where that of
-    /// each cell ends, or -1 for cells of other types.
+    /// Creates polyhedra from the two arrays that older versions write: for each cell the number of
+    /// its faces, and for each face the number of its points and the points; and the end of each
+    /// cell's entries, or -1 for cells of other types.
     ///
     /// # Errors
-    /// The errors of [`of_arrays`](Self::of_arrays).
+    /// As [`of_arrays`](Self::of_arrays).
     pub(super) fn of_stream(
         [stream, ends]: [&Numbers; 2],
         n_points: usize,
@@ -85,7 +86,7 @@ impl Polyhedra {
         Ok(found)
     }
 
-    /// The faces of a cell, each as its points in their order around it; none if it is no
+    /// Returns the faces of a cell, each as its points in order around it; none if it is not a
     /// polyhedron.
     pub(super) fn faces(&self, cell: usize) -> impl ExactSizeIterator<Item = &[u32]> {
         let of_cell = match self.ends.get(cell) {
@@ -100,12 +101,12 @@ impl Polyhedra {
     }
 }
 
-/// Where the part begins that has this index, by the ends of all parts.
+/// Returns the start of the part with this index, given the ends of all parts.
 fn begin(ends: &[usize], index: usize) -> usize {
     index.checked_sub(1).map_or(0, |before| ends[before])
 }
 
-/// Numbers that do not descend, each of at most `most`.
+/// Returns numbers that must not descend or exceed `most`.
 fn ascending(numbers: impl Iterator<Item = f64>, most: usize) -> Result<Vec<usize>> {
     let mut last = 0.0;
     let in_order = numbers.map(|number| {
@@ -119,7 +120,7 @@ fn ascending(numbers: impl Iterator<Item = f64>, most: usize) -> Result<Vec<usiz
     in_order.collect()
 }
 
-/// Indices of `n` things of a kind.
+/// Returns indices, which must be less than the number `n` of these things.
 fn indices(numbers: impl IntoIterator<Item = f64>, n: usize, kind: &str) -> Result<Vec<u32>> {
     let in_range = numbers.into_iter().map(|number| {
         if number >= 0.0 && number < n as f64 {

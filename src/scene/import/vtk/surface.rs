@@ -1,4 +1,4 @@
-//! The surface of a piece: its flat cells, and the faces that only one solid cell has.
+//! Extracts the surface of a piece: its flat cells, and the faces that only one solid cell has.
 
 use rayon::slice::ParallelSliceMut;
 
@@ -9,7 +9,7 @@ use super::cells::{CellShape, Cells};
 use super::piece::{GHOSTS, Piece, Topology};
 use base::stop;
 
-/// Triangles, and the cell of each.
+/// Triangles with the cell of each.
 #[derive(Debug, Default)]
 pub(super) struct PieceSurface {
     /// Indices of points.
@@ -17,16 +17,15 @@ pub(super) struct PieceSurface {
     pub(super) cells: Vec<u32>,
 }
 
-/// The bits of a cell's ghost type: a copy of a cell of another piece, and a cell that is
-/// not shown.
+/// Bits of a cell's ghost type: a copy of a cell of another piece, and a hidden cell.
 const COPY: u8 = 1;
 const HIDDEN: u8 = 32;
 
 impl PieceSurface {
-    /// The surface of a piece.
+    /// Returns the surface of a piece.
     ///
     /// # Errors
-    /// Cells of unknown types, or too many for the memory.
+    /// Cells have unknown types, or there are too many for the memory.
     pub(super) fn of(piece: &Piece, budget: &mut Budget) -> Result<Self> {
         let ghosts = piece.cell_data.get(GHOSTS);
         let ghost = |cell: usize| ghosts.map_or(0, |ghosts| ghosts.at(cell) as u8);
@@ -52,6 +51,7 @@ impl PieceSurface {
         ghost: impl Fn(usize) -> u8,
         budget: &mut Budget,
     ) -> Result<()> {
+        // Triangulate the flat cells, and collect the faces of the solid ones.
         let (mut faces, mut polygon) = (Vec::new(), Vec::new());
         for cell in 0..cells.len() {
             if cell.is_multiple_of(1 << 16) {
@@ -83,6 +83,7 @@ impl PieceSurface {
                 self.add_flat(cell, shape, corners);
             }
         }
+        // Triangulate the faces that only one cell has.
         keep_external(&mut faces);
         budget.take_of::<[u32; 16]>(faces.len())?;
         for face in faces.iter().filter(|face| face.is_shown) {
@@ -122,7 +123,7 @@ impl PieceSurface {
         }
     }
 
-    /// Adds the outer faces of a grid of solid cells, or all of a flat grid.
+    /// Adds the outer faces of a grid of solid cells, or all faces of a flat grid.
     fn add_boundary(&mut self, size: [usize; 3], budget: &mut Budget) -> Result<()> {
         let n_cells = size.map(|n| n - 1);
         let flat: Vec<usize> = (0..3).filter(|axis| n_cells[*axis] == 0).collect();
@@ -140,8 +141,8 @@ impl PieceSurface {
         Ok(())
     }
 
-    /// Adds the squares of a grid with this index of points along an axis; backward ones
-    /// have the axis behind them.
+    /// Adds the squares of a grid at this index of points along an axis; backward ones face against
+    /// the axis.
     fn add_layer(
         &mut self,
         size: [usize; 3],
@@ -176,16 +177,16 @@ impl PieceSurface {
 /// A face of a solid cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct CellFace {
-    /// Its least four points in ascending order, which two cells that share it agree on.
+    /// The least four points in ascending order, on which two cells that share the face agree.
     key: [u32; 4],
     cell: u32,
-    /// Its number among those of the cell.
+    /// Index among the faces of the cell.
     number: u32,
     is_shown: bool,
 }
 
 impl CellFace {
-    /// The face with these points, which are sorted.
+    /// Creates the face with these points, and sorts them.
     fn new(cell: usize, number: usize, points: &mut [u32], is_shown: bool) -> Self {
         points.sort_unstable();
         let mut key = [u32::MAX; 4];
@@ -201,7 +202,7 @@ impl CellFace {
     }
 }
 
-/// Removes the faces that several cells share, and sorts the others by their cells.
+/// Removes the faces that several cells share, and sorts the rest by cell.
 fn keep_external(faces: &mut Vec<CellFace>) {
     faces.par_sort_unstable();
     let external: Vec<CellFace> = faces
@@ -214,7 +215,7 @@ fn keep_external(faces: &mut Vec<CellFace>) {
     faces.par_sort_unstable_by_key(|face| (face.cell, face.number));
 }
 
-/// The cells of a grid one by one.
+/// Returns the cells of a grid one by one.
 fn cells_of_grid(size: [usize; 3], budget: &mut Budget) -> Result<Cells> {
     let n_points = size.iter().product();
     budget.take_of::<[u32; 16]>(n_points)?;

@@ -9,15 +9,7 @@ use super::planar::Planar;
 use super::spherical::Spherical;
 use super::triplanar::Triplanar;
 
-/// Where on a surface a picture is.
-///
-/// ```
-/// # use scene::material::Mapping;
-/// let wall: Mapping = scene::yaml::from_str("
-/// planar: { right: [1, 0, 0], up: [0, 1, 0], origin: [-2, 0, 0] }
-/// ").unwrap();
-/// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
-/// ```
+/// The mapping of a picture onto a surface.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Mapping {
     /// By the texture coordinates of a mesh.
@@ -27,8 +19,8 @@ pub enum Mapping {
     Planar(Planar),
     /// Projected onto a sphere, as a map of longitudes and latitudes.
     Spherical(Spherical),
-    /// Projected along all three axes of world space; the nearer the normal is to an axis,
-    /// the more does its projection count.
+    /// Projected along all three axes of world space, weighted by how close the normal is to each
+    /// axis.
     Triplanar(Triplanar),
 }
 

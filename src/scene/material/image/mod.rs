@@ -46,19 +46,19 @@ use math::simd::{LookupTable, Real, Vector};
 pub struct ImageTexture {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
-    /// Where on the surface the picture is.
+    /// The mapping of the picture onto the surface.
     #[serde(default)]
     pub mapping: Mapping,
     /// Width and height of the picture in the units of the mapping; 1 by default.
     #[serde(default = "unit_size", deserialize_with = "yaml::size")]
     pub size: [f32; 2],
-    /// How the picture goes on beyond its edges.
+    /// The continuation of the picture beyond its edges.
     #[serde(default)]
     pub wrap: Wrap,
-    /// How the picture is looked up between its texels.
+    /// The filter between the texels of the picture.
     #[serde(default)]
     pub filter: TexelFilter,
-    /// What the numbers of the file are; `None` for what is usual in its format.
+    /// The transfer function of the file's numbers; by default the usual one of its format.
     #[serde(default)]
     pub transfer: Option<Transfer>,
     /// The picture: white until the file is read.
@@ -71,7 +71,7 @@ fn unit_size() -> [f32; 2] {
 }
 
 impl ImageTexture {
-    /// The picture, which lies in world space, in render space.
+    /// Converts the mapping from world space to render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         match &mut self.mapping {
             Mapping::Uv => return,
@@ -88,7 +88,7 @@ impl ImageTexture {
         Vector { x, y, z }
     }
 
-    /// Red, green, blue and opacity at a point.
+    /// Returns red, green, blue and opacity at a point.
     #[inline(always)]
     pub(super) fn values_at<R: Real>(&self, point: &TexturePoint<R>) -> [R; 4] {
         match &self.mapping {
@@ -105,8 +105,8 @@ impl ImageTexture {
         }
     }
 
-    /// The vector of a picture of normals at a point, of any length. The picture's axes lie
-    /// in the plane of the point's normal.
+    /// Returns the vector of a normal map at a point, of any length. The picture's axes lie in the
+    /// plane of the point's normal.
     #[inline(always)]
     pub(super) fn tilted<R: Real>(&self, point: &TexturePoint<R>, strength: f32) -> Vector<R> {
         let normal = point.normal;
@@ -134,7 +134,7 @@ impl ImageTexture {
         }
     }
 
-    /// The weighted mean of the picture's projections.
+    /// Returns the weighted mean of the picture's projections.
     #[inline(always)]
     fn blend<R: Real>(&self, projections: [AxisProjection<R>; 3]) -> [R; 4] {
         let zero = projections[0].weight.splat(0.0);
@@ -148,7 +148,8 @@ impl ImageTexture {
         mean
     }
 
-    /// The picture at coordinates of the mapping, and on a square of this side there.
+    /// Looks up the picture at coordinates of the mapping, filtered over a square of this side
+    /// there.
     #[inline(always)]
     fn look_up<R: Real>(&self, [u, v]: [R; 2], footprint: R) -> [R; 4] {
         let [width, height] = self.size;
@@ -160,8 +161,8 @@ impl ImageTexture {
     }
 }
 
-/// The vector whose coordinates, from -1 at 0 to 1, are the values of a picture: along its
-/// axes right and up, as far as these are perpendicular to the normal, and along the normal.
+/// Converts a vector from tangent space: its coordinates, from -1 at a value of 0 to 1, are along
+/// the picture's axes right and up, projected perpendicular to the normal, and along the normal.
 #[inline(always)]
 fn from_tangent_space<R: Real>(
     [r, g, b, _]: [R; 4],

@@ -7,7 +7,7 @@ use crate::geometry::RenderSpace;
 use crate::yaml;
 use math::simd::{Real, Vector};
 
-/// A plane onto which points are projected at a right angle.
+/// A plane onto which points are projected orthogonally.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "PlanarKeys")]
 pub struct Planar {
@@ -66,12 +66,12 @@ impl TryFrom<PlanarKeys> for Planar {
 }
 
 impl Planar {
-    /// The plane, which is in world space, in render space.
+    /// Converts the plane from world space to render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         self.origin = space.point(self.origin).as_dvec3();
     }
 
-    /// The directions to the right and up in the picture.
+    /// Returns the rightward and upward directions in the picture.
     #[inline(always)]
     pub(super) fn axes<R: Real>(&self, like: R) -> [Vector<R>; 2] {
         [
@@ -80,14 +80,14 @@ impl Planar {
         ]
     }
 
-    /// The side of a square of one world unit of area of a surface, projected.
+    /// Returns the side of a square of unit area on a surface, projected.
     #[inline(always)]
     pub(super) fn density<R: Real>(&self, normal: Vector<R>) -> R {
         let across = Vector::splat(normal.x, self.right.cross(self.up));
         normal.dot(across).abs().sqrt()
     }
 
-    /// The coordinates of a point in the plane, in world units.
+    /// Returns the coordinates of a point in the plane, in world units.
     #[inline(always)]
     pub(super) fn uv<R: Real>(&self, position: Vector<R>) -> [R; 2] {
         let like = position.x;

@@ -15,9 +15,9 @@ use math::simd::{Real, Vector, turns_of};
 #[serde(try_from = "SphericalKeys")]
 pub struct Spherical {
     center: DVec3,
-    /// The direction of the middle of the picture; with the others, orthonormal.
+    /// The direction of the middle of the picture; `front`, `right` and `up` are orthonormal.
     front: Vec3,
-    /// A quarter of a turn to the right in the picture.
+    /// The direction a quarter turn to the right in the picture.
     right: Vec3,
     /// The direction of the upper edge.
     up: Vec3,
@@ -36,7 +36,7 @@ struct SphericalKeys {
     /// The direction to the top of the picture.
     #[serde(deserialize_with = "yaml::direction")]
     up: Vec3,
-    /// The direction to the middle of the picture, as far as it is perpendicular to `up`.
+    /// The direction to the middle of the picture; its part along `up` is ignored.
     #[serde(deserialize_with = "yaml::direction")]
     front: Vec3,
 }
@@ -84,13 +84,13 @@ impl TryFrom<SphericalKeys> for Spherical {
 }
 
 impl Spherical {
-    /// The sphere, which is in world space, in render space.
+    /// Converts the sphere from world space to render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         self.center = space.point(self.center).as_dvec3();
     }
 
-    /// The directions to the right and up in the picture at a point, of any length: to the
-    /// east and to the north pole.
+    /// Returns the rightward and upward directions in the picture at a point, of any length: east
+    /// and north.
     #[inline(always)]
     pub(super) fn axes<R: Real>(&self, position: Vector<R>) -> [Vector<R>; 2] {
         let like = position.x;
@@ -101,9 +101,8 @@ impl Spherical {
         ]
     }
 
-    /// The side of a square of one world unit of area of a sphere at the equator, in
-    /// fractions of the picture. At the poles, too, where a picture would be blurred if
-    /// its columns were taken for as narrow as they are there.
+    /// Returns the side of a square of unit area at the sphere's equator, in fractions of the
+    /// picture. Also used at the poles, where the true width of the columns would blur the picture.
     #[inline(always)]
     pub(super) fn density<R: Real>(&self, position: Vector<R>) -> R {
         let like = position.x;
@@ -111,7 +110,7 @@ impl Spherical {
         like.splat(1.0 / (PI * SQRT_2)) / radius
     }
 
-    /// The coordinates of a point: longitude and latitude as fractions of the picture's
+    /// Returns the coordinates of a point: longitude and latitude as fractions of the picture's
     /// width and height, from 0 to 1.
     #[inline(always)]
     pub(super) fn uv<R: Real>(&self, position: Vector<R>) -> [R; 2] {

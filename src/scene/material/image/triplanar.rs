@@ -9,26 +9,25 @@ use math::simd::{Real, Vector};
 
 /// A point's projection along an axis.
 pub(super) struct AxisProjection<R> {
-    /// Its coordinates, in world units.
+    /// The coordinates, in world units.
     pub(super) uv: [R; 2],
     /// The fourth power of the normal's coordinate along the axis, divided by the sum of
     /// all three.
     pub(super) weight: R,
-    /// The directions to the right and up in the picture.
+    /// The rightward and upward directions in the picture.
     pub(super) axes: [Vector<R>; 2],
-    /// The width of what the ray stands for, projected.
+    /// The width of the ray's footprint, projected.
     pub(super) footprint: R,
 }
 
-/// The projections along the axes of world space: where points to the right and up in the
-/// pictures are counted from.
+/// The projections along the axes of world space, with the origins of the pictures' coordinates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Triplanar {
     origins: [Vec3; 2],
 }
 
 impl Triplanar {
-    /// The projections, which are in world space, in render space: of a picture of this size.
+    /// Converts the projections from world space to render space, for a picture of this size.
     pub(super) fn in_space(&mut self, space: &RenderSpace, size: [f32; 2], wrap: Wrap) {
         self.origins = size.map(|length| {
             // A mirrored picture repeats after two.
@@ -37,7 +36,7 @@ impl Triplanar {
         });
     }
 
-    /// The projections along x, y and z. From either side a picture is seen upright and not
+    /// Returns the projections along x, y and z. From either side a picture appears upright and not
     /// mirrored; along y, up in the picture is -z.
     #[inline(always)]
     pub(super) fn projections<R: Real>(&self, point: &TexturePoint<R>) -> [AxisProjection<R>; 3] {

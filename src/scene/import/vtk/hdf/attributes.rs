@@ -9,8 +9,8 @@ use super::reader::{HdfPart, HdfReader, entry, sum};
 use super::values::{members, text};
 
 impl HdfReader<'_> {
-    /// The arrays of the points of a part that are wanted, of which the part has these rows
-    /// behind those before it; without another begin, the step's rows begin at `first`.
+    /// Returns the wanted arrays of the points of a part, which has these rows after the parts
+    /// before it; the step's rows begin at `first` unless the file says otherwise.
     pub(super) fn attributes(
         &mut self,
         group_name: &str,
@@ -23,7 +23,7 @@ impl HdfReader<'_> {
         })
     }
 
-    /// The arrays of a group that are wanted, each as `read` gives it by its name.
+    /// Returns the wanted arrays of a group, as `read` returns them by name.
     pub(super) fn arrays_of(
         &mut self,
         group_name: &str,
@@ -49,7 +49,7 @@ impl HdfReader<'_> {
         part: &HdfPart,
         n_cells: usize,
     ) -> Result<PieceArrays> {
-        // Those of polydata are one kind after the other.
+        // The arrays of polydata store one kind after the other.
         let row = match self.steps.clone() {
             Some(steps) => self.row_of_step(&steps, "CellOffsets")?.unwrap_or_default(),
             None => Vec::new(),
@@ -59,7 +59,8 @@ impl HdfReader<'_> {
         self.attributes("CellData", [part.cells_before, n_cells], first)
     }
 
-    /// Whether a dataset is the active array of normals or of texture coordinates.
+    /// Records the name of a dataset that is the active array of normals or of texture coordinates;
+    /// returns true if it is one.
     fn name_attribute(
         &self,
         group: &Group,
@@ -84,7 +85,7 @@ impl HdfReader<'_> {
         Ok(true)
     }
 
-    /// Where an array begins for the time step, if the file says so.
+    /// Returns the start of an array for the time step, if the file gives it.
     pub(super) fn array_begin(&mut self, group_name: &str, name: &str) -> Result<Option<usize>> {
         let offsets = self.steps.as_ref().and_then(|steps| {
             let group = steps.group(&format!("{group_name}Offsets"));

@@ -8,7 +8,7 @@ use super::super::polyhedra::Polyhedra;
 use super::reader::{HdfPart, HdfReader, entry, sum};
 
 impl HdfReader<'_> {
-    /// The cells of a part of an unstructured grid.
+    /// Returns the cells of a part of an unstructured grid.
     pub(super) fn grid(&mut self, part: &HdfPart) -> Result<Cells> {
         let root = self.root.clone();
         let mut cells = Cells::of_points(part.points[1]);
@@ -24,14 +24,14 @@ impl HdfReader<'_> {
         Ok(cells)
     }
 
-    /// The faces of the cells of a part.
+    /// Returns the faces of the cells of a part.
     fn polyhedra(&mut self, part: &HdfPart, n_cells: usize) -> Result<Polyhedra> {
         if self.steps.is_some() {
             let expected = "a file without time steps, or without polyhedra";
             return Err(FileFault::new("it has polyhedra over time", expected));
         }
         let root = self.root.clone();
-        // The sizes of the part, and of those before it.
+        // The sizes of the part, and of the parts before it.
         let mut sizes = |name| -> Result<(usize, usize)> {
             let of_parts = self.list(&root, name)?;
             let before = (0..part.index).map(|i| entry(&of_parts, i, name));
@@ -54,7 +54,7 @@ impl HdfReader<'_> {
         Polyhedra::of_arrays(arrays.each_ref(), n_points, self.datasets.budget)
     }
 
-    /// The cells of a part of polydata, in the order of the cells' arrays.
+    /// Returns the cells of a part of polydata, in the order of the cells' arrays.
     pub(super) fn polydata(&mut self, part: &HdfPart) -> Result<Cells> {
         let mut cells = Cells::of_points(part.points[1]);
         let kinds = [
@@ -71,7 +71,7 @@ impl HdfReader<'_> {
         Ok(cells)
     }
 
-    /// Adds the cells of a part that a group has.
+    /// Adds the cells of a part from a group.
     fn add_cells(
         &mut self,
         cells: &mut Cells,

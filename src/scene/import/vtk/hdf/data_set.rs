@@ -13,10 +13,10 @@ use super::values::text;
 use crate::import::fault::cut;
 use base::files;
 
-/// The times of the steps of a file; none if it has no steps.
+/// Returns the times of the steps of a file; none if it has no steps.
 ///
 /// # Errors
-/// A file that cannot be read or is damaged.
+/// The file cannot be read or is damaged.
 pub(in crate::import) fn read_times(path: &Path) -> Result<Vec<f64>> {
     let (root, n_file_bytes) = open(path)?;
     let Ok(steps) = root.group("Steps") else {
@@ -33,7 +33,7 @@ pub(in crate::import) fn read_times(path: &Path) -> Result<Vec<f64>> {
     Ok(times.iter().collect())
 }
 
-/// The group of the data set in a file, and the file's length in bytes.
+/// Returns the group of the data set in a file, and the file's length in bytes.
 fn open(path: &Path) -> Result<(Group, u64)> {
     let n_file_bytes = files::open(path)?.metadata()?.len();
     let file = File::open(path).map_err(|error| damaged("VTKHDF", &error))?;
@@ -44,11 +44,10 @@ fn open(path: &Path) -> Result<(Group, u64)> {
     ))
 }
 
-/// Reads a time step of a file, the first of which is 0, and of its arrays those that are
-/// wanted.
+/// Reads a time step of a file, counted from 0, with the wanted arrays.
 ///
 /// # Errors
-/// A file that cannot be read or is damaged, has no such step, or is of another kind.
+/// The file cannot be read or is damaged, lacks the step, or is of another kind.
 pub(in super::super) fn read(
     path: &Path,
     step: usize,

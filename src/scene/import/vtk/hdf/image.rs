@@ -12,7 +12,7 @@ use super::values::numbers;
 use crate::import::fault::cut;
 
 impl HdfReader<'_> {
-    /// An image.
+    /// Reads an image.
     pub(super) fn image(&mut self) -> Result<Piece> {
         let extent: [i64; 6] = numbers(&self.root, "WholeExtent")?;
         let size = grid_size(extent)?;
@@ -39,7 +39,7 @@ impl HdfReader<'_> {
         Ok(piece)
     }
 
-    /// The arrays of an image, layer by layer; over time, the first index is the step.
+    /// Reads the arrays of an image, layer by layer; over time, the first index is the step.
     fn image_attributes(&mut self, group_name: &str, size: [usize; 3]) -> Result<PieceArrays> {
         self.arrays_of(group_name, |reader, group, name| {
             reader.image_array(group, group_name, name, size)

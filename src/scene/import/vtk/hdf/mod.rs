@@ -1,8 +1,8 @@
-//! VTKHDF files: data sets in HDF5, one or one for each time step.
+//! VTKHDF files: data sets in HDF5, a single one or one per time step.
 //!
 //! The format is VTK's ("VTKHDF format specification", docs.vtk.org), up to version 2.8. The
-//! library is the system's libhdf5, behind the cargo feature `hdf5`. Of a damaged file it may
-//! claim any sizes: they are compared with what the file stores before memory is taken.
+//! library is the system's libhdf5, behind the cargo feature `hdf5`. A damaged file may claim any
+//! sizes: they are compared with the stored data before memory is allocated.
 
 #[cfg(feature = "hdf5")]
 mod rows;
@@ -36,12 +36,12 @@ use super::piece::{Piece, Wanted};
 /// The extension of the files, in lower case.
 pub(super) const EXTENSION: &str = "vtkhdf";
 
-/// Whether the file's extension is that of VTKHDF.
+/// Returns true if the file's extension is VTKHDF's.
 pub(in super::super) fn is_hdf(path: &Path) -> bool {
     super::extension(path) == EXTENSION
 }
 
-/// None: this program was built without HDF5, which the reader says.
+/// Returns no times: this program was built without HDF5, which the reader reports.
 #[cfg(not(feature = "hdf5"))]
 pub(in super::super) fn read_times(_: &Path) -> Result<Vec<f64>> {
     Ok(Vec::new())

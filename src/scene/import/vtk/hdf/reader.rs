@@ -17,22 +17,22 @@ pub(super) struct HdfReader<'a> {
     pub(super) datasets: Datasets<'a>,
 }
 
-/// Which rows of the datasets a part of a time step has.
+/// The rows of the datasets that belong to a part of a time step.
 pub(super) struct HdfPart {
-    /// Its number among the parts of all steps.
+    /// Index among the parts of all steps.
     pub(super) index: usize,
-    /// Its number among those of its step.
+    /// Index among the parts of its step.
     pub(super) of_step: usize,
-    /// The points of the step's parts before it, and its own.
+    /// The number of points in the step's parts before it, and in the part.
     pub(super) points: [usize; 2],
-    /// Where the arrays of points begin for the step, and those of cells.
+    /// The start of the step's point arrays, and of its cell arrays.
     pub(super) first_point: usize,
-    /// The cells of the step's parts before it.
+    /// The number of cells in the step's parts before it.
     pub(super) cells_before: usize,
 }
 
 impl HdfReader<'_> {
-    /// Checks that there is such a time step.
+    /// Checks that the time step exists.
     pub(super) fn check_step(&self) -> Result<()> {
         let n_steps = match &self.steps {
             None => 1,
@@ -50,7 +50,8 @@ impl HdfReader<'_> {
         Err(FileFault::new(problem, expected))
     }
 
-    /// A number of the time step in a list of the group of steps; `None` without steps or list.
+    /// Returns the time step's number in a list of the group of steps; `None` without steps or
+    /// list.
     fn of_step(&mut self, name: &str) -> Result<Option<usize>> {
         let Some(steps) = self.steps.clone() else {
             return Ok(None);
@@ -61,7 +62,7 @@ impl HdfReader<'_> {
         entry(&row, 0, name).map(Some)
     }
 
-    /// The row of the time step in a table of a group.
+    /// Returns the time step's row in a table of a group.
     pub(super) fn row_of_step(&mut self, group: &Group, name: &str) -> Result<Option<Vec<i64>>> {
         let Some(dataset) = self.datasets.open(group, name)? else {
             return Ok(None);
@@ -71,13 +72,13 @@ impl HdfReader<'_> {
         Ok(Some(numbers.iter().map(|number| number as i64).collect()))
     }
 
-    /// A list of the root.
+    /// Reads a list of the root.
     pub(super) fn list(&mut self, group: &Group, name: &str) -> Result<Vec<i64>> {
         let found = self.datasets.list(group, name)?;
         found.ok_or_else(|| missing(name))
     }
 
-    /// The pieces of the time step, one for each part.
+    /// Reads the pieces of the time step, one per part.
     pub(super) fn pieces(
         &mut self,
         topology: impl Fn(&mut Self, &HdfPart) -> Result<Cells>,
@@ -121,7 +122,7 @@ impl HdfReader<'_> {
         Ok(pieces)
     }
 
-    /// Rows of a dataset.
+    /// Reads rows of a dataset.
     pub(super) fn numbers(
         &mut self,
         group: &Group,
@@ -135,7 +136,8 @@ impl HdfReader<'_> {
         self.datasets.rows(&dataset, name, &[], rows)
     }
 
-    /// Where the cells and their points begin for the time step, of a kind of polydata.
+    /// Returns the start of the cells and of their points for the time step, for one kind of
+    /// polydata.
     pub(super) fn cell_begins(&mut self, column: usize) -> Result<[usize; 2]> {
         let Some(steps) = self.steps.clone() else {
             return Ok([0; 2]);
@@ -148,7 +150,7 @@ impl HdfReader<'_> {
     }
 }
 
-/// An entry of a list of sizes or begins.
+/// Returns an entry of a list of sizes or starts.
 pub(super) fn entry(numbers: &[i64], index: usize, name: &str) -> Result<usize> {
     let found = numbers.get(index).and_then(|n| usize::try_from(*n).ok());
     found.ok_or_else(|| {
@@ -157,7 +159,7 @@ pub(super) fn entry(numbers: &[i64], index: usize, name: &str) -> Result<usize> 
     })
 }
 
-/// The sum of sizes that a file claims.
+/// Adds sizes that a file claims, with a check for overflow.
 pub(super) fn sum(sizes: impl IntoIterator<Item = usize>) -> Result<usize> {
     let sum = sizes.into_iter().try_fold(0_usize, usize::checked_add);
     sum.ok_or_else(|| FileFault::new("its sizes are beyond all files", "those of its datasets"))

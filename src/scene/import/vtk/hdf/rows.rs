@@ -11,7 +11,7 @@ use super::super::budget::Budget;
 use super::super::numbers::{ByteOrder, NumberType, Numbers};
 use crate::import::fault::cut;
 
-/// What zlib makes of a byte at most, rounded up; other filters of HDF5 make less.
+/// Maximum expansion of a byte by zlib, rounded up; other filters of HDF5 expand less.
 const MAX_INFLATION: u64 = 1100;
 
 /// The datasets of a file.
@@ -22,10 +22,10 @@ pub(super) struct Datasets<'a> {
 }
 
 impl Datasets<'_> {
-    /// Opens a dataset, if the group has one of this name.
+    /// Opens the dataset of this name, if the group has one.
     ///
     /// # Errors
-    /// Its sizes are beyond what the file stores for it.
+    /// Its sizes exceed the data that the file stores for it.
     pub(super) fn open(&self, group: &Group, name: &str) -> Result<Option<Dataset>> {
         if !group.link_exists(name) {
             return Ok(None);
@@ -52,10 +52,10 @@ impl Datasets<'_> {
         Ok(Some(dataset))
     }
 
-    /// All numbers of a dataset of the name; none if there is no such dataset.
+    /// Reads all numbers of the dataset of this name; none if it does not exist.
     ///
     /// # Errors
-    /// It is damaged, or has no numbers.
+    /// The dataset is damaged, or is not numeric.
     pub(super) fn list(&mut self, group: &Group, name: &str) -> Result<Option<Vec<i64>>> {
         let Some(dataset) = self.open(group, name)? else {
             return Ok(None);
@@ -65,11 +65,12 @@ impl Datasets<'_> {
         Ok(Some(numbers.iter().map(|number| number as i64).collect()))
     }
 
-    /// Rows of a dataset, which are tuples of the product of the sizes behind that of the
-    /// rows: the first index behind `before`.
+    /// Reads rows of a dataset at the leading indices `before`. A row is a tuple of all numbers in
+    /// the remaining dimensions.
     ///
     /// # Errors
-    /// There are no such rows, it has no numbers, or is damaged, or too large for the memory.
+    /// There are no such rows, or the dataset is not numeric, is damaged, or is too large for the
+    /// memory.
     pub(super) fn rows(
         &mut self,
         dataset: &Dataset,
@@ -116,13 +117,13 @@ impl Datasets<'_> {
     }
 }
 
-/// The fault of a dataset that cannot be read.
+/// Creates the fault of a dataset that cannot be read.
 pub(super) fn damaged(name: &str, error: &hdf5_metno::Error) -> FileFault {
     let problem = format!("cannot read `{}`: {error}", cut(name));
     FileFault::new(problem, "a VTKHDF file that is not damaged")
 }
 
-/// The fault of a dataset or an attribute that is not there.
+/// Creates the fault of a missing dataset or attribute.
 pub(super) fn missing(name: &str) -> FileFault {
     let problem = format!("it has no dataset `{name}`");
     FileFault::new(problem, "those of the VTKHDF format")

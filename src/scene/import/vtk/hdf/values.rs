@@ -9,12 +9,12 @@ use super::rows::{damaged, missing};
 /// Longest text of an attribute.
 const TEXT: usize = 64;
 
-/// The names of a group's datasets.
+/// Returns the names of a group's datasets.
 pub(super) fn members(group: &Group, name: &str) -> Result<Vec<String>> {
     group.member_names().map_err(|error| damaged(name, &error))
 }
 
-/// The numbers of an attribute.
+/// Returns the numbers of an attribute.
 pub(super) fn numbers<T: H5Type + Copy, const N: usize>(at: &Group, name: &str) -> Result<[T; N]> {
     let attribute = at.attr(name).map_err(|error| damaged(name, &error))?;
     if attribute.size() != N {
@@ -26,7 +26,7 @@ pub(super) fn numbers<T: H5Type + Copy, const N: usize>(at: &Group, name: &str) 
     <[T; N]>::try_from(found).map_err(|_| missing(name))
 }
 
-/// The text of an attribute.
+/// Returns the text of an attribute.
 pub(super) fn text(at: &Location, name: &str) -> Result<String> {
     let read = || {
         let attribute = at.attr(name)?;

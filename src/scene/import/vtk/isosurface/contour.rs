@@ -19,17 +19,17 @@ pub(super) struct Contour<'a, 'b> {
     pub(super) piece: &'a Piece,
     pub(super) values: &'a [f32],
     pub(super) level: f32,
-    /// The numbers of the colors.
+    /// The numbers that give colors.
     pub(super) colors: Option<(ArrayOf, &'a [f32])>,
-    /// The vertices by the ends of their edges, the lower number first; both are the same
-    /// for a vertex at a point.
+    /// The vertices by the ends of their edges, the lower number first; both are equal for a vertex
+    /// at a point.
     pub(super) vertices: HashMap<[u32; 2], u32>,
     pub(super) of_all: &'a mut Isosurfaces<'b>,
     pub(super) budget: &'a mut Budget,
 }
 
 impl Contour<'_, '_> {
-    /// Adds the isosurface within all cells.
+    /// Adds the isosurface in all cells.
     pub(super) fn add_cells(&mut self) -> Result<()> {
         let piece = self.piece;
         match &piece.topology {
@@ -69,8 +69,8 @@ impl Contour<'_, '_> {
         Ok(())
     }
 
-    /// Adds the polygons of a solid cell, unless it is hidden or a copy of another piece's,
-    /// or a value is missing.
+    /// Adds the polygons in a solid cell, unless it is hidden or a copy of another piece's cell, or
+    /// a value is missing.
     fn add_cell(&mut self, cell: usize, faces: &[&[u8]], corners: &[u32]) -> Result<()> {
         if !self.is_crossed(cell, corners.iter()) {
             return Ok(());
@@ -92,7 +92,7 @@ impl Contour<'_, '_> {
         Ok(())
     }
 
-    /// Adds the polygons of a polyhedron as [`add_cell`](Self::add_cell) does.
+    /// Adds the polygons in a polyhedron, as [`add_cell`](Self::add_cell) does.
     fn add_polyhedron(&mut self, cell: usize, cells: &Cells) -> Result<()> {
         let faces = || cells.polyhedra.faces(cell);
         if !self.is_crossed(cell, faces().flatten()) {
@@ -123,8 +123,8 @@ impl Contour<'_, '_> {
         self.values[point as usize] >= self.level
     }
 
-    /// Whether some of a cell's points are inside and some are not, all have a value, and the
-    /// cell is neither hidden nor a copy.
+    /// Returns true if some of a cell's points are inside and some are not, all have a value, and
+    /// the cell is neither hidden nor a copy.
     fn is_crossed<'c>(&self, cell: usize, points: impl Iterator<Item = &'c u32>) -> bool {
         let (mut all, mut any, mut finite) = (true, false, true);
         for &point in points {
@@ -136,8 +136,8 @@ impl Contour<'_, '_> {
         any && !all && finite && ghosts.is_none_or(|ghosts| ghosts.at(cell) == 0.0)
     }
 
-    /// Adds the polygon of these vertices, of which neighbors differ but for the first and the
-    /// last one, unless it has no area.
+    /// Adds the polygon of these vertices, whose neighbors are distinct except for the last and the
+    /// first, unless it has no area.
     fn add_polygon(&mut self, cell: usize, vertices: &[u32]) -> Result<()> {
         let n_same = usize::from(vertices.first() == vertices.last());
         let vertices = &vertices[..vertices.len() - n_same];
@@ -159,14 +159,16 @@ impl Contour<'_, '_> {
         Ok(())
     }
 
-    /// The vertex on the edge between a point inside and one that is not.
+    /// Returns the vertex on the edge between a point inside and one outside.
     fn vertex(&mut self, within: u32, beyond: u32) -> Result<u32> {
+        // Reuse the vertex if another cell has made it.
         let is_at_point = self.values[within as usize] == self.level;
         let beyond = if is_at_point { within } else { beyond };
         let edge = [within.min(beyond), within.max(beyond)];
         if let Some(vertex) = self.vertices.get(&edge) {
             return Ok(*vertex);
         }
+        // Find the point on the edge by linear interpolation.
         self.budget.take_of::<[f32; 32]>(1)?;
         let [a, b] = edge.map(|point| point as usize);
         let [from, to] = [self.position(edge[0])?, self.position(edge[1])?];
@@ -176,6 +178,7 @@ impl Contour<'_, '_> {
         } else {
             (f64::from(self.level) - at_a) / (at_b - at_a)
         };
+        // Interpolate the gradient, along whose descent the normal points.
         let normal = match &self.piece.topology {
             Topology::Grid(size) => {
                 let [at_a, at_b] =
@@ -189,6 +192,7 @@ impl Contour<'_, '_> {
             }
             Topology::Cells(_) => Vec3::ZERO,
         };
+        // Add the vertex with its attributes.
         let all = &mut *self.of_all;
         let vertex = count(all.mesh.vertices.len() + 1)? - 1;
         let from_origin = from.lerp(to, t) - all.mesh.origin;
@@ -196,7 +200,7 @@ impl Contour<'_, '_> {
         all.normals.push(normal);
         if let Some((ArrayOf::Points, colors)) = self.colors {
             let [at_a, at_b] = [a, b].map(|point| f64::from(colors[point]));
-            // Not a sum with a share of 0, which may be of infinity or NaN.
+            // Not a sum with a weight of 0, which may multiply infinity or NaN.
             let color = if t == 0.0 {
                 at_a
             } else {

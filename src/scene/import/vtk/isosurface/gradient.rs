@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::super::piece::{Piece, grid_index};
 
-/// The gradient of values at a point of a grid, by differences between its neighbors.
+/// Returns the gradient of values at a point of a grid, by differences between its neighbors.
 pub(super) fn gradient(piece: &Piece, values: &[f32], size: [usize; 3], point: usize) -> DVec3 {
     let at = grid_index(size, point);
     let strides = [1, size[0], size[0] * size[1]];
@@ -26,7 +26,7 @@ pub(super) fn gradient(piece: &Piece, values: &[f32], size: [usize; 3], point: u
         let [low, high] = [before, behind].map(|point| f64::from(values[point]));
         steps[axis] = high - low;
     }
-    // The scalar products of the gradient with the ways are the steps.
+    // The scalar products of the gradient with these vectors are the differences.
     let [x, y, z] = ways;
     DMat3::from_cols(x, y, z).transpose().inverse() * steps
 }

@@ -1,10 +1,10 @@
-//! Isosurfaces: where an array of points has a value within solid cells.
+//! Isosurfaces: the points in solid cells at which a point array has a value.
 //!
 //! Lorensen and Cline, "Marching Cubes: A High Resolution 3D Surface Construction Algorithm"
-//! (SIGGRAPH 1987), without its table of cases, so that the cells need not be cubes: the
-//! polygons of a cell follow from its faces. On a face, a line leads from the edge before
-//! each run of corners that are inside to the edge behind it. Two cells agree on the lines
-//! of the face that they share, so that the surface has no holes.
+//! (SIGGRAPH 1987), without its table of cases, so that the cells need not be cubes: the polygons
+//! of a cell follow from its faces. On a face, a line leads from the edge before each run of inside
+//! corners to the edge after it. Two cells agree on the lines of a shared face, so that the surface
+//! has no holes.
 
 mod polygons;
 mod polyhedron;
@@ -28,9 +28,9 @@ pub(super) struct Isosurfaces<'a> {
     /// The array of the colors.
     array: Option<&'a ArrayChoice>,
     mesh: Mesh,
-    /// The directions of descent at the vertices; zero where there is none.
+    /// The directions of descent at the vertices; zero if undefined.
     normals: Vec<Vec3>,
-    /// Whether all pieces are grids, which have gradients.
+    /// True if all pieces are grids, which have gradients.
     has_normals: bool,
     scalars: CornerValues<f32>,
     /// The least and the greatest number of the array.
@@ -53,8 +53,8 @@ impl<'a> Isosurfaces<'a> {
     /// Adds the isosurfaces of a piece.
     ///
     /// # Errors
-    /// An array that is missing, positions that are not finite, cells of unknown types, or
-    /// too many triangles for the memory.
+    /// An array is missing, positions are not finite, cells have unknown types, or there are too
+    /// many triangles for the memory.
     pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
         budget.take_of::<[f32; 2]>(piece.n_points() + piece.n_cells())?;
         let (_, values) = piece.scalars(&self.choice.array)?;
@@ -81,10 +81,10 @@ impl<'a> Isosurfaces<'a> {
         Ok(())
     }
 
-    /// The mesh of all pieces.
+    /// Returns the mesh of all pieces.
     ///
     /// # Errors
-    /// It has no triangle.
+    /// The mesh has no triangle.
     pub(super) fn finish(self) -> Result<Mesh> {
         let mut mesh = self.mesh;
         if mesh.triangles.is_empty() {
@@ -103,7 +103,7 @@ impl<'a> Isosurfaces<'a> {
     }
 }
 
-/// The fault of values that the array has nowhere between the points of a solid cell.
+/// Creates the fault of values that the array does not reach within any solid cell.
 fn nowhere(choice: &IsosurfaceChoice, [low, high]: [f32; 2]) -> FileFault {
     let values: Vec<String> = choice.values.iter().map(f32::to_string).collect();
     let (name, values) = (&choice.array.name, super::super::listed(&values));

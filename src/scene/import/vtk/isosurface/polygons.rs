@@ -1,16 +1,16 @@
-//! The polygons of cells that have a few corners in a known order.
+//! The polygons in cells with a few corners in a known order.
 
 use arrayvec::ArrayVec;
 
-/// Most corners and edges of a solid cell: a hexagonal prism's.
+/// Maximum number of corners and edges of a solid cell: a hexagonal prism's.
 pub(super) const MAX_CORNERS: usize = 12;
 pub(super) const MAX_EDGES: usize = 18;
 
-/// An edge of a cell: the corner inside, and the other one.
+/// An edge of a cell that the surface crosses: its inside corner, and its outside corner.
 pub(super) type CrossedEdge = [u8; 2];
 
-/// The polygons that separate the corners inside from the others, each as the edges that it
-/// crosses: counter-clockwise as seen from the other side.
+/// Returns the polygons that separate the inside corners from the others, each as the edges that it
+/// crosses: counter-clockwise as seen from the side of the others.
 pub(super) fn polygons(
     faces: &[&[u8]],
     inside: &[bool],
@@ -23,7 +23,7 @@ pub(super) fn polygons(
     let mut found = ArrayVec::new();
     while let Some([first, mut next]) = lines.pop() {
         let mut polygon = ArrayVec::from_iter([first]);
-        // Each edge belongs to two faces: one line ends at it, and another one begins.
+        // Each edge belongs to two faces: one line ends at it, and another begins.
         while let Some(at) = lines.iter().position(|[from, _]| *from == next) {
             polygon.push(next);
             next = lines.remove(at)[1];
@@ -33,10 +33,10 @@ pub(super) fn polygons(
     found
 }
 
-/// The lines on a face, one for each run of corners that are inside: from the edge before the
-/// run to the edge behind it, each as the corner inside and the other one.
+/// Returns the lines on a face, one for each run of inside corners: from the edge before the run to
+/// the edge after it, each as its inside and its outside corner.
 ///
-/// Cells of all types have these, so that they agree on the faces that they share.
+/// All types of cells use this, so that they agree on shared faces.
 pub(super) fn face_lines<C: Copy>(
     face: &[C],
     is_inside: impl Fn(C) -> bool,

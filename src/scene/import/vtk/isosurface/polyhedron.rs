@@ -1,19 +1,20 @@
-//! The polygons of polyhedra, which have any number of faces in any order.
+//! The polygons in polyhedra, whose faces may have any number and order.
 
 use std::collections::HashMap;
 
 use super::polygons::face_lines;
 
-/// An edge of a cell that the surface crosses: the point inside, and the other one.
+/// An edge of a cell that the surface crosses: its inside point, and its outside point.
 pub(super) type CutEdge = [u32; 2];
 
-/// The polygons that separate the points inside from the others, each as the edges that it
-/// crosses in either order around it, of a polyhedron with these faces, each the points
-/// around it in either order. `None` where the faces do not close it.
+/// Returns the polygons that separate the inside points of a polyhedron from the others, each as
+/// the edges that it crosses, in either direction around it. Each face has its points in either
+/// direction. `None` if the faces do not close the polyhedron.
 pub(super) fn polygons<'a>(
     faces: impl Iterator<Item = &'a [u32]>,
     is_inside: impl Fn(u32) -> bool,
 ) -> Option<Vec<Vec<CutEdge>>> {
+    // Find the lines on all faces, and the lines that end at each edge.
     let mut lines = Vec::new();
     for face in faces {
         lines.extend(face_lines(face, &is_inside));
@@ -24,6 +25,7 @@ pub(super) fn polygons<'a>(
             ends.entry(*edge).or_default().push(i);
         }
     }
+    // Chain the lines from edge to edge until each polygon closes.
     let mut is_used = vec![false; lines.len()];
     let mut found = Vec::new();
     for i in 0..lines.len() {

@@ -1,6 +1,6 @@
 //! Legacy VTK files.
 //!
-//! The format is that of "VTK File Formats" (The VTK User's Guide, Kitware, 2010), with the
+//! The format is described in "VTK File Formats" (The VTK User's Guide, Kitware, 2010), with the
 //! cells of version 5.1. Numbers in binary files are big-endian.
 
 mod parts;
@@ -13,10 +13,10 @@ use super::piece::{Piece, Wanted, grid_size, is_wanted};
 use parts::{CellArray, DataOf, Parts};
 use words::{Words, decoded_name};
 
-/// What all legacy files begin with.
+/// The start of all legacy files.
 pub(super) const SIGNATURE: &[u8] = b"# vtk DataFile Version";
 
-/// Reads a file, and of its arrays those that are wanted.
+/// Reads a file with the wanted arrays.
 pub(super) fn read(bytes: &[u8], wanted: &Wanted, budget: &mut Budget) -> Result<Piece> {
     let mut words = Words::new(bytes);
     // The version, and a title.
@@ -54,7 +54,7 @@ struct LegacyReader<'a, 'b> {
 }
 
 impl LegacyReader<'_, '_> {
-    /// Reads what follows a keyword.
+    /// Reads the section after a keyword.
     fn section(&mut self, keyword: &str) -> Result<()> {
         match keyword {
             "POINTS" => {
@@ -88,7 +88,7 @@ impl LegacyReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads an array of points or cells, or several.
+    /// Reads one or several arrays of points or cells.
     fn attribute(&mut self, keyword: &str) -> Result<()> {
         let name = decoded_name(self.words.next()?);
         let n_tuples = self.parts.data_of.map_or(0, |(_, n)| n);
@@ -135,12 +135,12 @@ impl LegacyReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads the arrays of a field; those that are of nothing have no meaning for surfaces.
+    /// Reads the arrays of a field; arrays outside of points and cells mean nothing to surfaces.
     fn field(&mut self) -> Result<()> {
         let n_arrays = self.words.number::<usize>()?;
         for _ in 0..n_arrays {
             let mut name = self.words.next()?;
-            // The keys of the array before.
+            // The metadata of the array before.
             while name == "METADATA" {
                 self.words.skip_metadata();
                 name = self.words.next()?;
@@ -196,8 +196,8 @@ impl LegacyReader<'_, '_> {
         })
     }
 
-    /// Reads numbers of a type with this name, which has been read. Of the bits of binary
-    /// files the first one is the most significant of its byte.
+    /// Reads numbers of the type with this name, which has been read. In binary files the first bit
+    /// is the most significant one of its byte.
     fn values(&mut self, kind: &str, n: usize) -> Result<Numbers> {
         if !kind.eq_ignore_ascii_case("bit") {
             let expected = "a type of numbers, such as `float` or `int`";
@@ -216,14 +216,14 @@ impl LegacyReader<'_, '_> {
         Ok(Numbers::new(NumberType::U8, ByteOrder::Big, bits.collect()))
     }
 
-    /// Reads tuples of a type that is named before them.
+    /// Reads tuples, preceded by the name of their type.
     fn typed_array(&mut self, n_tuples: usize, n_components: usize) -> Result<Numbers> {
         let kind = self.words.next()?;
         let numbers = self.values(kind, n_tuples.saturating_mul(n_components))?;
         Ok(numbers.in_tuples_of(n_components))
     }
 
-    /// Reads colors: bytes in binary files, numbers from 0 to 1 in others.
+    /// Reads colors: bytes in binary files, numbers from 0 to 1 in text files.
     fn bytes(&mut self, n_tuples: usize, n_components: usize) -> Result<Numbers> {
         let numbers = self.array(NumberType::U8, n_tuples.saturating_mul(n_components))?;
         Ok(numbers.in_tuples_of(n_components))
@@ -236,7 +236,7 @@ impl LegacyReader<'_, '_> {
             self.budget.take(n_bytes as u64)?;
             return Ok(Numbers::new(kind, ByteOrder::Big, bytes.to_vec()));
         }
-        // A number takes two bytes of the text at least.
+        // A number takes at least two bytes of text.
         self.budget
             .take_of::<[f64; 3]>(n.min(self.words.rest.len() / 2 + 1))?;
         let numbers = (0..n).map(|_| self.words.number::<f64>());

@@ -1,4 +1,4 @@
-//! The contents of a legacy file's sections, and the piece that they make.
+//! The contents of a legacy file's sections, and their conversion to a piece.
 
 use super::super::budget::Budget;
 use super::super::cells::{Cells, POLY_LINE, POLY_VERTEX, POLYGON, STRIP};
@@ -8,7 +8,7 @@ use super::super::xml::IDENTITY;
 use crate::import::fault::cut;
 use crate::import::{FileFault, Result};
 
-/// What the sections of a file gave.
+/// The sections of a file read so far.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     pub(super) points: Option<Numbers>,
@@ -21,7 +21,7 @@ pub(super) struct Parts {
     pub(super) types: Option<Numbers>,
     pub(super) point_data: PieceArrays,
     pub(super) cell_data: PieceArrays,
-    /// What the arrays that come next are of, and how many tuples they have.
+    /// The kind of the arrays that follow, and their number of tuples.
     pub(super) data_of: Option<(DataOf, usize)>,
 }
 
@@ -31,7 +31,7 @@ pub(super) enum DataOf {
     Cells,
 }
 
-/// Cells: where the points of each end, and the points of all.
+/// Cells: the end of each cell's points, and the points of all.
 #[derive(Debug)]
 pub(super) struct CellArray {
     pub(super) ends: Numbers,
@@ -39,7 +39,7 @@ pub(super) struct CellArray {
 }
 
 impl Parts {
-    /// The arrays that come next.
+    /// Returns the arrays to which the next ones are added.
     pub(super) fn attributes(&mut self) -> Option<&mut PieceArrays> {
         Some(match self.data_of?.0 {
             DataOf::Points => &mut self.point_data,
@@ -100,7 +100,7 @@ impl Parts {
         self.size.ok_or_else(missing)
     }
 
-    /// The cells, in the order of their arrays.
+    /// Returns the cells, in the order of the cell arrays.
     fn cells(&self, n_points: usize, budget: &mut Budget) -> Result<Cells> {
         let mut cells = Cells::of_points(n_points);
         for (name, cell_type) in [

@@ -4,7 +4,7 @@ use super::super::numbers::ByteOrder;
 use crate::import::fault::cut;
 use crate::import::{FileFault, Result};
 
-/// The name of an array, in which VTK writes blanks and other characters as `%20`.
+/// Returns the name of an array, in which VTK writes blanks and other characters as `%20`.
 pub(super) fn decoded_name(name: &str) -> String {
     let mut bytes = Vec::with_capacity(name.len());
     let mut rest = name.as_bytes();
@@ -25,9 +25,9 @@ pub(super) fn decoded_name(name: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The words of a file, with bytes between them in binary ones.
+/// The words of a file; in binary files, with bytes between them.
 pub(super) struct Words<'a> {
-    /// What follows the line feeds that were counted.
+    /// The rest of the file, from which line feeds have not been counted.
     uncounted: &'a [u8],
     n_line_feeds: u64,
     pub(super) rest: &'a [u8],
@@ -44,7 +44,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The rest of the line.
+    /// Returns the rest of the line.
     pub(super) fn line(&mut self) -> &'a [u8] {
         let end = memchr::memchr(b'\n', self.rest);
         let (line, rest) = self
@@ -54,7 +54,7 @@ impl<'a> Words<'a> {
         line
     }
 
-    /// The number of the line of the next word; in a binary file that of line feeds.
+    /// Returns the line number of the next word; in a binary file, the number of line feeds.
     pub(super) fn line_number(&mut self) -> u64 {
         let before = &self.uncounted[..self.uncounted.len() - self.rest.len()];
         self.n_line_feeds += memchr::memchr_iter(b'\n', before).count() as u64;
@@ -62,13 +62,13 @@ impl<'a> Words<'a> {
         self.n_line_feeds + 1
     }
 
-    /// The next word, if there is one.
+    /// Returns the next word, or `None` at the end.
     pub(super) fn next_or_end(&mut self) -> Option<&'a str> {
         let rest = self.rest.trim_ascii_start();
         let end = rest.iter().position(u8::is_ascii_whitespace);
         let (word, rest) = rest.split_at(end.unwrap_or(rest.len()));
         self.rest = rest;
-        // Other bytes are no word of a VTK file.
+        // Other bytes are not a word of a VTK file.
         (!word.is_empty()).then(|| str::from_utf8(word).unwrap_or("\u{fffd}"))
     }
 
@@ -77,7 +77,7 @@ impl<'a> Words<'a> {
         self.next_or_end().ok_or_else(ends)
     }
 
-    /// Skips the next word if it is this one; returns whether it was.
+    /// Skips the next word if it is this one; returns true if it was.
     pub(super) fn skip_word(&mut self, word: &str) -> bool {
         let before = self.rest;
         let is_it = self
@@ -112,7 +112,7 @@ impl<'a> Words<'a> {
         Ok(numbers)
     }
 
-    /// The number before a word, or `default` if there is only the word. Skips the word.
+    /// Returns the number before a word, or `default` if the word comes first. Skips the word.
     pub(super) fn number_or(&mut self, word: &str, default: usize) -> Result<usize> {
         if self.skip_word(word) {
             return Ok(default);
@@ -121,7 +121,7 @@ impl<'a> Words<'a> {
         self.expect(word).map(|()| number)
     }
 
-    /// The bytes behind the line feed.
+    /// Returns the `n` bytes after the line feed.
     pub(super) fn bytes(&mut self, n: usize) -> Result<&'a [u8]> {
         self.line();
         let ends = || FileFault::new("it ends early", "a whole file");
@@ -136,7 +136,7 @@ impl<'a> Words<'a> {
         while !self.rest.is_empty() && !self.line().trim_ascii().is_empty() {}
     }
 
-    /// Skips so many strings if those are what comes next; returns whether they were.
+    /// Skips `n` strings if strings come next; returns true if they did.
     pub(super) fn skip_strings(&mut self, n: usize) -> Result<bool> {
         if !self.skip_word("string") {
             return Ok(false);
@@ -144,7 +144,7 @@ impl<'a> Words<'a> {
         self.line();
         for _ in 0..n {
             if self.is_binary {
-                // The two highest bits of the length give the number of its bytes.
+                // The two highest bits of the length give its number of bytes.
                 let ends = || FileFault::new("it ends early", "a whole file");
                 let first = *self.rest.first().ok_or_else(ends)?;
                 let n_length = 1 << (3 - (first >> 6));

@@ -15,10 +15,10 @@ pub(super) struct XmlArrays<'a> {
 }
 
 impl<'a> XmlArrays<'a> {
-    /// The arrays of a file with this root element and these appended bytes.
+    /// Creates the arrays of a file with this root element and these appended bytes.
     ///
     /// # Errors
-    /// An unknown compressor.
+    /// The compressor is unknown.
     pub(super) fn new(root: &Element, appended: &'a [u8]) -> Result<Self> {
         Ok(Self {
             storage: storage(root)?,
@@ -26,7 +26,7 @@ impl<'a> XmlArrays<'a> {
         })
     }
 
-    /// The array of this name within an element.
+    /// Returns the array of this name within an element.
     pub(super) fn named(
         &self,
         element: &Element,
@@ -42,7 +42,7 @@ impl<'a> XmlArrays<'a> {
         self.numbers(name, array.ok_or_else(missing)?, budget)
     }
 
-    /// The numbers of an array.
+    /// Returns the numbers of an array.
     pub(super) fn numbers(
         &self,
         name: &str,
@@ -121,7 +121,7 @@ fn storage(root: &Element) -> Result<ArrayEncoding> {
     })
 }
 
-/// The data behind the elements.
+/// The data after the elements.
 #[derive(Debug, Clone, Copy)]
 struct Appended<'a> {
     bytes: &'a [u8],
@@ -138,7 +138,7 @@ impl<'a> Appended<'a> {
         }
     }
 
-    /// The bytes from an offset on.
+    /// Returns the bytes from an offset on.
     fn at(self, offset: usize) -> Result<Encoded<'a>> {
         let bytes = self.bytes.get(offset..).ok_or_else(|| {
             let problem = format!(
@@ -155,7 +155,7 @@ impl<'a> Appended<'a> {
     }
 }
 
-/// The numbers of a text.
+/// Parses the numbers of a text.
 fn ascii(text: &[u8], budget: &mut Budget) -> Result<Numbers> {
     budget.take_of::<[f64; 2]>(text.len() / 2)?;
     let words = text

@@ -1,8 +1,8 @@
 //! VTK's XML files.
 //!
-//! The format is that of "VTK XML Formats" (docs.vtk.org, VTK file formats). vtkio's reader
-//! does not know raw appended data, panics on some damaged files, and has no names for
-//! what it skips.
+//! The format is described in "VTK XML Formats" (docs.vtk.org, VTK file formats). vtkio's reader
+//! does not support raw appended data, panics on some damaged files, and does not name what it
+//! skips.
 
 mod arrays;
 
@@ -20,15 +20,15 @@ use super::piece::{
 use super::polyhedra::Polyhedra;
 use arrays::XmlArrays;
 
-/// What a file has.
+/// The contents of a file.
 #[derive(Debug)]
 pub(super) enum Contents {
     Pieces(Vec<Piece>),
-    /// Pieces in files of their own, relative to the file's folder.
+    /// Pieces in separate files, relative to the file's folder.
     Files(Vec<PathBuf>),
 }
 
-/// Reads a file, and of its arrays those that are wanted.
+/// Reads a file with the wanted arrays.
 pub(super) fn read(bytes: &[u8], wanted: &Wanted, budget: &mut Budget) -> Result<Contents> {
     let (root, appended) = parse(bytes)?;
     let kind = root.attribute("type").unwrap_or_default();
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], wanted: &Wanted, budget: &mut Budget) -> Result
         .map(Contents::Pieces)
 }
 
-/// The files of the pieces or blocks within an element.
+/// Returns the files of the pieces or blocks within an element.
 fn collect_files(element: &Element, files: &mut Vec<PathBuf>) {
     let attribute = match element.name.as_str() {
         "Piece" => "Source",
@@ -161,7 +161,7 @@ impl XmlReader<'_> {
         Ok(Polyhedra::default())
     }
 
-    /// The cells of polydata, in the order of the cells' arrays.
+    /// Reads the cells of polydata, in the order of the cell arrays.
     fn poly_cells(&self, piece: &Element, budget: &mut Budget) -> Result<Cells> {
         let mut cells = Cells::of_points(piece.number("NumberOfPoints")?);
         for (name, cell_type) in [
@@ -233,7 +233,7 @@ impl XmlReader<'_> {
         Ok((PointPositions::Lattice(lattice), Topology::Grid(size)))
     }
 
-    /// The arrays of `PointData` or `CellData` that are wanted.
+    /// Reads the wanted arrays of `PointData` or `CellData`.
     fn attributes(&self, element: Option<&Element>, budget: &mut Budget) -> Result<PieceArrays> {
         let mut attributes = PieceArrays::default();
         let Some(element) = element else {
