@@ -85,7 +85,7 @@ pub trait Lanes: Real {
     fn compress(self, mask: Self::Mask) -> Self;
 }
 
-/// [`Real::look_up`] for lanes.
+/// Implements [`Real::look_up`] for lanes.
 #[inline(always)]
 pub(super) fn look_up<L, const N: usize, const M: usize, T>(table: &T, at: [L; N]) -> [L; M]
 where

@@ -215,7 +215,7 @@ impl FramePiece {
         self.read_shared(name)
     }
 
-    /// [`read`](Self::read), by one thread at a time.
+    /// Reads as [`read`](Self::read) does, by one thread at a time.
     fn read_shared(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
         let stored = self.arrays.read(name, self.stored.len())?;
         let n_skipped = (self.rows.start - self.stored.start) as usize * self.width as usize;

@@ -44,7 +44,7 @@ pub fn write(
     write_rows((film, rows), &Distances::of(film), encoding.into(), out)
 }
 
-/// [`write`] for some rows of a film, starting with a strip, whose distances are known.
+/// Writes some rows of a film as [`write`] does, starting with a strip, whose distances are known.
 pub(super) fn write_rows(
     film: (&Film, Range<u32>),
     distances: &Distances,

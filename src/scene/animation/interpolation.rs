@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-/// How a value changes from one keyframe to the next.
+/// The interpolation between two keyframes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case", expecting = "`linear` or `smooth`")]
 pub enum Interpolation {

@@ -21,7 +21,7 @@ pub struct Keyframe {
     pub frame: u32,
     /// The value at this frame.
     pub value: KeyframeValue,
-    /// How the value changes until the next keyframe.
+    /// The interpolation until the next keyframe.
     #[serde(default)]
     pub interpolation: Option<Interpolation>,
 }

@@ -54,7 +54,7 @@ pub struct Animation {
     /// Frames per second of the video, and of time if no data series gives it; 24 by default.
     #[serde(default = "default_fps", deserialize_with = "fps")]
     pub fps: f32,
-    /// How values change from one keyframe to the next, if the keyframe does not say it.
+    /// The interpolation between keyframes that do not specify one.
     #[serde(default)]
     pub interpolation: Interpolation,
     /// Lists of keyframes, by the path of the value that they change.

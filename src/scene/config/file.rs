@@ -222,7 +222,7 @@ fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
     yaml::whole(d, 0..=MAX_STEP).map(|step| Some(step as usize))
 }
 
-/// The last time step of a file that has many.
+/// The maximum time step of a file with several.
 const MAX_STEP: u32 = 999_999;
 
 impl MeshFile {

@@ -1,4 +1,4 @@
-//! How rays are traced, apart from the scene: the results are the same.
+//! The vector instructions and the traversal of rays, which do not change the results.
 
 use serde::{Deserialize, Deserializer, Serialize};
 

@@ -179,7 +179,8 @@ impl<R: Real> AxisRay<R> {
         let (o, d) = (self.across * cos, self.direction_across * cos);
         let at_origin = radius - sine * self.along;
         let growth = -(sine * self.direction_along);
-        // a t² + 2 b t + c: the squared distance to the axis minus the squared one to the surface.
+        // The squared distance to the axis minus the squared one to the surface, as a t² + 2 b t +
+        // c.
         let a = d.dot(d) - growth * growth;
         let b = o.dot(d) - at_origin * growth;
         let c = o.dot(o) - at_origin * at_origin;

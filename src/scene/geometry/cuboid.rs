@@ -49,7 +49,7 @@ impl Cuboid {
 }
 
 impl Intersectable for Cuboid {
-    /// The slab test of Kay and Kajiya (SIGGRAPH 1986).
+    /// Intersects by the slab test of Kay and Kajiya (SIGGRAPH 1986).
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let inverse = ray.direction.recip();

@@ -35,7 +35,7 @@ pub fn located<const N: usize>(points: [DVec3; N]) -> Located<[Vec3; N]> {
     Located::new(origin, points.map(|point| (point - origin).as_vec3()))
 }
 
-/// [`located`] for any number of points.
+/// Converts any number of points as [`located`] does.
 pub fn located_points(points: &[DVec3]) -> Located<Vec<Vec3>> {
     let origin = origin_near(points.iter().copied());
     let near = points.iter().map(|point| (point - origin).as_vec3());

@@ -49,8 +49,7 @@ impl RenderSpace {
         }
     }
 
-    /// Returns true if the origin is that of world space, where 32 bits are then precise enough
-    /// too.
+    /// Returns true if its origin is world space's, where 32 bits are then precise enough too.
     pub fn is_centered(&self) -> bool {
         self.origin == DVec3::ZERO
     }

@@ -73,7 +73,7 @@ impl Shear {
         hits.then_some(t)
     }
 
-    /// [`intersect`](Self::intersect) where rounding may decide.
+    /// Intersects as [`intersect`](Self::intersect) does, where rounding may decide.
     ///
     /// Products of two `f32` are exact in `f64`. So the signs of the areas are exact for these
     /// vertices, and the relative error of the result is about 2^-50, however thin the triangle or

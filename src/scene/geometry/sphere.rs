@@ -47,10 +47,10 @@ impl Described for Sphere {
 }
 
 impl Intersectable for Sphere {
-    /// Haines, Günther and Akenine-Möller, "Precision Improvements for
-    /// Ray/Sphere Intersection", Ray Tracing Gems (2019), chapter 7: the
-    /// discriminant is computed from the point of the ray nearest to the center,
-    /// which avoids cancellation for small and distant spheres.
+    /// Intersects as in Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
+    /// Intersection", Ray Tracing Gems (2019), chapter 7: the discriminant is computed from the
+    /// point of the ray nearest to the center, which avoids cancellation for small and distant
+    /// spheres.
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let (c, d) = (self.center - ray.origin, ray.direction);

@@ -11,9 +11,9 @@ use math::simd::{Real, Vector, cos_sin, turns_of};
 pub(super) struct SphericalRectangle<R: Real> {
     /// Unit vectors along the edges, and from the rectangle to the point.
     axes: [Vector<R>; 3],
-    /// Its range along the first edge.
+    /// The range along the first edge.
     x: [R; 2],
-    /// Its range along the second edge.
+    /// The range along the second edge.
     y: [R; 2],
     /// The distance of the rectangle's plane.
     distance: R,

@@ -27,7 +27,7 @@ pub trait Project {
         rounding_of(parameters)
     }
 
-    /// [`project_onto`](Self::project_onto) for one shape.
+    /// Projects onto one shape, as [`project_onto`](Self::project_onto) does.
     #[inline]
     fn project(&self, near: Vec3) -> (Vec3, Vec3) {
         let (point, normal) = Self::project_onto(&self.parameters(), near.into());

@@ -82,7 +82,7 @@ fn area<R: Real>(from: Vector<R>, to: Vector<R>, point: Vector<R>, normal: Vecto
 }
 
 impl Intersectable for Triangle {
-    /// Watertight: see [`Shear`].
+    /// Intersects without gaps between adjacent triangles: see [`Shear`].
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         let shear = Shear::along(ray.direction);

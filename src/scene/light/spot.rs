@@ -104,7 +104,7 @@ impl SpotLight {
         }
     }
 
-    /// At the edge, the light fades by a smoothstep in the cosine of the angle.
+    /// Fades the light toward the edge by a smoothstep in the cosine of the angle.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         let light = self.light.illuminate(point);

@@ -15,7 +15,7 @@ use crate::import::{Finish, MeshMaterial, MeshPicture};
 /// The part of a mesh file's material that a shading model shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialDetail {
-    /// Its color and its highlight.
+    /// The color and the highlight.
     Surface,
     /// Also transmitted light, holes, and emitted light; metals as mirrors of their color.
     Light,

@@ -44,8 +44,8 @@ pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
     }
 }
 
-/// [`build`] for texels of `C` channels, which `light` decodes to linear light, and `store`
-/// encodes.
+/// Builds the levels for texels of `C` channels, which `light` decodes to linear light, and
+/// `stored` encodes.
 fn build_of<T: Copy, const C: usize>(
     size: [u32; 2],
     texels: &mut Vec<T>,

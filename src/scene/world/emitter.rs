@@ -146,7 +146,7 @@ pub(super) fn luminance(color: glam::Vec3) -> f32 {
     luminance_of_lanes(color.into())
 }
 
-/// [`luminance`] per lane.
+/// Returns the [`luminance`] per lane.
 #[inline(always)]
 pub(super) fn luminance_of_lanes<R: Real>(color: Vector<R>) -> R {
     color.dot(Vector::splat(

@@ -16,7 +16,7 @@ pub struct Merging {
 /// The place of a value in its own text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct ValuePlace {
-    /// The index of the text among those of the scene.
+    /// The index of the text among the scene's texts.
     pub(super) source: usize,
     /// The path of the value in that text.
     pub(super) path: FieldPath,

@@ -189,8 +189,8 @@ impl Reader {
         Ok(())
     }
 
-    /// If only some faces have texture coordinates, gives the others the lower left corner of
-    /// pictures.
+    /// Gives the lower left corner of pictures to faces without texture coordinates, if other faces
+    /// have some.
     fn complete_uvs(&mut self) {
         let uvs = std::mem::take(&mut self.uvs);
         let n = self.mesh.triangles.len();

@@ -218,7 +218,7 @@ impl Contour<'_, '_> {
     }
 }
 
-/// Twice the area of a polygon along its normal, about which it is counter-clockwise.
+/// Returns twice the area of a polygon along its normal, about which it is counter-clockwise.
 fn area_vector(polygon: &[u32], vertices: &[Vec3]) -> DVec3 {
     let at = |corner: u32| vertices[corner as usize].as_dvec3();
     let triangles = fan(polygon).map(|triangle| triangle.map(at));
