@@ -32,6 +32,7 @@ pub fn write(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let order = byte_order();
+    // List the files of the pieces.
     let (kind, attributes, body) = match pieces {
         PieceFiles::Image { size, files } => {
             let whole = Extent::of_size(*size);
@@ -60,6 +61,7 @@ pub fn write(
         }
         _ => "",
     };
+    // List the arrays that all pieces have.
     let mut listed = String::new();
     for array in arrays {
         let (scalar, name, n) = (array.vtk_type(), array.name, array.n_components);

@@ -56,6 +56,7 @@ impl Staging<'_> {
         let OutputFolder {
             path, place, sync, ..
         } = self.folder;
+        // Check that no foreign file is in the way.
         let old = own.find(place)?;
         let new: Vec<String> = files.iter().map(|file| file.name().to_owned()).collect();
         let in_the_way =
@@ -64,6 +65,7 @@ impl Staging<'_> {
             return Err(own::foreign(&path.join(name)));
         }
         let fail = |error| WriteError::new(path, error);
+        // Plan the commit, and prepare the new files.
         let plan = CommitPlan {
             raycost: env!("CARGO_PKG_VERSION").to_owned(),
             staged: workspace::number_of(&self.workspace.new_files()).map_err(fail)?,
@@ -72,10 +74,12 @@ impl Staging<'_> {
             kept: Vec::new(),
         };
         self.prepare(&plan).map_err(fail)?;
+        // Exchange the folders, or move the files with a journal.
         let exchanged = exchange::commit(place, &self.workspace, plan.clone(), *sync);
         if !matches!(exchanged, Ok(true)) && !self.workspace.was_exchanged() {
             journal::commit(place, &self.workspace, &plan, *sync).map_err(fail)?;
         }
+        // Flush the folder, take over its lock, and remove the workspace.
         let synced = match place.parent().filter(|_| *sync) {
             Some(parent) => disk::sync(parent).and_then(|()| disk::sync(place)),
             None => Ok(()),

@@ -85,6 +85,7 @@ impl Layout {
         let em_px = (width.max(height) as f32 / 50.0).clamp(14.0, 160.0);
         let em = |n: f32| px(n * em_px);
 
+        // Place the bar beside the map, which gives the width of the texts.
         let bar = Bar::beside([width, height], &map.range, Unit::named(map.unit), em_px);
         let [bar_width, bar_height] = bar.size();
         let map_and_bar = match bar.direction() {
@@ -103,6 +104,7 @@ impl Layout {
             )
         };
 
+        // Stack title, subtitle, map, bar and footer from top to bottom.
         let first = em(MARGIN_EM) + em(TITLE_EM * CAP_HEIGHT_EM);
         let title = block(map.title, TITLE_EM, canvas::INK, first);
         let below = title.end() + if map.subtitle.is_empty() { 0 } else { em(1.7) };

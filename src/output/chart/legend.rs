@@ -61,6 +61,7 @@ pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
     let mut right = width;
     for legend in legends {
         let room = [right.saturating_sub(4 * margin), height];
+        // Measure the key and its title.
         let drawing = Drawing::of(&legend.key, room, em_px);
         let [inner, length] = drawing.size();
         let style = Style::new(em_px, canvas::INK);
@@ -69,6 +70,7 @@ pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
         let Some(left) = right.checked_sub(inner + 3 * margin) else {
             return;
         };
+        // Paint the paper, the title and the key, centered vertically.
         let title_px = px(em_px * (CAP_HEIGHT_EM + 1.0));
         let paper = Rect {
             x: left,

@@ -34,6 +34,7 @@ impl ViewCamera {
             Projection::Perspective | Projection::Panorama { .. } => (direction(plane), false),
             Projection::Parallel { direction } => (direction, true),
         };
+        // Make the axes right-handed.
         let right = plane.right.reject_from(forward).normalize();
         let mirrored_up = right.cross(forward);
         let is_mirrored = mirrored_up.dot(plane.down) > 0.0;
@@ -42,6 +43,7 @@ impl ViewCamera {
         } else {
             mirrored_up
         };
+        // Contain all corners of the picture in a symmetric view.
         let half = |axis: Vec3| {
             let [w, h] = plane.size.map(|n| n as f32 - 0.5);
             let corners = [(-0.5, -0.5), (w, -0.5), (-0.5, h), (w, h)];
@@ -61,6 +63,7 @@ impl ViewCamera {
             Projection::Panorama { .. } => [2.0, 1.0],
             Projection::Perspective | Projection::Parallel { .. } => [half(right), half(up)],
         };
+        // Choose the focal point.
         let to_center = plane.center().distance(plane.eye);
         let distance = median_distance.unwrap_or_else(|| match to_center {
             0.0 => plane.space.world_length(1.0),

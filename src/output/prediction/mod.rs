@@ -57,7 +57,9 @@ impl Prediction {
             primitives: &scene.primitives,
             instances: scene.instances.as_ref(),
         };
+        // Build the hierarchy as the rendering will.
         let accel = Accel::build(world, config.acceleration, |_| {})?;
+        // Render a small picture for all that depends on the camera.
         let small = preview::image(&config.image);
         scene.image_plane = config
             .camera
@@ -67,6 +69,7 @@ impl Prediction {
         // Before the list of nodes takes memory itself.
         let so_far = MemorySoFar::so_far();
         let nodes = if has_nodes { accel.nodes() } else { Vec::new() };
+        // Add the memory of the film and of writing the files.
         let peak_memory = so_far.map(|so_far| {
             let (film, later) = match band_rows {
                 None => (
@@ -83,6 +86,7 @@ impl Prediction {
         scene.image_plane = config
             .camera
             .image_plane(config.image.picture_size(), &scene.space);
+        // Render some rows to measure the sizes of files.
         let sample = RowSample::of(config, scene, &accel, is_repeated);
         Ok(Self {
             peak_memory,

@@ -318,6 +318,7 @@ pub fn write(
         vtkhdf: rendering.vtkhdf,
         is_stored: rendering.bands.is_some(),
     };
+    // Write the pieces of a picture larger than memory.
     let mut files = match rendering.bands {
         None => Vec::new(),
         Some(bands) => {
@@ -332,6 +333,7 @@ pub fn write(
         }
     };
     let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
+    // Write the other files, group by group.
     for group in &GROUPS {
         let wanted: Vec<&OutputFile> = group
             .files
@@ -356,6 +358,7 @@ pub fn write(
             stages.end(name);
         }
     }
+    // Replace the files of an earlier run.
     staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
     Ok(written)
 }

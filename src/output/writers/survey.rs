@@ -58,6 +58,7 @@ impl Survey {
         let metrics = film.heatmap_metrics();
         let shown = film.metrics_in_files();
         let mut hashes = PixelHashes::default();
+        // Survey hashes, distances and counts, and concurrently the cost of heatmaps.
         let ((distances, counter_ends), (range, median, sum)) = rayon::join(
             || {
                 hashes.add(film);
@@ -77,6 +78,7 @@ impl Survey {
                 }
             },
         );
+        // Files that leave out the heatmaps' metrics show another one.
         let shown_range = match shown[0] {
             Some(first) if metrics.is_none_or(|[metric, _]| metric != first) => {
                 Range::of(&film.metric(first))

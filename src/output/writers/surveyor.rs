@@ -74,6 +74,7 @@ impl Surveyor {
             map,
         } = self;
         let (metrics, in_files) = (survey.metrics, survey.shown);
+        // The statistics are independent of each other: add them in parallel.
         let of_shown = || match in_files[0] {
             Some(first) => for_each_strip(band, first, |_, values| shown.add(values)),
             None => shown.add(band.rows(|strip| &strip.distance).flatten()),
@@ -103,6 +104,7 @@ impl Surveyor {
             || rayon::join(of_counters, of_distances),
             || rayon::join(of_cost, || rayon::join(of_film, of_shown)),
         );
+        // Add the totals, and keep the most expensive pixels.
         survey.n_hits += band.n_hits() as u64;
         survey.time_ns += band.total_time_ns();
         survey.time_mad_ns += band.total_time_mad_ns();

@@ -40,6 +40,7 @@ fn write(
     let has_counters = rendering.film.cost.has_counters();
     let since_begin = |moment: Instant| (moment - stages.begin).as_nanos() as u64;
     let names = names(rendering);
+    // Convert stages and tiles to events.
     let of_stages = stages.ended.iter().map(|stage| {
         let [start, end] = [stage.span.start, stage.span.end].map(since_begin);
         event(stage.name, (0, STAGES), start..end, json!({}))
@@ -52,6 +53,7 @@ fn write(
         let line = (run.rank, line_of(run.thread));
         event(&format!("tile {number}"), line, span, args)
     });
+    // Write the header, then one event per line.
     let partial = rendering.partial;
     let partial = partial.map(|partial| format!(",\"partial\":\"{partial}\""));
     let partial = partial.unwrap_or_default();

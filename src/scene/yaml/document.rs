@@ -285,6 +285,7 @@ impl Composition {
             let expected = "expected the key of another section";
             return Err(Fault::of_bytes(setting.steps(1), message, expected));
         }
+        // Walk down the path, and create missing keys.
         let mut tree = &mut self.tree;
         let mut first_new = None;
         for (depth, step) in path.0.iter().enumerate() {
@@ -304,6 +305,7 @@ impl Composition {
             let fault = no_such_value(setting, depth, tree);
             tree = tree.child(step).ok_or(fault)?;
         }
+        // Replace the value, and record the setting as its origin.
         *tree = value;
         let path = path.clone();
         let place = ValuePlace {

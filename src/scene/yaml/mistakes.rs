@@ -48,6 +48,7 @@ pub(super) fn of<T: DeserializeOwned>(
     if left.is_of_another_kind(&first) {
         return (explain.refused)(first.0, &first.1);
     }
+    // Report one mistake after the other, each found without the values before it.
     let mut found = Vec::new();
     let mut refusal = Some(first);
     while let Some((mut path, error)) = refusal.filter(|_| left.removed.len() < MOST_REMOVED) {

@@ -71,6 +71,7 @@ impl Materials<'_> {
     }
 
     fn material(&mut self, name: &str, of: &Material) -> Result<MeshMaterial> {
+        // Read the color, and the means of roughness and metallicness.
         let pbr = &of.pbr_metallic_roughness;
         let [red, green, blue, opacity] = pbr.base_color_factor.0;
         let color = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
@@ -84,6 +85,7 @@ impl Materials<'_> {
             .and_then(|of| of.ior.as_ref())
             .map_or(1.5, |of| of.ior.0);
         let (emission, emission_map) = self.emission(of)?;
+        // Make the opaque surface.
         let mut made = MeshMaterial {
             finish: Finish::Facets {
                 metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
@@ -96,6 +98,7 @@ impl Materials<'_> {
             normal_map: self.normal_map(of)?,
             ..MeshMaterial::new(name, color)
         };
+        // Add transmission, or holes by the alpha mode.
         if let Some(transmission) = extensions.and_then(|of| of.transmission.as_ref()) {
             let [share, ..] = self.mean(
                 transmission.transmission_texture.as_ref(),

@@ -21,6 +21,7 @@ pub(super) fn add(
 ) -> Result<()> {
     let n = piece.n_points();
     budget.take_of::<[f32; 40]>(n)?;
+    // Find the numbers, scales and directions at the points.
     let numbers = |array: Option<&ArrayChoice>| -> Result<Option<Vec<f32>>> {
         array.map(|array| of_points(piece, array)).transpose()
     };
@@ -31,6 +32,7 @@ pub(super) fn add(
         Some(of) => Some([component(of, 0)?, component(of, 1)?, component(of, 2)?]),
     };
     let ghosts = piece.point_data.get(GHOSTS);
+    // Add the visible points.
     for point in 0..n {
         if ghosts.is_some_and(|ghosts| ghosts.at(point) != 0.0) {
             continue;

@@ -22,6 +22,7 @@ pub(super) fn add(
 ) -> Result<()> {
     let n = piece.n_points();
     budget.take_of::<[f32; 16]>(n)?;
+    // Find the radii, numbers and colors at the points.
     let radii = Radii::of(piece, radius)?;
     let of_numbers = array.filter(|array| !array.is_color);
     let scalars = of_numbers
@@ -35,6 +36,7 @@ pub(super) fn add(
     if spheres.spheres.is_empty() {
         spheres.origin = piece.origin();
     }
+    // Add the visible points.
     for point in 0..n {
         if ghosts.is_some_and(|ghosts| ghosts.at(point) != 0.0) {
             continue;

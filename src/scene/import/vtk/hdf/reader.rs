@@ -83,6 +83,7 @@ impl HdfReader<'_> {
         &mut self,
         topology: impl Fn(&mut Self, &HdfPart) -> Result<Cells>,
     ) -> Result<Vec<Piece>> {
+        // Find the parts of the time step.
         let root = self.root.clone();
         let n_points = self.list(&root, "NumberOfPoints")?;
         let first_part = self.of_step("PartOffsets")?.unwrap_or(0);
@@ -94,6 +95,7 @@ impl HdfReader<'_> {
         let first_point = self.of_step("PointOffsets")?.unwrap_or(0);
         let mut pieces = Vec::new();
         let (mut points_before, mut cells_before) = (0, 0);
+        // Read each part, after the points and cells of the parts before.
         for of_step in 0..n_parts {
             let index = first_part.saturating_add(of_step);
             let n = entry(&n_points, index, "NumberOfPoints")?;

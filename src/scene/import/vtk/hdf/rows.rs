@@ -78,6 +78,7 @@ impl Datasets<'_> {
         before: &[usize],
         rows: Range<usize>,
     ) -> Result<Numbers> {
+        // Check that the rows exist.
         let shape = dataset.shape();
         let is_inside = before.len() < shape.len()
             && before.iter().zip(&shape).all(|(i, n)| i < n)
@@ -87,11 +88,13 @@ impl Datasets<'_> {
             let place = [before, &[rows.end]].concat();
             return Err(FileFault::new(problem, format!("at least {place:?}")));
         }
+        // Select them.
         let row = &shape[before.len() + 1..];
         let slices = (before.iter().map(|&i| at(i, 1)))
             .chain([at(rows.start, rows.len())])
             .chain(row.iter().map(|&n| at(0, n)));
         let selection = Selection::from(Hyperslab::from(slices.collect::<Vec<_>>()));
+        // Read the numbers in their type.
         let n_components: usize = row.iter().product();
         let kind = kind_of(dataset, name)?;
         self.budget.take_of::<u8>(
