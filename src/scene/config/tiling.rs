@@ -6,6 +6,14 @@ use crate::yaml;
 use base::text;
 
 /// The division of the picture among threads. It changes neither the picture nor its counters.
+///
+/// ```
+/// # use scene::config::{TileOrder, Tiling};
+/// let tiling: Tiling = scene::yaml::from_str("
+/// { size: 32, order: hilbert }
+/// ").unwrap();
+/// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(
     deny_unknown_fields,

@@ -14,6 +14,13 @@ use math::sampling::disk;
 use math::simd::{Real, Vector};
 
 /// The closed surface of a cone between two ends, each a flat disk with its own radius.
+///
+/// ```
+/// # use scene::geometry::{Located, Cone};
+/// let tip: Located<Cone> = scene::yaml::from_str("
+/// { ends: [[0, 0, 2], [0, 1, 2]], radius: [0.5, 0] }
+/// ").unwrap();
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
     /// The centers of the two ends, which differ.

@@ -14,6 +14,14 @@ use math::sampling::disk;
 use math::simd::{Real, Vector};
 
 /// The points of a plane within a distance of a center.
+///
+/// ```
+/// # use scene::geometry::{Located, Disk};
+/// let disk: Located<Disk> = scene::yaml::from_str("
+/// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
+/// ").unwrap();
+/// # assert_eq!(disk.geometry.radius, 0.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
     /// The center.

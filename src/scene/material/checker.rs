@@ -9,6 +9,13 @@ use crate::yaml;
 use math::simd::{Real, Vector};
 
 /// Cubes of two colors that fill space; squares or stripes if `axes` names fewer axes.
+///
+/// ```
+/// # use scene::material::Texture;
+/// let floor: Texture = scene::yaml::from_str("
+/// checker: { even: [1, 1, 1], odd: [0, 0, 0], size: 0.5, axes: xz }
+/// ").unwrap();
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {

@@ -9,6 +9,18 @@ use math::optics::{Ggx, Masking};
 
 /// The scattering of a surface of one color: as a metal, as a diffuse surface with a clear coat, as
 /// a clear medium, or in between. For path tracing.
+///
+/// ```
+/// # use scene::material::Principled;
+/// let plastic: Principled = scene::yaml::from_str("{ roughness: 0.3 }").unwrap();
+/// let frosted: Principled = scene::yaml::from_str("
+/// metallic: 0        # 0, no metal, to 1
+/// roughness: 0.4     # 0, polished, to 1
+/// transmission: 1    # 0, opaque, to 1, clear; not for metals
+/// index: 1.45        # of refraction, of the coat and of the medium
+/// ").unwrap();
+/// # assert_eq!((plastic.metallic, frosted.index), (0.0, 1.45));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     deny_unknown_fields,

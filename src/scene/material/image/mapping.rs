@@ -10,6 +10,14 @@ use super::spherical::Spherical;
 use super::triplanar::Triplanar;
 
 /// The mapping of a picture onto a surface.
+///
+/// ```
+/// # use scene::material::Mapping;
+/// let wall: Mapping = scene::yaml::from_str("
+/// planar: { right: [1, 0, 0], up: [0, 1, 0], origin: [-2, 0, 0] }
+/// ").unwrap();
+/// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Mapping {
     /// By the texture coordinates of a mesh.
