@@ -173,7 +173,7 @@ fn used_lanes(leaf: Leaf) -> u8 {
     u8::MAX >> (N_LANES - leaf.len())
 }
 
-/// Reports the hits at `t` in those of these lanes that hold a primitive.
+/// Reports the hits at `t` in these lanes, as far as they hold a primitive.
 #[inline(always)]
 fn report<S: Search>(leaf: Leaf, n_rows: usize, t: [f32; N_LANES], hits: u8, search: &mut S) {
     let mut hits = hits & used_lanes(leaf);

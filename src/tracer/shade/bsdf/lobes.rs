@@ -9,17 +9,17 @@ use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 use scene::material::{Material, RoughSurface};
 
-/// What a surface does with the light: fractions, with a sum of at most 1.
+/// Division of the light at a surface: fractions, with a sum of at most 1.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Lobes<'a> {
-    /// Of the color, reflected in all directions.
+    /// Fraction of the color, reflected in all directions.
     diffuse: f32,
-    /// Reflected by rough facets, if there are any.
+    /// Fraction reflected by rough facets, if there are any.
     glossy: f32,
     rough: Option<&'a RoughSurface>,
-    /// Reflected as by a mirror.
+    /// Fraction reflected as by a mirror.
     mirror: f32,
-    /// The probability that each of them is chosen.
+    /// The probability of choosing each of them.
     choice: Choice,
 }
 
@@ -31,8 +31,8 @@ struct Choice {
 }
 
 impl<'a> Lobes<'a> {
-    /// The fractions `diffuse`, `specular` and `reflection`; all are scaled down where
-    /// they sum to more than 1.
+    /// Reads the fractions `diffuse`, `specular` and `reflection`; all are scaled down where they
+    /// sum to more than 1.
     pub(super) fn new(material: &'a Material) -> Self {
         let sum = material.diffuse + material.specular + material.reflection;
         let scale = 1.0 / sum.max(1.0);

@@ -10,16 +10,16 @@ use math::optics::{Split, split};
 use math::simd::{Real, Vector};
 use scene::material::RoughSurface;
 
-/// The surface of a clear medium. A path is reflected or refracted, with the
-/// probabilities of Fresnel's equations.
+/// The surface of a clear medium. A path is reflected or refracted, with the probabilities of
+/// Fresnel's equations.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Medium<'a> {
     /// `None` for a smooth surface.
     rough: Option<&'a RoughSurface>,
 }
 
-/// Where indices differ by less, rounding errors hide the facet of two directions: the light
-/// goes straight on.
+/// Least difference of indices that bends light: below it, rounding errors hide the facet of two
+/// directions, and the light goes straight on.
 const LEAST_BEND: f32 = 1e-3;
 
 impl<'a> Medium<'a> {
@@ -114,7 +114,7 @@ fn by_facets<R: Real>(
     Scattered::select(chosen.is_refracted, refracted, reflected)
 }
 
-/// Scattering by reflection from a direction in front of the surface.
+/// Returns the scattering by reflection from a direction in front of the surface.
 #[inline(always)]
 fn reflection<R: Real>(
     rough: &RoughSurface,
@@ -135,8 +135,8 @@ fn reflection<R: Real>(
     }
 }
 
-/// Scattering by refraction from a direction behind the surface: Walter et al. 2007, with the
-/// density of visible facets.
+/// Returns the scattering by refraction from a direction behind the surface: Walter et al. 2007,
+/// with the density of visible facets.
 #[inline(always)]
 fn refraction<R: Real>(
     rough: &RoughSurface,
@@ -166,14 +166,14 @@ fn refraction<R: Real>(
     }
 }
 
-/// Whether facets refract light to other directions than straight on.
+/// Returns true if facets bend refracted light.
 #[inline(always)]
 fn bends<R: Real>(Boundary { eta, is_visible }: &Boundary<R>) -> R::Mask {
     let difference = (*eta - eta.splat(1.0)).abs();
     *is_visible & eta.splat(LEAST_BEND).lt(difference)
 }
 
-/// The share of light that facets return at once.
+/// Returns the share of light that facets return directly.
 #[inline(always)]
 fn returned<R: Real>(rough: &RoughSurface, at: &Leaving<R>, eta: R) -> R {
     let one = eta.splat(1.0);
@@ -184,7 +184,7 @@ fn returned<R: Real>(rough: &RoughSurface, at: &Leaving<R>, eta: R) -> R {
     R::select(eta.lt(one), outside, inside)
 }
 
-/// The reflected or the refracted direction, chosen by the reflectance.
+/// Returns the reflected or the refracted direction, chosen by the reflectance.
 #[inline(always)]
 fn chosen<R: Real>(
     Split {

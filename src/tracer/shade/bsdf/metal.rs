@@ -78,7 +78,7 @@ impl Scatters for Metal<'_> {
     }
 }
 
-/// The reflectance by the cosine of the angle of incidence.
+/// Returns the reflectance by the cosine of the angle of incidence.
 #[inline(always)]
 fn reflectance<R: Real>(conductor: &Conductor, cos: R) -> Vector<R> {
     reflectance_of_metal(conductor.index, conductor.extinction, cos)

@@ -1,10 +1,9 @@
-//! The principled material: a mixture of a metal, of a coated diffuse surface and of a
-//! clear medium.
+//! The principled material: a mixture of a metal, a coated diffuse surface and a clear medium.
 //!
-//! After Burley, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
-//! Scattering", SIGGRAPH 2015, with fewer parameters. The reflectance of facets is
-//! Schlick's approximation. The coat lets the light to the diffuse surface that it does not
-//! reflect, so that no light is lost, and none is gained.
+//! After Burley, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering",
+//! SIGGRAPH 2015, with fewer parameters. The reflectance of facets is Schlick's approximation. The
+//! coat passes all light that it does not reflect to the diffuse surface, so no light is lost or
+//! gained.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -17,25 +16,25 @@ use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 use scene::material::{Principled, RoughSurface};
 
-/// See the file's documentation.
+/// The principled BSDF; see the module's documentation.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct PrincipledBsdf<'a> {
     rough: &'a RoughSurface,
-    /// What the coat reflects of light along the normal.
+    /// The coat's reflectance along the normal.
     coat_reflectance: f32,
-    /// The share of metal and the roughness, before the factors of pictures.
+    /// The share of metal and the roughness, before the factors of textures.
     metallic: f32,
     roughness: f32,
     /// The share of the rest that lets light through.
     transmission: f32,
-    /// The share of the clear medium: that of a surface whose pictures do not change it.
+    /// The share of the clear medium at a surface without textures.
     clear: f32,
     medium: Medium<'a>,
 }
 
-/// What a viewer sees of the metal and of the coat.
+/// The light that a viewer sees of the metal and of the coat.
 struct Reflectances<R> {
-    /// Of the metal and the coat: the factor of the light that comes from the first facet.
+    /// The factors of the light that comes from the first facet, for the metal and for the coat.
     gains: [Vector<R>; 2],
     /// The share of the light that the coat reflects.
     of_coat: R,
@@ -60,22 +59,22 @@ impl<'a> PrincipledBsdf<'a> {
         }
     }
 
-    /// The roughness at a point.
+    /// Returns the roughness at a point.
     #[inline(always)]
     fn roughness<R: Real>(&self, at: &Leaving<R>) -> R {
         let factor = at.point.factors.roughness;
         factor * factor.splat(self.roughness)
     }
 
-    /// The facets at a point.
+    /// Returns the facets at a point.
     #[inline(always)]
     fn facets<R: Real>(&self, at: &Leaving<R>) -> Ggx<R> {
         let roughness = self.roughness(at);
         Ggx::never_smooth(roughness, self.rough.facets(roughness).masking)
     }
 
-    /// The shares of the metal and of the coated surface at a point; the rest is that of the
-    /// medium.
+    /// Returns the shares of the metal and of the coated surface at a point; the rest belongs to
+    /// the medium.
     #[inline(always)]
     fn shares<R: Real>(&self, at: &Leaving<R>) -> [R; 2] {
         let factor = at.point.factors.metallic;
@@ -102,7 +101,7 @@ impl<'a> PrincipledBsdf<'a> {
         }
     }
 
-    /// The probabilities of facets and of the diffuse surface; the rest is that of the
+    /// Returns the probabilities of facets and of the diffuse surface; the rest belongs to the
     /// medium.
     #[inline(always)]
     fn choice<R: Real>(&self, at: &Leaving<R>, of_coat: R) -> [R; 2] {
@@ -195,7 +194,7 @@ impl Scatters for PrincipledBsdf<'_> {
 }
 
 impl PrincipledBsdf<'_> {
-    /// Light from a direction that was chosen by any part.
+    /// Returns light from a direction that was chosen by any part.
     #[inline(always)]
     fn reflected<R: Real>(
         &self,
@@ -211,8 +210,8 @@ impl PrincipledBsdf<'_> {
     }
 }
 
-/// What a surface of this color lets pass of each channel, so that a ray that passes two of them
-/// has the color.
+/// Returns the share that a surface of this color lets pass of each channel, so that a ray that
+/// passes two of them has the color.
 #[inline(always)]
 fn refracted_share<R: Real>(color: Vector<R>) -> Vector<R> {
     Vector {

@@ -1,17 +1,17 @@
-//! Surfaces whose shading normal is tilted against the geometric one.
+//! Surfaces whose shading normal is tilted against the geometric normal.
 //!
 //! Formulas by the shading normal scatter a part of the light into the surface, where it would be
 //! lost. As in Schüssler et al., "Microfacet-Based Normal Mapping for Robust Monte Carlo Path
-//! Tracing", SIGGRAPH Asia 2017, this part is reflected once more, and none is lost. Where a
-//! mirror would leave it close to the plane of the surface, and so double the light of a lamp that
-//! sets behind a facet of a mesh, it is spread here: light from below is turned up to a height
-//! that is greater by the reciprocal of the sine of the tilt, which takes the lowest to the
-//! normal. Solid angles grow by the same factor, by Archimedes.
+//! Tracing", SIGGRAPH Asia 2017, this part is reflected once more, and none is lost. Where a mirror
+//! would leave it close to the plane of the surface, and so double the light of a lamp that sets
+//! behind a facet of a mesh, it is spread here: light from below is turned up to a height that is
+//! greater by the reciprocal of the sine of the tilt, which takes the lowest to the normal. Solid
+//! angles grow by the same factor, by Archimedes.
 
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use math::simd::{Mask, Real, Vector};
 
-/// Scattering from a direction.
+/// Returns the scattering from a direction.
 #[inline(always)]
 pub(in crate::shade) fn evaluate<R: Real>(
     bsdf: impl Scatters,
@@ -75,7 +75,7 @@ pub(in crate::shade) fn sample<R: Real>(
     }
 }
 
-/// The sine of the angle between the normals, 0 where they are equal.
+/// Returns the sine of the angle between the normals, 0 where they are equal.
 #[inline(always)]
 fn tilt<R: Real>(at: &Leaving<R>) -> R {
     let chord = at.point.normal - at.point.geometric_normal;
@@ -84,8 +84,8 @@ fn tilt<R: Real>(at: &Leaving<R>) -> R {
     (chord2 * (one - chord2 * one.splat(0.25)).max(one.splat(0.0))).sqrt()
 }
 
-/// A direction turned about an axis in the plane of the surface, so that its cosine with the
-/// geometric normal is this.
+/// Returns a direction turned about an axis in the plane of the surface, so that its cosine with
+/// the geometric normal is `height`.
 #[inline(always)]
 fn turned<R: Real>(at: &Leaving<R>, direction: Vector<R>, height: R) -> Vector<R> {
     let (zero, one) = (height.splat(0.0), height.splat(1.0));
