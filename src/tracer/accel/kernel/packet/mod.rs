@@ -15,15 +15,15 @@
 //! [`SingleTraversal`](super::SingleTraversal):
 //!
 //! - The order of a node's children depends only on the signs of the ray's direction, which all
-//! rays of a packet share. So a ray visits the nodes that the packet visits, except where it is
-//! inactive, in the packet's order.
+//!   rays of a packet share. So a ray visits the nodes that the packet visits, except where it is
+//!   inactive, in the packet's order.
 //! - A single ray visits a child if `enter <= exit`, and `enter` is at most its limit at the visit
-//! to the parent and at most its limit when the child is popped. Limits never grow, so one test
-//! against the latter limit, of the rays that were active in the parent, selects the same rays.
+//!   to the parent and at most its limit when the child is popped. Limits never grow, so one test
+//!   against the latter limit, of the rays that were active in the parent, selects the same rays.
 //!   Its arithmetic gives the same bits as [`Slabs`](super::slab::Slabs).
 //! - The beam rejects no child that a ray of the packet enters: see [`Beam`](beam::Beam).
 //! - The tests of a leaf give the same bits as [`LeafIntersector`](super::leaf::LeafIntersector),
-//! and the result does not depend on their order.
+//!   and the result does not depend on their order.
 
 mod soa;
 mod rays;
