@@ -17,8 +17,8 @@ pub(super) struct Tallies {
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
-    /// The id of the first node of meshes that are placed many times; greater than all others if
-    /// there are none.
+    /// The ID of the first node of meshes that are placed many times; greater than all IDs if there
+    /// are no such meshes.
     first_lower_id: u32,
 }
 
@@ -122,8 +122,8 @@ impl<'a> Attributor<'a> {
         }
     }
 
-    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of
-    /// `time_ns`, if given. Returns the number of rays.
+    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of `time_ns`, if
+    /// given. Returns the number of rays.
     pub(super) fn pixel(&mut self, place: (u32, u32), time_ns: Option<f32>) -> u64 {
         self.observer.observe(place, &mut self.tree);
         let rays = &self.tree.rays;
@@ -170,8 +170,7 @@ impl ObjectTallies<'_> {
         })
     }
 
-    /// Attributes a ray, with its time and its share of the pixel, to an object and a
-    /// material.
+    /// Attributes a ray, with its time and its share of the pixel, to an object and a material.
     fn attribute(
         &mut self,
         charge: AttributionRule,
@@ -199,8 +198,8 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
-    /// The index of the first primitive, and the id of the first node, of meshes that are placed
-    /// many times; greater than all others if there are none.
+    /// The index of the first primitive, and the ID of the first node, of meshes that are placed
+    /// many times; greater than all others if there are no such meshes.
     first_lower: u32,
     first_lower_id: u32,
     primitives: Option<TallyCache<'a, 3>>,
@@ -218,7 +217,7 @@ impl Steps<'_> {
             rest -= one_more;
             time_ps / n_steps + one_more
         };
-        // The last leaf, and the last one of the upper level.
+        // The last leaf, and the last leaf of the upper level.
         let (mut leaf, mut upper_leaf) = (None, None);
         for step in steps {
             match *step {
@@ -235,7 +234,7 @@ impl Steps<'_> {
                 TraversalStep::Test { primitive, hit } => {
                     let time_ps = share();
                     add(&mut self.primitives, primitive, [1, hit.into(), time_ps]);
-                    // The tests in an instance may come between those of a leaf of the upper
+                    // The tests in an instance may come between the tests of a leaf of the upper
                     // level.
                     if primitive < self.first_lower {
                         leaf = upper_leaf;

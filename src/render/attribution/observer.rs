@@ -30,15 +30,15 @@ struct Start {
     sample: u32,
     light: Option<u32>,
     bounce: u32,
-    /// The length of the path before it.
+    /// Length of the path before the ray.
     length: f32,
     ray: Ray,
     t_max: f32,
 }
 
 impl<'a> Observer<'a> {
-    /// Observes the pixels of this image; measures their rays with the clock, if
-    /// there is one.
+    /// Creates an observer of the pixels of this image, which measures their rays with the clock,
+    /// if there is one.
     pub fn new(
         scene: &'a Scene,
         accel: &'a Accel<'a>,
@@ -52,7 +52,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The same for pixels in this plane instead of the scene's.
+    /// Observes pixels in this plane instead of the scene's plane.
     pub fn through(self, plane: ImagePlane) -> Self {
         Self {
             view: self.view.through(plane),
@@ -60,7 +60,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The same without the steps of the rays, which take most of the memory.
+    /// Omits the steps of the rays, which take most of the memory.
     pub fn without_steps(self) -> Self {
         Self {
             keeps_steps: false,
@@ -68,18 +68,17 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Most samples of a pixel.
+    /// Returns the greatest number of samples of a pixel.
     pub(super) fn most_samples(&self) -> u32 {
         self.view.rounds.n_most()
     }
 
-    /// Whether it measures times.
+    /// Returns true if times are measured.
     pub(super) fn is_timed(&self) -> bool {
         self.clock.is_some()
     }
 
-    /// Overwrites `tree` with that of the pixel in column `x` and row `y`; row 0 is
-    /// on top.
+    /// Overwrites `tree` with the rays of the pixel in column `x` and row `y`; row 0 is on top.
     pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
         tree.clear();
         let mut sums = SampleSums::zero(0.0);
@@ -131,8 +130,7 @@ impl<'a> Observer<'a> {
         color
     }
 
-    /// Traces a ray for its nearest hit and adds it; returns its index and the
-    /// surface point.
+    /// Traces a ray for its nearest hit and adds it. Returns its index and the surface point.
     fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
         let tracer = &self.view.tracer;
         let ray = start.ray;
@@ -142,8 +140,8 @@ impl<'a> Observer<'a> {
         (self.add(start, cost, time_ns, record, tree), hit)
     }
 
-    /// Traces the shadow ray of a light sample and adds it; returns its index and
-    /// whether it is occluded.
+    /// Traces the shadow ray of a light sample and adds it. Returns its index, and true if it is
+    /// occluded.
     fn trace_shadow(&self, parent: u32, sample: &LightSample, tree: &mut RayTree) -> (u32, bool) {
         let tracer = &self.view.tracer;
         let shadow = &sample.shadow;
@@ -206,7 +204,7 @@ impl<'a> Observer<'a> {
         tree.rays[number as usize].contribution = color;
     }
 
-    /// Runs `work`; returns its counters, its time in nanoseconds and its result.
+    /// Runs `work`. Returns its counters, its time in nanoseconds and its result.
     fn timed<T>(&self, work: impl FnOnce(&mut Cost) -> T) -> (Cost, f32, T) {
         let mut cost = Cost::default();
         let Some(clock) = self.clock else {
@@ -219,7 +217,7 @@ impl<'a> Observer<'a> {
         (cost, time_ns, result)
     }
 
-    /// Adds a ray to the tree; returns its index.
+    /// Adds a ray to the tree. Returns its index.
     fn add(
         &self,
         start: Start,

@@ -1,10 +1,9 @@
 //! Repeated renderings for reliable pixel times.
 //!
-//! A single time of a pixel includes random disturbances. The median of several
-//! times is a robust estimate of the pixel's cost, and their median absolute
-//! deviation (MAD) measures its uncertainty. The picture is rendered as a whole
-//! each time, so that the samples of a pixel are far apart in time and a
-//! disturbance affects few of them.
+//! A single time of a pixel includes random disturbances. The median of several times is a robust
+//! estimate of the pixel's cost, and their median absolute deviation (MAD) measures its
+//! uncertainty. The picture is rendered as a whole each time, so that the samples of a pixel are
+//! far apart in time and a disturbance affects few of them.
 
 use std::time::{Duration, Instant};
 
@@ -18,8 +17,7 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 
-/// Time limit of all renderings of [`Repeats::Auto`] together. The first one may
-/// exceed it.
+/// Time limit of all renderings of [`Repeats::Auto`] together. The first one may exceed it.
 const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 
 /// One of several renderings of a picture.
@@ -27,19 +25,19 @@ const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 pub struct Repeat {
     /// Wall time.
     pub wall: Duration,
-    /// Time from the start to the end of each tile in which its thread had a CPU, in
-    /// nanoseconds summed over all threads.
+    /// Time from the start to the end of each tile in which its thread had a CPU, in nanoseconds
+    /// summed over all threads.
     pub busy_ns: u64,
     /// The rest of the time from the start to the end of each tile.
     pub waiting_ns: u64,
-    /// The part of it that wrote pixels to the film.
+    /// The part of the busy time that wrote pixels to the film.
     pub film_ns: u64,
-    /// The part of it that rendered pixels that count for nothing: warm-up, and those that
-    /// were timed again.
+    /// The part of the busy time that rendered pixels that count for nothing: warm-up, and pixels
+    /// that were timed again.
     pub warm_up_ns: u64,
     /// The sum of the pixels' times in nanoseconds, if they were measured.
     pub pixels_ns: Option<f64>,
-    /// The number of rejected pixel times.
+    /// Number of rejected pixel times.
     pub n_rejected: u64,
 }
 
@@ -67,17 +65,14 @@ pub fn repeat_bytes_per_pixel(config: &Config) -> usize {
     usize::from(most_repeats(config)) * SAMPLE_BYTES + size_of::<f32>()
 }
 
-/// Renders the picture repeatedly, as [`render`](super::render) does.
-/// [`Repeats::Auto`] continues while one more rendering, as long as the last one,
-/// would end within half a second.
+/// Renders the picture repeatedly, as [`render`](super::render) does. [`Repeats::Auto`] continues
+/// while one more rendering, as long as the last one, would end within half a second.
 ///
-/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns`
-/// their median absolute deviation. `n_rejected` counts the rejected samples, of pixels
-/// that were interrupted whenever they were timed. If all samples were rejected, both are
-/// those of all samples. `thread` and the schedule are
-/// those of the last rendering. All other values are the same in each rendering.
-/// With [`Repeats::ONCE`], or without times, the film equals that of
-/// [`render`](super::render).
+/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns` their median
+/// absolute deviation. `n_rejected` counts the rejected samples, of pixels that were interrupted
+/// whenever they were timed. If all samples were rejected, both describe all samples. `thread` and
+/// the schedule describe the last rendering. All other values are the same in each rendering. With
+/// [`Repeats::ONCE`], or without times, the film equals the result of [`render`](super::render).
 pub fn repeat(
     repeats: Repeats,
     scene: &Scene,
@@ -90,12 +85,12 @@ pub fn repeat(
     repeat_within(&limits, repeats, (scene, accel), plan, meter, report)
 }
 
-/// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken
-/// over, kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering: how many fit into half a second
-/// differs from run to run.
+/// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken over,
+/// kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering, since the number that
+/// fits into half a second differs from run to run.
 ///
-/// At the deadline the first rendering leaves tiles out; a later one that is not whole
-/// counts for nothing. The schedule is that of the last one that counts.
+/// At the deadline the first rendering leaves tiles out; a later one that is not whole counts for
+/// nothing. The schedule describes the last one that counts.
 pub fn repeat_within(
     limits: &Limits,
     repeats: Repeats,
@@ -154,8 +149,8 @@ pub fn repeat_within(
     (film, schedule, done)
 }
 
-/// Whether the film is rendered again after the renderings `done`, which took
-/// `elapsed` together.
+/// Returns true if the film is rendered again after the renderings `done`, which took `elapsed`
+/// together.
 fn needs_another(repeats: Repeats, film: &Film, done: &[Repeat], elapsed: Duration) -> bool {
     let is_auto = repeats == Repeats::Auto;
     if is_auto && !film.cost.has_time() {
