@@ -125,8 +125,10 @@ impl<'a> Attributor<'a> {
     /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of `time_ns`, if
     /// given. Returns the number of rays.
     pub(super) fn pixel(&mut self, place: (u32, u32), time_ns: Option<f32>) -> u64 {
+        // Observe the rays of the pixel.
         self.observer.observe(place, &mut self.tree);
         let rays = &self.tree.rays;
+        // Scale their times to the time of the pixel.
         let observed_ns: f64 = rays.iter().map(|ray| f64::from(ray.time_ns)).sum();
         let ps = match time_ns {
             Some(time_ns) if observed_ns > 0.0 => 1e3 * f64::from(time_ns) / observed_ns,
@@ -135,6 +137,7 @@ impl<'a> Attributor<'a> {
         let n_samples = rays.last().map_or(1, |ray| u64::from(ray.sample) + 1);
         let share = (Work::PIXEL_UNIT + n_samples / 2) / n_samples;
         let mut primary = self.groups.background;
+        // Attribute each ray to objects, by both rules, and its steps to nodes and primitives.
         for ray in rays {
             let hit = self.groups.of_hit(ray.hit);
             // The camera ray is the first ray of a sample.

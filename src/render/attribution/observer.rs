@@ -83,6 +83,7 @@ impl<'a> Observer<'a> {
         tree.clear();
         let mut sums = SampleSums::zero(0.0);
         let mut round = self.view.rounds.first();
+        // Observe the samples, in rounds as in a rendering.
         while !round.is_empty() {
             for sample in round.clone() {
                 let color = self.observe_sample((x, y), sample, tree);
@@ -102,6 +103,7 @@ impl<'a> Observer<'a> {
         let mut paths = vec![camera_path];
         let mut parents = vec![None];
         let (mut color, mut n_traced) = (Vec3::ZERO, 0);
+        // Follow all paths of the sample, each ray after the ray that it continues.
         while let Some(&path) = paths.get(n_traced) {
             let start = Start {
                 kind: path.kind,
@@ -113,8 +115,10 @@ impl<'a> Observer<'a> {
                 ray: path.ray,
                 t_max: f32::INFINITY,
             };
+            // Trace the ray.
             n_traced += 1;
             let (number, hit) = self.trace(start, tree);
+            // Shade its point, or add the background.
             match self.view.shader.met_in_fog(&path, hit) {
                 Some(point) => {
                     if self.view.shader.is_particle(&point) {
@@ -172,6 +176,7 @@ impl<'a> Observer<'a> {
         tree: &mut RayTree,
     ) {
         let shader = &self.view.shader;
+        // Trace a shadow ray to each light.
         let mut lights: Vec<(Option<u32>, Illumination<f32>)> = Vec::new();
         for sample in shader.light_samples(path, point) {
             if !shader.casts_shadows() {
@@ -183,10 +188,12 @@ impl<'a> Observer<'a> {
                 lights.push((Some(shadow), sample.light));
             }
         }
+        // Shade the point by the lights that reach it.
         let all = || lights.iter().map(|(_, light)| *light);
         let (_, time_ns, color) = self.timed(|_| shader.shade(eye, path, point, all(), next));
         tree.rays[number as usize].time_ns += time_ns;
         tree.rays[number as usize].contribution = color;
+        // Find the contribution of each light: the color without it.
         for left_out in lights.iter().filter_map(|(shadow, _)| *shadow) {
             let others = lights
                 .iter()

@@ -21,9 +21,9 @@ const MAX_HEADER: usize = 1 << 20;
 /// A file whose blocks were checked.
 #[derive(Debug)]
 pub struct CheckpointFile {
-    /// Its path.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its header.
+    /// Header of the file.
     pub header: Header,
     /// The runs that wrote the file.
     pub sessions: Vec<RunSpan>,

@@ -28,7 +28,7 @@ pub const STAGES: [(&str, &str); 11] = [
 /// A stage of a run.
 #[derive(Debug, Clone)]
 pub struct Stage {
-    /// Its name.
+    /// Name of the stage.
     pub name: &'static str,
     /// Start and end of the stage.
     pub span: Range<Instant>,

@@ -8,7 +8,7 @@ use base::text::one_line;
 /// The text of a scene that rank 0 has read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneText {
-    /// Its name in messages: the path of its file.
+    /// Name of the scene in messages: the path of its file.
     pub name: String,
     /// The text.
     pub text: String,

@@ -34,9 +34,9 @@ pub enum MessageKind {
 pub struct Message {
     /// The rank that has sent it.
     pub from: u32,
-    /// Its kind.
+    /// Kind of the message.
     pub kind: MessageKind,
-    /// Its bytes.
+    /// Content of the message.
     pub bytes: Vec<u8>,
 }
 

@@ -152,6 +152,7 @@ fn render_tiles<R: TileRenderer>(
     let target = OnceLock::new();
     let film_to_fill = &mut film;
     let (begin, runs) = pass.keeping(|| {
+        // Render: rank 0 deals tiles to the other ranks meanwhile.
         let queue = TileQueue::new(plan, pass, &target, &report);
         let render_some =
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
@@ -171,6 +172,7 @@ fn render_tiles<R: TileRenderer>(
         };
         (queue.begin, runs)
     });
+    // Record the rendering in the schedule and in the film.
     let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
     schedule.n_threads = pass.n_threads();
     let is_first = pass.number == 0;
@@ -220,14 +222,15 @@ fn render_tile(
         end_ns: start_ns,
         ..TileRun::default()
     };
+    // Render a part of whole rows.
     for part in tile.parts(MAX_PIXELS) {
         let rendered = renderer.render(&plan.in_picture(&part), wait);
         run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }
-        // Page faults at the first write would show in the map of a single pixel: groups get the
-        // mean of all stores.
+        // Store it in the film, timed separately: page faults at the first write would show in the
+        // map of a single pixel, so groups get the mean of all stores.
         let rendered_ns = now_ns();
         wait.is_interrupted();
         let waited_ns = wait.waited_ns();

@@ -99,6 +99,7 @@ pub fn repeat_within(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {
+    // Make the film.
     let view = View::new(scene, accel, &plan.image);
     let begin = Instant::now();
     // Rank 0 of several makes its film while the others render.
@@ -112,14 +113,17 @@ pub fn repeat_within(
     let mut done: Vec<Repeat> = Vec::new();
     let mut last: Option<Schedule> = None;
     let schedule = loop {
+        // Render all tiles.
         let started = Instant::now();
         let pass = Pass::new(done.len() as u8, scene, *limits);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, &report);
+        // Drop a later rendering that a deadline cut off.
         let is_whole = schedule.rendered().count() as u32 == plan.n_tiles();
         if let Some(before) = last.take().filter(|_| !is_whole) {
             break before;
         }
+        // Keep the times.
         let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
         let wall = if is_spread {
             schedule.span()
@@ -132,6 +136,7 @@ pub fn repeat_within(
                 .get_or_insert_with(|| Samples::new(&film))
                 .take(&film);
         }
+        // Stop when the repeats are done.
         let is_once = is_spread && repeats == Repeats::Auto;
         let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
         if is_last || !is_whole || pass.is_over() {
@@ -139,6 +144,7 @@ pub fn repeat_within(
         }
         last = Some(schedule);
     };
+    // Summarize the times, and time the most expensive pixels again.
     film.n_repeats = done.len() as u8;
     if let Some(samples) = samples {
         samples.summarize(&mut film);

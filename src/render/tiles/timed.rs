@@ -149,11 +149,13 @@ impl<'a> SingleRayRenderer<'a> {
         let (places, renderer) = (&self.places, &mut self.renderer);
         let times = &mut self.times[..places.len()];
         let mut render = |i: usize| renderer.render_pixel(places[i], i);
+        // Warm up the caches.
         let n_warm_up = N_WARM_UP.min(places.len() / 4).max(1);
         let warm_up_ns = stopwatch.time(|_| {
             let is_going_on = |_: &usize| !stop::is_requested();
             (0..n_warm_up).take_while(is_going_on).for_each(&mut render);
         });
+        // Time each pixel, and disturbed ones again.
         let n_done = stopwatch.time_each(times, &mut render);
         let times = &mut times[..n_done];
         let again_ns =
@@ -182,10 +184,12 @@ impl PixelRenderer<'_> {
         // A local variable, which stays in registers.
         let mut cost = Cost::default();
         let probe = &mut cost;
+        // Render rounds of samples until the pixel is no longer noisy.
         let mut sums = SampleSums::zero(0.0);
         let mut round = view.rounds.first();
         while !round.is_empty() {
             for sample in round.clone() {
+                // Trace the camera ray; the middle sample stores the visible surface.
                 let path = view.camera_path(at, sample);
                 let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
                 if let Some(point) = met
@@ -193,12 +197,14 @@ impl PixelRenderer<'_> {
                 {
                     pixel.set_surface(&point);
                 }
+                // Follow the path.
                 let mut counted = |bounce| bounces.add(index, bounce, 1);
                 let color = radiance(view, path, met, paths, probe, &mut counted);
                 sums.add(view.limited(Vector::from(color)));
             }
             round = view.rounds.next(&sums, round.end);
         }
+        // Average the samples.
         pixel.color = sums.colors.into();
         view.finish(pixel, round.end, at);
         costs[i] = cost;
@@ -258,6 +264,7 @@ fn radiance<P: Probe>(
     loop {
         color += match met {
             Some(point) => {
+                // Shade the point by the lights that are not shadowed, or end in the background.
                 let mut is_shadowed = |sample: &LightSample| {
                     bounces(path.depth);
                     tracer.is_shadowed(&sample.shadow, probe)
@@ -270,6 +277,7 @@ fn radiance<P: Probe>(
             }
             None => shader.miss(&path),
         };
+        // Take the next ray of the paths, or end.
         let Some(&next) = paths.get(n_traced) else {
             return color;
         };
@@ -277,6 +285,7 @@ fn radiance<P: Probe>(
         path = next;
         probe.bounce(path.depth);
         bounces(path.depth);
+        // Trace it to the next point.
         let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
         met = shader.met_in_fog(&path, hit);
     }

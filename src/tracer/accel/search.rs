@@ -180,7 +180,7 @@ impl LaneSearch for NearestHit<'_> {
 
     #[inline(always)]
     fn resumed(self, limit: f32, nearest: u32) -> Self {
-        // The float before the limit, or infinity where there is no hit.
+        // The float before the limit, or infinity without a hit.
         let has_hit = limit < f32::INFINITY;
         Self {
             nearest: (

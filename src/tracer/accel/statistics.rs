@@ -21,7 +21,7 @@ pub struct BvhStatistics {
     /// The count SAH: the expected number of node visits and primitive tests of a ray through the
     /// root's box, by the surface area heuristic. The build minimizes another quantity, the time
     /// SAH, in which a leaf costs the same however many primitives are tested at once
-    /// (`build/collapse.rs`).
+    /// (`build/forests.rs`).
     pub sah_cost: f32,
     /// Memory of nodes and leaves, in bytes.
     pub bytes: usize,

@@ -103,7 +103,6 @@ impl FindPoints<'_> {
             Some(shape) => shape.project_onto(&parameters, near),
             None => self.project_placed(set, &hits.primitives, near),
         };
-        // Bound the distance that is left.
         let error = match group.shape {
             Some(shape) => shape.rounding(&parameters, position),
             None => self.placed_rounding(set, &hits.primitives),
@@ -124,7 +123,7 @@ impl FindPoints<'_> {
         } else {
             geometric_normal
         };
-        // Interpolate the attributes that textures read.
+        // Find the attributes and the filter width that textures read.
         let mut at_point = TexturePoint::new(position, normal);
         if group.attributes.has_uvs() {
             let uvs = self.vertex_uvs(set, &hits.primitives);
@@ -149,7 +148,6 @@ impl FindPoints<'_> {
                 None => self.placed_scalars(set, &hits, position),
             };
         }
-        // Estimate the width that a texture is filtered over.
         if let Some(cone) = self.scene.cone {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
             at_point.width = width(cone, distance, geometric_normal, direction);

@@ -168,7 +168,7 @@ pub(super) fn scatter_in_parallel(
         )
 }
 
-/// Partitions references at a plane; splits those that straddle it.
+/// Partitions references at a plane; splits references that straddle it.
 pub(super) fn by_spatial_split(
     simd: Simd,
     references: &[Reference],

@@ -63,6 +63,7 @@ impl Scatters for Lobes<'_> {
         _: &Boundary<R>,
         to_light: Vector<R>,
     ) -> Scattering<R> {
+        // The diffuse lobe: Lambert's cosine law.
         let zero = to_light.x.splat(0.0);
         let cos = to_light.dot(at.point.normal).max(zero);
         let diffuse = Scattering {
@@ -72,6 +73,7 @@ impl Scatters for Lobes<'_> {
         let Some(rough) = self.rough else {
             return diffuse;
         };
+        // The glossy lobe: microfacets, and the light they reflect onto each other.
         let to_viewer = at.in_surface(at.to_viewer);
         let facets = rough
             .facets(zero)
@@ -93,8 +95,10 @@ impl Scatters for Lobes<'_> {
         lobe: R,
     ) -> Scattered<R> {
         let zero = lobe.splat(0.0);
+        // Choose a lobe by its share.
         let is_mirror = lobe.lt(zero.splat(self.choice.mirror));
         let is_glossy = lobe.lt(zero.splat(self.choice.mirror + self.choice.glossy));
+        // Sample a direction of the diffuse or the glossy lobe.
         let [x, y, z] = hemisphere(numbers);
         let mut direction = at.in_world(Vector { x, y, z });
         if let Some(rough) = self.rough {
@@ -108,6 +112,7 @@ impl Scatters for Lobes<'_> {
         if self.mirror == 0.0 {
             return scattered;
         }
+        // Replace the direction in lanes that chose the mirror.
         let share = Vec3::splat(self.mirror / self.choice.mirror);
         Scattered {
             direction: Vector::select(

@@ -81,11 +81,13 @@ fn by_facets<R: Real>(
     numbers: [R; 2],
     lobe: R,
 ) -> Scattered<R> {
+    // Sample a facet that the viewer sees.
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
     let Boundary { eta, is_visible } = *boundary;
     let to_viewer = at.in_surface(at.to_viewer);
     let normal = rough.facets(zero).facet(to_viewer, numbers);
     let facet = at.in_world(normal);
+    // Split the light at this facet by Fresnel's equations.
     let Split {
         reflectance,
         refracted,
@@ -94,6 +96,7 @@ fn by_facets<R: Real>(
         reflectance: R::select(is_visible, reflectance, zero),
         refracted: Vector::select(is_visible, refracted, at.arriving),
     };
+    // Choose the reflected or the refracted ray.
     let mirrored = (-at.to_viewer).reflect(facet).normalize();
     let chosen = chosen(split, mirrored, boundary, lobe);
     let reflected = at.reflected(mirrored, reflection(rough, at, boundary, mirrored));
@@ -102,6 +105,7 @@ fn by_facets<R: Real>(
     let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let is_behind = chosen.direction.dot(at.point.normal).lt(zero);
     let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
+    // The density of the refracted direction.
     let density = (one - reflectance)
         * rough
             .facets(zero)
@@ -122,10 +126,12 @@ fn reflection<R: Real>(
     boundary: &Boundary<R>,
     to_light: Vector<R>,
 ) -> Scattering<R> {
+    // The facet that mirrors the light to the viewer, and its reflectance.
     let facet = (at.to_viewer + to_light).normalize();
     let reflectance = split(-at.to_viewer, facet, boundary.eta).reflectance;
     let zero = reflectance.splat(0.0);
     let reflectance = R::select(boundary.is_visible, reflectance, zero);
+    // The scattering of all facets, with the light they reflect onto each other.
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let facets = rough.facets(zero).reflection(to_viewer, to_light);
     let value = reflectance * facets.value / returned(rough, at, boundary.eta);
@@ -146,9 +152,11 @@ fn refraction<R: Real>(
 ) -> Scattering<R> {
     let eta = boundary.eta;
     let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
+    // The facet that refracts the light to the viewer.
     let sum = at.to_viewer * eta + to_light;
     // Toward the medium of the smaller index.
     let facet = Vector::select(eta.lt(one), -sum, sum).normalize();
+    // The density of the direction: the chance to meet the facet, times what it refracts.
     let reflectance = split(-at.to_viewer, facet, eta).reflectance;
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let normal = at.in_surface(facet);
@@ -158,6 +166,7 @@ fn refraction<R: Real>(
             .facets(zero)
             .refraction([to_viewer, to_light], normal, eta);
     let density = R::select(is_refracted, density, zero);
+    // The light that reaches the viewer, unless other facets hide it.
     let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let share = eta * eta * visible / returned(rough, at, eta);
     Scattering {

@@ -25,7 +25,7 @@ use scene::material::Material;
 /// Scattering of light at the surfaces of a material.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Bsdf<'a> {
-    /// For materials without a kind of their own.
+    /// All other materials.
     Lobes(Lobes<'a>),
     Metal(Metal<'a>),
     Medium(Medium<'a>),

@@ -86,6 +86,7 @@ impl<'a> PrincipledBsdf<'a> {
     #[inline(always)]
     fn reflectances<R: Real>(&self, at: &Leaving<R>) -> Reflectances<R> {
         let one = at.point.side.splat(1.0);
+        // The coat's reflectance along the normal, and the albedo of white facets.
         let of_normal = one.splat(self.coat_reflectance);
         let cos = at.cos_of_viewer();
         let [all, fifth_power] = match (&self.rough.of_mirror, self.rough.by_roughness) {
@@ -93,6 +94,7 @@ impl<'a> PrincipledBsdf<'a> {
             (Some(albedo), None) => albedo.at(cos),
             (None, None) => [one, one.splat(0.0)],
         };
+        // The light from facet to facet, and the share that the coat reflects.
         let of_coat = gain(all, Vector::splat(one, Vec3::splat(self.coat_reflectance)));
         let once = of_normal * (all - fifth_power) + fifth_power;
         Reflectances {
@@ -128,8 +130,10 @@ impl Scatters for PrincipledBsdf<'_> {
         to_light: Vector<R>,
     ) -> Scattering<R> {
         let (zero, one) = (to_light.x.splat(0.0), to_light.x.splat(1.0));
+        // Find the shares of the parts.
         let Reflectances { gains, of_coat } = self.reflectances(at);
         let [of_facets, of_diffuse] = self.choice(at, of_coat);
+        // The facets of the metal and of the coat, with Schlick's approximation.
         let to_viewer = at.in_surface(at.to_viewer);
         let facets = self.facets(at);
         let facets = facets.reflection(to_viewer, at.in_surface(to_light));
@@ -140,6 +144,7 @@ impl Scatters for PrincipledBsdf<'_> {
         let [metal, coated] = self.shares(at);
         let of_metal = (color + (white - color) * grazing).times(gains[0]) * metal;
         let reflected_by_coat = gains[1] * ((coat + (one - coat) * grazing) * coated);
+        // The diffuse surface below the coat.
         let cos = to_light.dot(at.point.normal).max(zero);
         let below = color * (coated * (one - of_coat) * cos);
         let opaque = Scattering {
@@ -149,6 +154,7 @@ impl Scatters for PrincipledBsdf<'_> {
         if self.clear == 0.0 {
             return opaque;
         }
+        // The clear medium, tinted where light passes through it.
         let clear = one.splat(self.clear);
         let of_medium = self.medium.evaluate(at, boundary, to_light);
         let is_behind = to_light.dot(at.point.normal).lt(zero);
@@ -169,10 +175,12 @@ impl Scatters for PrincipledBsdf<'_> {
         lobe: R,
     ) -> Scattered<R> {
         let zero = lobe.splat(0.0);
+        // Choose a part by its share.
         let Reflectances { of_coat, .. } = self.reflectances(at);
         let [of_facets, _] = self.choice(at, of_coat);
         let clear = zero.splat(self.clear);
         let is_glossy = lobe.lt(clear + of_facets);
+        // Sample a direction of the diffuse surface or of the facets.
         let [x, y, z] = hemisphere(numbers);
         let diffuse = at.in_world(Vector { x, y, z });
         let glossy = at.mirrored_by(self.facets(at), numbers);
@@ -180,6 +188,7 @@ impl Scatters for PrincipledBsdf<'_> {
         if self.clear == 0.0 {
             return self.reflected(at, boundary, direction, !is_glossy);
         }
+        // Replace the direction in lanes that chose the medium.
         let is_clear = lobe.lt(clear);
         let of_medium = self.medium.sample(at, boundary, numbers, lobe / clear);
         direction = Vector::select(is_clear, of_medium.direction, direction);

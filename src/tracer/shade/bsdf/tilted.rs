@@ -20,17 +20,20 @@ pub(in crate::shade) fn evaluate<R: Real>(
     to_light: Vector<R>,
 ) -> Scattering<R> {
     let zero = to_light.x.splat(0.0);
+    // Without a tilt, the formulas by the shading normal hold.
     let direct = bsdf.evaluate(at, boundary, to_light);
     let tilt = tilt(at);
     if tilt.le(zero).all() {
         return direct;
     }
+    // Light between the two planes is lost: it arrives after one more reflection.
     let height = to_light.dot(at.point.geometric_normal);
     let is_between = (height * to_light.dot(at.point.normal)).lt(zero);
     let turned = turned(at, to_light, -height * tilt);
     let is_turned = zero.lt(tilt) & zero.lt(height * turned.dot(at.point.normal));
     let none = Scattering::none(zero);
     let direct = Scattering::select(is_between, none, direct);
+    // Add the light of the direction that is turned onto this one.
     let other = bsdf.evaluate(at, boundary, turned).scaled(tilt);
     direct.with(Scattering::select(is_turned, other, none))
 }
@@ -44,16 +47,19 @@ pub(in crate::shade) fn sample<R: Real>(
     numbers: [R; 2],
     lobe: R,
 ) -> Scattered<R> {
+    // Sample by the shading normal.
     let chosen = bsdf.sample(at, boundary, numbers, lobe);
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
     let tilt = tilt(at);
     if tilt.le(zero).all() {
         return chosen;
     }
+    // Find the lanes whose direction is on the wrong side of the surface.
     let side = R::select(chosen.is_refracted, -one, one);
     let cos = side * chosen.direction.dot(at.point.normal);
     let height = chosen.direction.dot(at.point.geometric_normal);
     let is_lost = zero.lt(tilt) & zero.lt(cos) & (side * height).lt(zero);
+    // Turn those directions up; for the others, find the direction that would turn to them.
     let least = tilt.max(one.splat(f32::MIN_POSITIVE));
     let to = R::select(
         is_lost,
@@ -62,6 +68,7 @@ pub(in crate::shade) fn sample<R: Real>(
     );
     let turned = turned(at, chosen.direction, to);
     let is_found = zero.lt(tilt) & zero.lt(cos) & zero.lt(side * turned.dot(at.point.normal));
+    // Add the densities of both ways to choose the direction.
     let of_turned = bsdf.evaluate(at, boundary, turned).density;
     let density = R::select(
         is_lost,

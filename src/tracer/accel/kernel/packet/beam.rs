@@ -156,7 +156,7 @@ mod tests {
         (node, std::array::from_fn(|k| ray(k as u64)))
     }
 
-    /// The boxes that the beam hits, and those that one of the rays enters.
+    /// The boxes that the beam hits, and the boxes that a ray enters.
     struct Entered(WideNode, [Ray; 16]);
 
     impl SimdKernel for Entered {

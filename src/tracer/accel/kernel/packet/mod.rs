@@ -11,7 +11,7 @@
 //! # Why results equal those of single traversals
 //!
 //! Each ray visits the nodes that it would visit in a single traversal, in the same order and with
-//! the same limit, so its answer and its counters equal those of
+//! the same limit, so it gives the same answer and the same counters as
 //! [`SingleTraversal`](super::SingleTraversal):
 //!
 //! - The order of a node's children depends only on the signs of the ray's direction, which all
