@@ -23,7 +23,7 @@ impl Model for PathTracing {
         by_kind!(Bsdf::of(material), |of| of.is_lit())
     }
 
-    /// No light samples where the scattered ray is not traced.
+    /// Returns 0 where the scattered ray is not traced.
     fn n_light_samples(self, lights: &Lights, depth: u32, max_depth: u32) -> usize {
         if depth < max_depth {
             lights.n_samples()

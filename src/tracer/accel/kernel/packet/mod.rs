@@ -120,7 +120,7 @@ mod tests {
     use scene::geometry::{Ray, RayStream, Shape, Sphere};
     use scene::world::{MaterialId, ObjectId, Primitive};
 
-    /// The indices of the rays that no packet takes.
+    /// Returns the indices of the rays that no packet takes.
     fn incoherent(simd: Simd, rays: &[Ray]) -> Vec<u32> {
         let sphere = |x| Sphere {
             center: Vec3::new(x as f32, 0.0, -5.0),

@@ -18,7 +18,7 @@ pub(super) const N_RAYS: usize = N_HALVES * N_LANES;
 /// A value for each ray of a packet.
 pub(super) type PerRay<T> = [[T; N_LANES]; N_HALVES];
 
-/// Number of rays of a packet in one register.
+/// Returns the number of rays of a packet in one register.
 #[inline(always)]
 pub(super) const fn rays_per_part<I: InstructionSet>() -> usize {
     N_RAYS / <I::Wide as simd::Wide>::N_PARTS
