@@ -17,8 +17,8 @@ pub(super) struct Tallies {
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
-    /// The ID of the first node of meshes that are placed many times; greater than all IDs if there
-    /// are no such meshes.
+    /// The ID of the first node of instanced meshes; greater than all IDs if there are no such
+    /// meshes.
     first_lower_id: u32,
 }
 
@@ -201,8 +201,8 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
-    /// The index of the first primitive, and the ID of the first node, of meshes that are placed
-    /// many times; greater than all others if there are no such meshes.
+    /// The index of the first primitive, and the ID of the first node, of instanced meshes; greater
+    /// than all others if there are no such meshes.
     first_lower: u32,
     first_lower_id: u32,
     primitives: Option<TallyCache<'a, 3>>,

@@ -19,7 +19,7 @@ pub struct Rendered<'a> {
     pub time_ns: &'a [f32],
     /// 1 for each pixel whose time is rejected, 0 for the others.
     pub n_rejected: &'a [u8],
-    /// Time in which pixels were rendered that count for nothing, in nanoseconds.
+    /// Time spent on discarded renderings of pixels, in nanoseconds.
     pub warm_up_ns: f64,
 }
 

@@ -71,7 +71,7 @@ mod open {
 
 #[cfg(not(target_os = "linux"))]
 mod open {
-    /// A counter, of which this system has none.
+    /// A counter; this system has none.
     #[derive(Debug)]
     pub(super) struct Open {
         pub(super) name: &'static str,

@@ -110,8 +110,8 @@ impl Broadcast for WorldBroadcast {
     fn broadcast(&self, bytes: &mut [u8]) {
         let world = SimpleCommunicator::world();
         let root = world.process_at_rank(0);
-        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and
-        // the library is fastest where it waits itself.
+        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and the
+        // library is fastest when it does the waiting.
         if bytes.len() > LONG {
             root.broadcast_into(bytes);
         } else {

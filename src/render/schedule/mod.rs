@@ -56,8 +56,8 @@ pub struct TileRun {
     /// The part of the duration that the write to the film took, in nanoseconds: first touches of
     /// memory, and contention with other threads for its rows.
     pub film_ns: u64,
-    /// The part of the duration in which pixels were rendered that count for nothing, in
-    /// nanoseconds: the warm-up, and pixels that were timed again.
+    /// The part of the duration spent on discarded renderings of pixels, in nanoseconds: the
+    /// warm-up, and pixels that were timed again.
     pub warm_up_ns: u64,
     /// The part of the duration in which the thread was without a CPU, as far as the system reports
     /// it, in nanoseconds: it is in no other part.

@@ -35,7 +35,7 @@ pub(super) struct GroupRenderer<'a> {
     /// The times of the pixels, row by row, and 1 for each rejected pixel.
     time_ns: Vec<f32>,
     n_rejected: Vec<u8>,
-    /// The counters of pixels rendered again, which count for nothing.
+    /// The counters of discarded renderings of pixels.
     uncounted: (Counters, BounceCounts),
     /// True if the thread has rendered a group.
     is_warm: bool,
@@ -100,7 +100,7 @@ impl<'a> GroupRenderer<'a> {
     }
 
     /// Renders the groups of a tile, and those with disturbed or doubtful times again. Returns the
-    /// nanoseconds in which pixels were rendered that count for nothing.
+    /// nanoseconds spent on discarded renderings of pixels.
     fn render_groups(&mut self, tile: &Tile, wait: &mut CpuWait) -> f64 {
         let Self {
             clock,

@@ -29,7 +29,7 @@ impl NoisyPixels {
         self.positions.extend(0..n as u32);
         self.squares.reset(n);
         self.n_samples.clear();
-        // After the last pixel, a number by which nothing becomes infinite.
+        // After the last pixel, a number that makes no quotient infinite.
         self.n_samples.resize(n + N_LANES, 1.0);
     }
 

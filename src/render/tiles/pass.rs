@@ -50,7 +50,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Returns true if the result counts for nothing.
+    /// Returns true if the result is discarded.
     pub(super) fn is_canceled(&self) -> bool {
         let Limits {
             checkpoint, team, ..

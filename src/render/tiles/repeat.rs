@@ -32,8 +32,8 @@ pub struct Repeat {
     pub waiting_ns: u64,
     /// The part of the busy time that wrote pixels to the film.
     pub film_ns: u64,
-    /// The part of the busy time that rendered pixels that count for nothing: warm-up, and pixels
-    /// that were timed again.
+    /// The part of the busy time spent on discarded renderings of pixels: warm-up, and pixels that
+    /// were timed again.
     pub warm_up_ns: u64,
     /// The sum of the pixels' times in nanoseconds, if they were measured.
     pub pixels_ns: Option<f64>,
@@ -89,8 +89,8 @@ pub fn repeat(
 /// kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering, since the number that
 /// fits into half a second differs from run to run.
 ///
-/// At the deadline the first rendering leaves tiles out; a later one that is not whole counts for
-/// nothing. The schedule describes the last one that counts.
+/// At the deadline the first rendering leaves tiles out; an incomplete later one is discarded. The
+/// schedule describes the last one that counts.
 pub fn repeat_within(
     limits: &Limits,
     repeats: Repeats,

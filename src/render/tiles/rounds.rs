@@ -39,7 +39,7 @@ pub struct SampleSums<R> {
 }
 
 impl Rounds {
-    /// Creates the rounds of the pixels of an image, in whose picture light has this gain.
+    /// Creates the rounds of the pixels of an image, whose picture scales light by this gain.
     pub fn new(image: &Image, gain: f32) -> Self {
         let n_most = image.samples_per_pixel;
         let n_first = image

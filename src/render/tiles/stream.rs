@@ -413,8 +413,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Swaps the counters of the pixels with separate counters for renderings that count for
-    /// nothing, and back.
+    /// Swaps the counters of the pixels with the counters of discarded renderings, and back.
     pub(super) fn exchange_counters(
         &mut self,
         (probe, bounces): &mut (P, BounceCounts),

@@ -1,7 +1,6 @@
 //! Repeated timing of the most expensive pixels before one is named.
 //!
-//! The longest of many times is the one that was disturbed most, and it is the first that a user
-//! looks at.
+//! The longest of many times is the most disturbed one, and the first that a user looks at.
 
 use super::TilePlan;
 use super::groups::GroupRenderer;

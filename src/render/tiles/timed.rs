@@ -140,8 +140,8 @@ impl<'a> SingleRayRenderer<'a> {
         self.times[self.places.len() - 1].ns
     }
 
-    /// Renders the pixels and times them. Returns their number, and the nanoseconds in which pixels
-    /// were rendered that count for nothing.
+    /// Renders the pixels and times them. Returns their number, and the nanoseconds spent on
+    /// discarded renderings of pixels.
     ///
     /// The first pixels are rendered in a separate loop to fill the caches, as jumping to other
     /// pixels in the timed loop causes branch mispredictions.

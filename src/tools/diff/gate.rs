@@ -50,7 +50,7 @@ impl Limit {
 
 impl Gate {
     /// Compares the whole cost with the limit. A time fails if its confidence interval lies above
-    /// the limit: noise by itself fails at most one of forty comparisons. Counters are exact.
+    /// the limit: noise fails at most one of forty comparisons. Counters are exact.
     ///
     /// # Errors
     /// If the times have too few repeats for a confidence interval.

@@ -11,7 +11,7 @@ pub struct Hit {
     pub t: f32,
     /// Index of the primitive in the scene.
     pub primitive: u32,
-    /// The instance, for a primitive of a mesh that is placed many times.
+    /// The instance, for a primitive of an instanced mesh.
     pub instance: Option<InstanceId>,
 }
 

@@ -13,7 +13,7 @@ use scene::world::{InstanceId, Instances, World};
 #[derive(Debug, PartialEq)]
 pub struct AccelIndex {
     pub(super) upper: SearchLevel,
-    /// The structures of meshes that are placed many times.
+    /// The structures of instanced meshes.
     pub(super) lower: Vec<Arc<SearchLevel>>,
     /// The ID of the first node of each of these structures.
     pub(super) first_ids: Vec<u32>,
@@ -83,8 +83,8 @@ impl AccelIndex {
         })
     }
 
-    /// Returns the size and expected cost of the hierarchy, including the hierarchies of meshes
-    /// that are placed many times; `None` for brute force.
+    /// Returns the size and expected cost of the hierarchy, including the hierarchies of instanced
+    /// meshes; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         let upper = self.upper.bvh.as_ref()?.statistics();
         let lower = self.lower.iter().filter_map(|level| level.bvh.as_ref());

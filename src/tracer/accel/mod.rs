@@ -120,8 +120,8 @@ impl<'a> Accel<'a> {
         self.simd
     }
 
-    /// Returns the size and expected cost of the hierarchy, including the hierarchies of meshes
-    /// that are placed many times; `None` for brute force.
+    /// Returns the size and expected cost of the hierarchy, including the hierarchies of instanced
+    /// meshes; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         self.index.statistics()
     }
@@ -189,7 +189,7 @@ impl<'a> Accel<'a> {
     }
 
     /// Returns the nodes and leaves of the hierarchy, parents before their children; then, for each
-    /// mesh that is placed many times, its nodes and leaves in the space of the mesh.
+    /// instanced mesh, its nodes and leaves in the space of the mesh.
     pub fn nodes(&self) -> Vec<BvhNode> {
         let list = |level: &SearchLevel| {
             let arena = level.bvh.as_ref().map(Bvh::arena);

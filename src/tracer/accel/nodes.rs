@@ -25,14 +25,12 @@ pub struct BvhNode {
     /// through the root's box, by the surface area heuristic. At the root, it is
     /// [`BvhStatistics::sah_cost`](super::BvhStatistics::sah_cost).
     pub sah_cost: f32,
-    /// For a node in the space of a mesh that is placed many times: the index of the mesh among
-    /// such meshes.
+    /// For a node in the space of an instanced mesh: the index of the mesh among such meshes.
     pub mesh: Option<u32>,
 }
 
 impl BvhNode {
-    /// Returns the node as a node of a mesh that is placed many times, whose root has the ID
-    /// `first_id`.
+    /// Returns the node as a node of an instanced mesh, whose root has the ID `first_id`.
     pub(super) fn of_mesh(self, mesh: u32, first_id: u32) -> Self {
         Self {
             id: first_id + self.id,

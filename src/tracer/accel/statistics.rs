@@ -37,9 +37,8 @@ pub struct BvhStatistics {
 }
 
 impl BvhStatistics {
-    /// Adds the hierarchies of meshes that are placed many times: sums, the depth of the deepest
-    /// path through both levels, and the expected cost of the upper level, in which an instance
-    /// counts as one test.
+    /// Adds the hierarchies of instanced meshes: sums, the depth of the deepest path through both
+    /// levels, and the expected cost of the upper level, in which an instance counts as one test.
     pub(super) fn with_lower(self, lower: impl Iterator<Item = Self>) -> Self {
         let mut sum = self;
         for mesh in lower {

@@ -13,7 +13,7 @@ use scene::world::World;
 /// The origin of a frame's structure.
 #[derive(Debug, Clone)]
 pub struct FrameBase {
-    /// The structures of meshes that are placed many times.
+    /// The structures of instanced meshes.
     meshes: Vec<Arc<SearchLevel>>,
     first: Option<FirstIndex>,
 }

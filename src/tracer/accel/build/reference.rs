@@ -109,8 +109,8 @@ pub(super) fn center<L: Lanes>(bounds: L) -> L {
     bounds - bounds.swap_halves()
 }
 
-/// Maps chunks of references and reduces the results, in parallel from `parallel` references on.
-/// The reduction must be independent of the order, as maxima and sums of integers are.
+/// Maps chunks of references and reduces the results, in parallel if there are at least `parallel`
+/// references. The reduction must be independent of the order, as maxima and sums of integers are.
 #[inline]
 pub(super) fn map_reduce<T: Send>(
     references: &[Reference],

@@ -194,7 +194,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
 }
 
 impl<S: Search> RayState<S> {
-    /// Visits the current node and goes on to the next node or leaf.
+    /// Visits the current node and proceeds to the next node or leaf.
     #[inline(always)]
     fn descend<I: InstructionSet, P: StreamProbe>(
         &mut self,
@@ -219,7 +219,7 @@ impl<S: Search> RayState<S> {
         self.prefetch(set, arena);
     }
 
-    /// Tests the current leaf and goes on to the next node or leaf.
+    /// Tests the current leaf and proceeds to the next node or leaf.
     #[inline(always)]
     fn test<I: InstructionSet, P: StreamProbe>(
         &mut self,
