@@ -2,8 +2,8 @@
 
 use std::env;
 
-/// Variables in which launchers store the number of processes: Open MPI's, then the one of
-/// launchers with Hydra's or Slurm's process management.
+/// Variables in which launchers store the number of processes: Open MPI's, then the variable of
+/// Hydra's and Slurm's process management.
 const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
 
 /// Returns the number of processes that `mpirun`, or another launcher of MPI, has started together,

@@ -9,8 +9,8 @@ const AHEAD: Duration = Duration::from_millis(20);
 const MAX_AHEAD: u64 = 1024;
 /// The fraction of its share of the tiles that a worker has ahead before their duration is known.
 const FIRST_PART: u64 = 32;
-/// Weight of the mean of past durations over the weight of the last one, in the expected duration
-/// of a tile: with the most expensive tiles first, later ones are shorter.
+/// The last duration has a weight of one in this many in the expected duration of a tile, a moving
+/// average: with the most expensive tiles first, later ones are shorter.
 const WEIGHT: u64 = 8;
 
 /// Sleep of a rank between two polls for messages: each poll takes some microseconds from a thread

@@ -87,8 +87,8 @@ fn by_time(
     })
 }
 
-/// Returns the most expensive pixels of all pieces; each piece gives its own with rows from its
-/// first.
+/// Returns the most expensive pixels of all pieces, given the pixels of each piece with rows
+/// counted from its first row.
 fn hottest_of(
     frame: &mut FrameFile,
     of_piece: impl Fn(&mut FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,
