@@ -1,9 +1,8 @@
-//! Time that one reading of the time stamp counter adds to a pixel: by RDTSC, and by RDTSCP,
-//! which waits for earlier loads and also returns the CPU's number:
-//! `cargo bench --bench clock`.
+//! Time that one reading of the time stamp counter adds to a pixel: by RDTSC, and by RDTSCP, which
+//! waits for earlier loads and also returns the CPU's number: `cargo bench --bench clock`.
 //!
-//! The work of a pixel is simulated by four chains of loads through a table, as rays follow
-//! nodes. The variants take turns in one process. Prints medians.
+//! The work of a pixel is simulated by four chains of loads through a table, as rays follow nodes.
+//! The variants take turns in one process. Prints medians.
 
 #![cfg_attr(
     target_arch = "x86_64",
@@ -53,14 +52,14 @@ mod x86_64 {
         }
     }
 
-    /// Noise from the linear congruential generator of Numerical Recipes.
+    /// Returns noise from the linear congruential generator of Numerical Recipes.
     fn table() -> Vec<u32> {
         let next = |state: &u32| Some(state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
         let noise = std::iter::successors(Some(1_u32), next);
         noise.map(|state| state >> 8).take(TABLE_LEN).collect()
     }
 
-    /// Mean time of a pixel in nanoseconds with a reading after each.
+    /// Returns the mean time of a pixel in nanoseconds with a reading after each.
     fn round_ns(table: &[u32], read: impl Fn() -> u64) -> f64 {
         let begin = Instant::now();
         for seed in 0..N_PIXELS {

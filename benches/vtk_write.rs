@@ -1,11 +1,11 @@
-//! Times to write the VTK files of a 4K image with each codec, compared with a plain
-//! `write()` of the raw bytes, and to read them again:
-//! `cargo bench --bench vtk_write [-- FOLDER] [-- --json FILE]`.
+//! Times to write the VTK files of a 4K image with each codec, compared with a plain `write()` of
+//! the raw bytes, and to read them again: `cargo bench --bench vtk_write [-- FOLDER] [-- --json
+//! FILE]`.
 //!
 //! The codecs take turns in one process, so that a drift of the machine affects all of them
-//! equally. FOLDER is the output folder; the default is a folder in memory (/dev/shm if it
-//! exists, else the system's temporary folder), so that no disk is measured. Only
-//! compression uses more than one thread.
+//! equally. FOLDER is the output folder; the default is a folder in memory (/dev/shm if it exists,
+//! else the system's temporary folder), so that no disk is measured. Only compression uses more
+//! than one thread.
 
 use std::fs::File;
 use std::hint::black_box;
@@ -82,8 +82,8 @@ fn main() {
     }
 }
 
-/// Times a file with each codec and a plain write of its raw bytes in turn; returns a row
-/// for each codec.
+/// Times a file with each codec and a plain write of its raw bytes in turn. Returns a row for each
+/// codec.
 fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()) -> Vec<Value> {
     let write = |codec| {
         let mut out = BufWriter::with_capacity(1 << 20, File::create(path).unwrap());
@@ -154,7 +154,7 @@ fn film(width: u32, height: u32) -> Film {
     render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 
-/// The system's folder in memory, or its temporary folder.
+/// Returns the system's folder in memory, or its temporary folder.
 fn folder_in_memory() -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     if memory.is_dir() {

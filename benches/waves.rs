@@ -1,11 +1,11 @@
-//! The clock of waves: what it costs, what it sums up to, and whether an independent clock
-//! agrees: `cargo bench --bench waves [-- SCENE …] [-- --json FILE]`.
+//! The clock of waves: its cost, its sum, and its agreement with an independent clock: `cargo bench
+//! --bench waves [-- SCENE …] [-- --json FILE]`.
 //!
-//! For each scene, on one thread, in turns: (a) CPU time with the clock of waves over that with
-//! counters alone; (b) the sum of all pixels' times over the time that the thread spent on
-//! tiles; (c) windows of 32 x 32 pixels at random places, rendered by themselves with counters
-//! and without a clock inside: how many of them take as long as the map of the whole picture
-//! says, within 10 %. Overheads compare the fastest of several rounds, the others are medians.
+//! For each scene, on one thread, in turns: (a) CPU time with the clock of waves over CPU time with
+//! only counters; (b) the sum of all pixels' times over the time that the thread spent on tiles;
+//! (c) windows of 32 x 32 pixels at random places, rendered separately with counters and without a
+//! clock inside: the share whose time agrees with the map of the whole picture within 10 %.
+//! Overheads compare the fastest of several rounds, the others are medians.
 
 #[path = "render/scenes.rs"]
 mod scenes;
@@ -32,7 +32,7 @@ use tracer::cost::Meter;
 /// Pixels along a window's side.
 const SIDE: u32 = 32;
 
-/// The greatest difference of a window's time from that in the map.
+/// Greatest relative difference between a window's time and its time in the map.
 const TOLERANCE: f64 = 0.1;
 
 #[derive(Parser)]
@@ -132,7 +132,7 @@ fn compare(path: &Path, options: &Options) -> Result<Value, Diagnostic> {
 }
 
 impl World<'_> {
-    /// Renders the picture; returns the CPU time, and the time that the thread spent on tiles, in
+    /// Renders the picture. Returns the CPU time, and the time that the thread spent on tiles, in
     /// nanoseconds, and the film.
     fn render(&self, meter: &Meter) -> (f64, f64, Film) {
         let image = &self.config.image;
@@ -142,14 +142,14 @@ impl World<'_> {
         (begin.elapsed().as_nanos() as f64, busy_ns(&schedule), film)
     }
 
-    /// Renders a window without a clock inside; returns the nanoseconds of its tiles.
+    /// Renders a window without a clock inside. Returns the nanoseconds of its tiles.
     fn window_ns(&self, plan: &TilePlan) -> f64 {
         let (_, schedule) = render(self.scene, &self.accel, plan, &self.counters, |_| {});
         busy_ns(&schedule)
     }
 
-    /// The least CPU time with a clock over the least with counters, and the median of the sum of
-    /// the pixels' times over the time spent on tiles.
+    /// Measures the least CPU time with a clock over the least with counters, and the median of the
+    /// sum of the pixels' times over the time spent on tiles.
     fn overhead_and_sum(&self, n_rounds: usize) -> (f64, f64) {
         let [mut with_clock, mut with_counters] = [f64::INFINITY; 2];
         let mut sums = Vec::new();
@@ -165,7 +165,8 @@ impl World<'_> {
         (with_clock / with_counters, sum)
     }
 
-    /// The times of windows by themselves over those in the map of the whole picture.
+    /// Measures the times of windows rendered separately over their times in the map of the whole
+    /// picture.
     fn windows(&self, options: &Options) -> Vec<f64> {
         let image = self.config.image;
         let plan = TilePlan::new(self.scene, &self.accel, &image, self.config.tiles);
@@ -189,12 +190,12 @@ impl World<'_> {
     }
 }
 
-/// The time that threads spent on tiles, in nanoseconds.
+/// Returns the time that threads spent on tiles, in nanoseconds.
 fn busy_ns(schedule: &Schedule) -> f64 {
     schedule.runs.iter().map(TileRun::busy_ns).sum::<u64>() as f64
 }
 
-/// Random places of windows, the same in each run.
+/// Returns random places of windows, the same in each run.
 fn places([width, height]: [u32; 2], n: u32) -> Vec<[u32; 2]> {
     let mut state = 1_u32;
     let mut random = |n: u32| {

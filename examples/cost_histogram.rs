@@ -1,5 +1,4 @@
-//! Prints how many pixels visit how many BVH nodes:
-//! `cargo run --release --example cost_histogram`.
+//! Prints a histogram of the node visits of pixels: `cargo run --release --example cost_histogram`.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,7 +7,7 @@ use raycost::Metric;
 use raycost::config::CostMode;
 use raycost::{Options, Session};
 
-/// Bars with one line per power of two: `   64..127  #####  1234`.
+/// Returns bars with one line per power of two: `   64..127  #####  1234`.
 pub fn histogram(scene: &Path) -> Result<String, Box<dyn Error>> {
     let session = Session::open_with(scene, |config| config.cost = CostMode::Counters)?;
     let rendering = session.render(&Options::default())?;

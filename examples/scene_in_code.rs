@@ -9,7 +9,7 @@ use raycost::session::Event;
 use raycost::{Options, Session};
 use serde_json::{Value, json};
 
-/// A sphere on a helix of three turns.
+/// Returns a sphere on a helix of three turns.
 fn sphere(i: u32, n: u32) -> Value {
     let share = f64::from(i) / f64::from(n);
     let (sin, cos) = (3.0 * TAU * share).sin_cos();
@@ -19,7 +19,7 @@ fn sphere(i: u32, n: u32) -> Value {
     })
 }
 
-/// The scene, with the keys of a scene file.
+/// Returns the scene, with the keys of a scene file.
 fn scene(n_spheres: u32) -> Value {
     json!({
         "image": { "width": 320, "height": 320 },

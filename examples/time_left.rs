@@ -1,5 +1,5 @@
-//! Prints how well the time left of a rendering is estimated, after the first tenth of it:
-//! `cargo run --release --example time_left -- configs/*.yaml`.
+//! Prints how well the time left of a rendering is estimated, after the first tenth of it: `cargo
+//! run --release --example time_left -- configs/*.yaml`.
 //!
 //! Each scene is rendered five times in each mode of cost, large enough to take some seconds.
 
@@ -19,22 +19,22 @@ const N_RENDERINGS: usize = 5;
 /// The least time that a rendering should take.
 const LEAST: Duration = Duration::from_secs(2);
 
-/// How well the time left of a rendering was estimated.
+/// Errors of the estimated time left of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub struct Errors {
     /// The greatest error of the expected duration after the first tenth of the rendering, in
     /// percent of it.
     pub worst: f64,
-    /// The error at that tenth: what is too long is positive.
+    /// The error at that tenth: positive if the estimate is too long.
     pub at_tenth: f64,
     /// The duration of the rendering.
     pub wall: Duration,
-    /// The time that the estimate took before it.
+    /// The time that the estimate took before the rendering.
     pub estimating: Duration,
 }
 
-/// Renders a scene in a mode of cost, its picture larger by a factor along both sides, and
-/// compares the expected durations with the real one.
+/// Renders a scene in a mode of cost, its picture larger by a factor along both sides, and compares
+/// the expected durations with the real one.
 pub fn errors(scene: &Path, cost: CostMode, factor: f64) -> Result<Errors, Box<dyn Error>> {
     let session = Session::open_with(scene, |config| {
         (config.cost, config.repeats) = (cost, Repeats::ONCE);
@@ -95,7 +95,7 @@ pub fn errors(scene: &Path, cost: CostMode, factor: f64) -> Result<Errors, Box<d
     })
 }
 
-/// The rendering with the median of the worst errors, of pictures that take some seconds.
+/// Returns the rendering with the median of the worst errors, of pictures that take some seconds.
 fn median(scene: &Path, cost: CostMode) -> Result<Errors, Box<dyn Error>> {
     let first = errors(scene, cost, 1.0)?;
     let longer = LEAST.as_secs_f64() / first.wall.as_secs_f64();

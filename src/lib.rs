@@ -11,13 +11,13 @@
 //! # Ok(()) }
 //! ```
 //!
-//! [`session`] is where a program starts. [`film`] holds the pixels, [`cost`] lists the
-//! metrics of a pixel, [`config`] the settings of a scene, and [`results`] reads the
-//! files of an earlier rendering. The folder `examples/` has programs.
+//! Programs start with [`session`]. [`film`] holds the pixels, [`cost`] lists the metrics of a
+//! pixel, [`config`] the settings of a scene, and [`results`] reads the files of an earlier
+//! rendering. The folder `examples/` has programs.
 //!
 //! # How the data flows
 //!
-//! The crates below `src/` stand in the order of the data; each uses only those above it.
+//! The crates below `src/` stand in the order of the data; each uses only the crates above it.
 //!
 //! 1. `base` has files and folders, `math` numbers and SIMD lanes, `vtk` files of VTK.
 //! 2. `scene` reads a YAML file and the files that it names, and places everything in
@@ -27,8 +27,8 @@
 //! 5. `output` writes files: pictures, VTK files, ParaView states and the summary.
 //! 6. `tools` reads them again, for `view`, `diff` and `study`.
 //!
-//! [`session`] runs these steps; `cli` is its command line. The crates are public for the
-//! tests and the benchmarks; programs use what is named here.
+//! [`session`] runs these steps; `cli` is its command line. The crates are public for the tests and
+//! the benchmarks; programs use only the names listed here.
 
 pub mod session;
 #[doc(hidden)]

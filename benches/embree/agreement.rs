@@ -1,4 +1,4 @@
-//! Checks that two kernels have the same answers.
+//! A check that two kernels give the same answers.
 
 use std::fmt;
 
@@ -7,19 +7,17 @@ use tracer::accel::Hit;
 use crate::kernel::Kernel;
 use crate::rays::Rays;
 
-/// Tolerance of distances, relative to the distance: the kernels round
-/// differently.
+/// Tolerance of distances, relative to the distance: the kernels round differently.
 const TOLERANCE: f32 = 1e-4;
 
-/// One in this number of rays may differ: rounding decides whether rays that graze
-/// an edge hit.
+/// One in this number of rays may differ: rounding decides if rays that graze an edge hit.
 const ONE_IN: usize = 1000;
 
-/// The number of rays for which the answers of two kernels differ.
+/// Number of rays for which the answers of two kernels differ.
 #[derive(Debug, Clone, Copy)]
 pub struct Agreement {
     n_rays: usize,
-    /// Rays that hit for one kernel only.
+    /// Rays that hit for only one kernel.
     n_one_misses: usize,
     /// Rays that hit different primitives at different distances.
     n_elsewhere: usize,
@@ -59,12 +57,12 @@ impl Agreement {
         agreement
     }
 
-    /// Whether rounding explains the differences.
+    /// Returns true if rounding explains the differences.
     pub fn is_good(&self) -> bool {
         self.n_different() * ONE_IN <= self.n_rays
     }
 
-    /// Number of rays that differ.
+    /// Returns the number of rays that differ.
     pub fn n_different(&self) -> usize {
         self.n_one_misses + self.n_elsewhere
     }

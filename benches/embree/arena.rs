@@ -56,10 +56,10 @@ pub struct Arena<'a> {
 }
 
 impl<'a> Arena<'a> {
-    /// The scene with the rays of a square image of `side` rows.
+    /// Creates the scene with the rays of a square image of `side` rows.
     ///
     /// # Errors
-    /// The CPU does not have the selected instruction set.
+    /// If the CPU does not have the selected instruction set.
     pub fn new(
         embree: &'static Functions,
         selection: &'a Selection,
@@ -80,16 +80,16 @@ impl<'a> Arena<'a> {
         })
     }
 
-    /// Number of rays of all kinds.
+    /// Returns the number of rays of all kinds.
     pub fn n_rays(&self) -> usize {
         self.rays.iter().map(|(_, rays)| rays.len()).sum()
     }
 
-    /// Whether all kernels have the same answers up to rounding; prints the numbers
-    /// of rays that differ.
+    /// Returns true if all kernels have the same answers up to rounding; prints the numbers of rays
+    /// that differ.
     ///
     /// # Errors
-    /// Embree's.
+    /// Embree's errors.
     pub fn check(&self) -> Result<bool, String> {
         let mut is_good = true;
         let devices = self.devices(1)?;
@@ -114,10 +114,10 @@ impl<'a> Arena<'a> {
         Ok(is_good)
     }
 
-    /// Measures what is selected; calls `report` with each result.
+    /// Measures the selected races; calls `report` with each result.
     ///
     /// # Errors
-    /// Embree's.
+    /// Embree's errors.
     pub fn race(&self, course: Course, report: &mut impl FnMut(Row)) -> Result<(), String> {
         for &n_threads in &self.selection.threads {
             let course = Course {
@@ -175,13 +175,13 @@ impl<'a> Arena<'a> {
         self.selection.has_race(&kind.to_string())
     }
 
-    /// The hierarchy with the selected instruction set.
+    /// Returns the hierarchy with the selected instruction set.
     fn accel(&self, build: &Build) -> Accel<'a> {
         let accel = Accel::new(self.primitives, build.ours);
         accel.with_simd(self.simd)
     }
 
-    /// Embree's devices for the selected instruction sets that the CPU has.
+    /// Returns Embree's devices for the selected instruction sets that the CPU has.
     fn devices(&self, n_threads: usize) -> Result<Devices, String> {
         let device = |isa| Ok((isa, Device::new(self.embree, isa, n_threads)?));
         let isas = self.selection.isas();
@@ -193,7 +193,7 @@ impl<'a> Arena<'a> {
         }
     }
 
-    /// A scene for each device and mode; spheres know one mode.
+    /// Returns a scene for each device and mode; spheres have only one mode.
     fn scenes<'d>(
         &'d self,
         devices: &'d Devices,
@@ -228,7 +228,7 @@ impl<'a> Arena<'a> {
     }
 }
 
-/// The time of the call in seconds, without dropping its result.
+/// Returns the time of the call in seconds, without dropping its result.
 fn seconds<T>(call: impl FnOnce() -> T) -> f64 {
     let start = Instant::now();
     let result = call();

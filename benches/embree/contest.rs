@@ -11,7 +11,7 @@ use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
 use crate::trace::{Packets, Singles};
 
-/// How Embree is asked.
+/// The way in which Embree traces rays.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Way {
     /// One ray at a time.
@@ -40,7 +40,7 @@ impl fmt::Display for Rival<'_> {
     }
 }
 
-/// The kernels that Embree has for these scenes and this kind of rays.
+/// Returns the kernels that Embree has for these scenes and this kind of rays.
 pub fn rivals<'a>(scenes: &'a [(&'static str, Scene)], kind: Kind) -> Vec<Rival<'a>> {
     let mut rivals = Vec::new();
     for (isa, scene) in scenes {
@@ -65,8 +65,8 @@ pub fn rivals<'a>(scenes: &'a [(&'static str, Scene)], kind: Kind) -> Vec<Rival<
     rivals
 }
 
-/// Runs all kernels in turn: single rays against single rays, batches against
-/// single rays, in both of Embree's modes, and batches against packets.
+/// Runs all kernels in turn: single rays against single rays, batches against single rays, in both
+/// of Embree's modes, and batches against packets.
 pub fn outcomes(
     course: Course,
     accel: &Accel,
@@ -109,7 +109,7 @@ pub fn outcomes(
     .collect()
 }
 
-/// The kernel with the smallest median.
+/// Returns the kernel with the smallest median.
 pub fn fastest<'a>(
     times: impl Iterator<Item = (&'static str, &'a [f64])>,
 ) -> Option<(&'static str, &'a [f64])> {

@@ -12,16 +12,16 @@ use crate::ffi::{self, Functions, Handle, Quality};
 
 /// A mesh or a cloud of spheres in Embree's layout.
 pub struct Geometry {
-    /// x, y, z and, for a sphere, its radius. Four floats, since Embree reads 16
-    /// bytes even where it needs 12.
+    /// x, y, z and, for a sphere, its radius. Four floats, since Embree reads 16 bytes even where
+    /// it needs 12.
     vertices: Vec<[f32; 4]>,
     /// The vertices of each triangle; empty for spheres.
     triangles: Vec<[u32; 3]>,
 }
 
 impl Geometry {
-    /// The same primitives in the same order: either triangles, with shared
-    /// vertices, or spheres.
+    /// Converts the same primitives in the same order: either triangles, with shared vertices, or
+    /// spheres.
     pub fn of(primitives: &[Primitive]) -> Self {
         let mut geometry = Self {
             vertices: Vec::new(),
@@ -68,9 +68,9 @@ pub struct Device {
 }
 
 impl Device {
-    /// A device with this `isa`, `avx2` or `avx512`, that builds with `n_threads`
-    /// threads. Devices that live at the same time all build with the largest
-    /// number of threads of any of them.
+    /// Creates a device with this `isa`, `avx2` or `avx512`, that builds with `n_threads` threads.
+    /// Devices that live at the same time all build with the largest number of threads of any of
+    /// them.
     ///
     /// # Errors
     /// Embree's error code, if it has no such device for this CPU.
@@ -86,7 +86,7 @@ impl Device {
         }
     }
 
-    /// Embree's version.
+    /// Returns Embree's version.
     pub fn version(&self) -> String {
         let [minor, patch] = [ffi::VERSION_MINOR, ffi::VERSION_PATCH].map(|p| self.property(p));
         format!("3.{minor}.{patch}")
@@ -109,8 +109,8 @@ impl Device {
             commit_scene,
             ..
         } = *self.embree;
-        // SAFETY: the handles are of this device; the geometry outlives the
-        // scene, which releases its handle when it is dropped.
+        // SAFETY: the handles belong to this device; the geometry outlives the scene, which
+        // releases its handle when it is dropped.
         let handle = unsafe {
             let scene = new_scene(self.handle);
             set_scene_quality(scene, quality);
@@ -134,7 +134,7 @@ impl Device {
     }
 
     /// # Safety
-    /// The scene is of this device, and the geometry outlives it.
+    /// The scene belongs to this device, and the geometry outlives it.
     unsafe fn attach(&self, scene: Handle, geometry: &Geometry, quality: Quality) {
         let embree = self.embree;
         let (kind, format) = if geometry.triangles.is_empty() {
@@ -143,8 +143,7 @@ impl Device {
             (ffi::TRIANGLES, ffi::FLOAT3)
         };
         let (vertices, triangles) = (&geometry.vertices, &geometry.triangles);
-        // SAFETY: the caller's promise; offsets, strides and counts are those
-        // of the vectors.
+        // SAFETY: the caller's promise; offsets, strides and counts match the vectors.
         unsafe {
             let handle = (embree.new_geometry)(self.handle, kind);
             let share = |buffer, format, data, stride, n| {
@@ -178,8 +177,8 @@ impl Device {
         unsafe { (self.embree.device_property)(self.handle, property) }
     }
 
-    /// The code of the last error, 0 for none; without a device, that of the last
-    /// failed creation of one.
+    /// Returns the code of the last error, 0 for none; without a device, the code of the last
+    /// failed creation.
     fn error(&self) -> c_int {
         // SAFETY: the handle is a device, or null, which Embree allows.
         unsafe { (self.embree.device_error)(self.handle) }
@@ -199,7 +198,7 @@ impl Drop for Device {
 pub struct Scene<'a> {
     device: &'a Device,
     pub(crate) handle: Handle,
-    /// How its rays are intersected.
+    /// The mode in which its rays are intersected.
     pub mode: Mode,
     _geometry: &'a Geometry,
 }
@@ -208,12 +207,12 @@ pub struct Scene<'a> {
 unsafe impl Sync for Scene<'_> {}
 
 impl Scene<'_> {
-    /// Embree's functions.
+    /// Returns Embree's functions.
     pub fn embree(&self) -> &Functions {
         self.device.embree
     }
 
-    /// Whether packets of 16 rays can be traced through it.
+    /// Returns true if packets of 16 rays can be traced through the scene.
     pub fn has_packets_of_16(&self) -> bool {
         self.device.property(ffi::NATIVE_RAY16) != 0
     }

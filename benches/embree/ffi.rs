@@ -1,5 +1,5 @@
-//! The part of Embree 3's C API that the race needs, loaded at run time: names,
-//! values and layouts are those of its headers `rtcore_*.h`, version 3.13.
+//! The part of Embree 3's C API that the race needs, loaded at run time: names, values and layouts
+//! follow its headers `rtcore_*.h`, version 3.13.
 
 #![expect(unsafe_code, reason = "a C library has no other way in")]
 
@@ -67,7 +67,7 @@ pub struct RayFields<F, U> {
     pub t_near: F,
     pub direction: [F; 3],
     pub time: F,
-    /// Becomes the hit's distance, or negative infinity if it is occluded.
+    /// Set to the hit's distance, or to negative infinity if the ray is occluded.
     pub t_far: F,
     pub mask: U,
     pub id: U,
@@ -108,11 +108,11 @@ pub struct RayHit16 {
     pub hit: HitFields<[f32; 16], [u32; 16]>,
 }
 
-/// Which of 16 lanes hold a ray: -1, the others 0.
+/// The lanes of 16 that hold a ray: -1, the others 0.
 #[repr(C, align(64))]
 pub struct Valid16(pub [c_int; 16]);
 
-/// Declares the table of functions and how it is loaded.
+/// Declares the table of functions and its loader.
 macro_rules! functions {
     ($($field:ident = $symbol:literal ($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// Embree's functions.
@@ -126,10 +126,10 @@ macro_rules! functions {
             /// Loads the library.
             ///
             /// # Errors
-            /// It is not installed, or a function is missing.
+            /// If it is not installed, or a function is missing.
             pub fn load() -> Result<Self, libloading::Error> {
-                // SAFETY: Embree's initialisers ask nothing of the program, and
-                // the types below are those of its headers.
+                // SAFETY: Embree's initializers require nothing of the program, and the types below
+                // match its headers.
                 unsafe {
                     let library = Library::new(SONAME)?;
                     Ok(Self {
@@ -165,7 +165,7 @@ functions! {
     occluded16 = "rtcOccluded16" (*const Valid16, Handle, *mut Context, *mut Ray16);
 }
 
-// The sizes that the headers give.
+// The sizes given by the headers.
 const _: () = assert!(size_of::<Context>() == 24);
 const _: () = assert!(size_of::<Ray1>() == 48 && size_of::<RayHit1>() == 80);
 const _: () = assert!(size_of::<Ray16>() == 768 && size_of::<RayHit16>() == 1280);

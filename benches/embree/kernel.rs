@@ -8,11 +8,11 @@ use tracer::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
 pub trait Kernel: Sync {
     /// Overwrites `hits` with the nearest hit of each ray.
     fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>);
-    /// Overwrites `occluded` with whether each ray is occluded.
+    /// Overwrites `occluded` with true for each occluded ray.
     fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>);
 }
 
-/// raycost, one ray at a time; the probe `P` decides whether it counts.
+/// raycost, one ray at a time; it counts if the probe `P` does.
 pub struct Single<'a, P> {
     accel: &'a Accel<'a>,
     probe: P,

@@ -1,10 +1,10 @@
 //! raycost's kernels against Embree's: `cargo bench --bench embree`.
 //!
-//! Both get the same primitives, the same rays to the bit and the same number of
-//! threads, and take turns in one process. Embree 3 is loaded at run time
-//! (`tests/with-embree` installs it) and uses whichever of its instruction sets
-//! is faster; raycost is also compared with its robust mode. raycost counts. The results are medians of millions of rays per
-//! second, and of primitives per second for builds.
+//! Both get the same primitives, the same rays to the bit and the same number of threads, and take
+//! turns in one process. Embree 3 is loaded at run time (`tests/with-embree` installs it) and uses
+//! whichever of its instruction sets is faster; raycost is also compared with its robust mode.
+//! raycost counts. The results are medians of millions of rays per second, and of primitives per
+//! second for builds.
 
 mod agreement;
 mod arena;
@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether all hits agree.
+/// Runs the races. Returns true if all hits agree.
 fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     let embree = Functions::load()
         .map_err(|error| format!("{error}\n  install Embree 3, as `tests/with-embree` does"))?;
@@ -124,10 +124,10 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
     Ok(is_good)
 }
 
-/// Makes a scene.
+/// Loads or generates a scene.
 type Load = Box<dyn Fn() -> (Vec<Primitive>, View)>;
 
-/// The scenes by name: the generated ones, and the meshes of the folder.
+/// Returns the scenes by name: the generated ones, and the meshes of the folder.
 fn scenes(meshes: Option<&Path>) -> std::io::Result<Vec<(String, Load)>> {
     let mut scenes: Vec<(String, Load)> = vec![
         (

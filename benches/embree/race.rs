@@ -1,4 +1,4 @@
-//! Runs kernels in turn; their times.
+//! Running kernels in turn, and their times.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -21,7 +21,7 @@ pub struct Course {
 }
 
 impl Course {
-    /// The times of each kernel for all rays, in seconds.
+    /// Measures the times of each kernel for all rays, in seconds.
     pub fn times(&self, kernels: &[&dyn Kernel], rays: &Rays) -> Vec<Vec<f64>> {
         let batches = rays.batches(self.batch);
         in_turn(self.n_rounds, kernels, |kernel| {
@@ -29,7 +29,7 @@ impl Course {
         })
     }
 
-    /// The time of the kernel for all batches in seconds: the mean CPU time of the
+    /// Measures the time of the kernel for all batches in seconds: the mean CPU time of the
     /// threads, so that other load on the machine disturbs little.
     fn seconds(&self, kernel: &dyn Kernel, batches: &[Rays]) -> f64 {
         let next = AtomicUsize::new(0);
@@ -54,8 +54,8 @@ impl Course {
     }
 }
 
-/// The times of each runner, in seconds; they run A B C, A B C, … so that
-/// drifts of the machine's speed affect all of them equally.
+/// Measures the times of each runner, in seconds; they run A B C, A B C, … so that drifts of the
+/// machine's speed affect all of them equally.
 pub fn in_turn<T>(
     n_rounds: usize,
     runners: &[T],
@@ -70,7 +70,7 @@ pub fn in_turn<T>(
     times
 }
 
-/// The upper median of at least one time.
+/// Returns the upper median of at least one time.
 pub fn median(times: &[f64]) -> f64 {
     upper_median(&mut times.to_vec(), f64::total_cmp).unwrap_or_default()
 }

@@ -44,7 +44,7 @@ impl Rays {
 }
 
 impl Rays {
-    /// The rays in batches of `n`.
+    /// Returns the rays in batches of `n`.
     pub fn batches(&self, n: usize) -> Vec<Self> {
         let starts = (0..self.len()).step_by(n);
         let batch = |first: usize| match self {
@@ -55,7 +55,7 @@ impl Rays {
     }
 }
 
-/// All kinds of rays for a square image of `side` rows.
+/// Returns all kinds of rays for a square image of `side` rows.
 pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) -> [(Kind, Rays); 4] {
     let bounds = primitives
         .iter()
@@ -100,8 +100,8 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
     ]
 }
 
-/// The pixels of a square image, as y * side + x, in the order of the tiles and of
-/// the blocks within them.
+/// Returns the pixels of a square image, as y * side + x, in the order of the tiles and of the
+/// blocks within them.
 fn tiled(side: usize) -> impl Iterator<Item = usize> {
     let starts = move |step| (0..side).step_by(step);
     let tiles = starts(TILE_SIDE).flat_map(move |y| starts(TILE_SIDE).map(move |x| (x, y)));
@@ -114,8 +114,8 @@ fn tiled(side: usize) -> impl Iterator<Item = usize> {
     pixels.filter(is_inside).map(move |(x, y)| y * side + x)
 }
 
-/// A cosine-distributed unit vector above the surface: the normal plus a point of
-/// the unit sphere, which is scaled by 0.999 so that it cannot cancel the normal.
+/// Returns a cosine-distributed unit vector above the surface: the normal plus a point of the unit
+/// sphere, which is scaled by 0.999 so that it cannot cancel the normal.
 fn cosine_distributed(normal: Vec3, [u, v, ..]: [f32; 4]) -> Vec3 {
     let z = 1.0 - 2.0 * v;
     let (sin, cos) = (TAU * u).sin_cos();

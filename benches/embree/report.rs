@@ -48,7 +48,7 @@ pub struct Speed {
 }
 
 impl Speed {
-    /// From the times for `n` rays or primitives, at least one, in seconds.
+    /// Computes the speed from the times for `n` rays or primitives, at least one, in seconds.
     fn of(n: usize, seconds: &[f64]) -> Self {
         let speed = |seconds: f64| n as f64 / seconds / 1e6;
         let statistics = SampleStatistics::of(seconds).expect("each kernel runs");
@@ -60,7 +60,7 @@ impl Speed {
 }
 
 impl Outcome {
-    /// From the times for `n` rays or primitives, in seconds.
+    /// Computes an outcome from the times for `n` rays or primitives, in seconds.
     pub fn new(
         discipline: Discipline,
         n: usize,
@@ -91,8 +91,8 @@ pub struct Row {
     pub goal: Option<f64>,
 }
 
-/// The goal of a scene of spheres or of triangles, against Embree's build of this
-/// quality: the minimum ratio.
+/// Returns the goal of a scene of spheres or of triangles, against Embree's build of this quality:
+/// the minimum ratio.
 pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
     use Discipline::{Build, Single, Stream, StreamAgainstPackets, StreamAgainstRobust};
     match (discipline, of_spheres) {

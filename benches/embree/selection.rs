@@ -1,15 +1,15 @@
-//! What the command line selects of all races.
+//! The races selected by the command line.
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use math::simd::Simd;
 
-/// The race of the builds, among those of rays.
+/// The race of the builds, among the races of rays.
 pub const BUILD: &str = "build";
 
 const RACES: [&str; 5] = [BUILD, "primary", "diffuse", "occlusion", "shadow"];
 
-/// Embree's instruction sets, as raycost names its own.
+/// Embree's instruction sets, by raycost's names.
 const ISAS: [&str; 2] = ["avx2", "avx512"];
 
 /// All races if no option is given.
@@ -33,32 +33,32 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Whether to race on the scene of this name.
+    /// Returns true if the scene of this name takes part.
     pub fn has_scene(&self, name: &str) -> bool {
         name.contains(&self.scene)
     }
 
-    /// Whether to race the builds or the rays of this name.
+    /// Returns true if the builds, or the rays of this name, are raced.
     pub fn has_race(&self, name: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|only| only == name)
     }
 
-    /// Whether to race on raycost's hierarchy of this quality.
+    /// Returns true if raycost's hierarchy of this quality takes part.
     pub fn has_quality(&self, name: &str) -> bool {
         self.quality.as_deref().is_none_or(|only| only == name)
     }
 
-    /// Embree's instruction sets.
+    /// Returns Embree's instruction sets.
     pub fn isas(&self) -> Vec<&'static str> {
         let wanted = self.simd.as_deref();
         let is_wanted = |isa: &&str| wanted.is_none_or(|only| only == *isa);
         ISAS.into_iter().filter(is_wanted).collect()
     }
 
-    /// raycost's instruction set.
+    /// Returns raycost's instruction set.
     ///
     /// # Errors
-    /// The CPU does not have the selected one.
+    /// If the CPU does not have the selected one.
     pub fn simd(&self) -> Result<Simd, String> {
         let Some(only) = &self.simd else {
             return Ok(Simd::best());

@@ -26,8 +26,7 @@ impl Kernel for Singles<'_> {
                 ray: fields(&ray, f32::INFINITY),
                 hit: NO_HIT,
             };
-            // SAFETY: the scene is built, and all pointers are to values of
-            // this function.
+            // SAFETY: the scene is built, and all pointers are to values of this function.
             unsafe { (self.0.embree().intersect1)(self.0.handle, &mut context, &mut traced) };
             hit(traced.hit.geometry, traced.ray.t_far, traced.hit.primitive)
         }));
@@ -48,7 +47,7 @@ impl Kernel for Singles<'_> {
 /// `rtcIntersect16` and `rtcOccluded16`.
 pub struct Packets<'a> {
     pub scene: &'a Scene<'a>,
-    /// Whether the rays of a packet are coherent.
+    /// True if the rays of a packet are coherent.
     pub is_coherent: bool,
 }
 
@@ -63,8 +62,8 @@ impl Kernel for Packets<'_> {
                 hit: NO_HITS,
             };
             let intersect = self.scene.embree().intersect16;
-            // SAFETY: the scene is built, its device has packets of 16, and all
-            // pointers are to values of this function.
+            // SAFETY: the scene is built, its device has packets of 16, and all pointers are to
+            // values of this function.
             unsafe { intersect(&valid(n), self.scene.handle, &mut context, &mut traced) };
             let RayHit16 { ray, hit: found } = &traced;
             let lane = |i| hit(found.geometry[i], ray.t_far[i], found.primitive[i]);
@@ -133,7 +132,7 @@ fn fields(ray: &Ray, t_max: f32) -> RayFields<f32, u32> {
     }
 }
 
-/// The rays `0..n` lane by lane, and the last one in the remaining lanes.
+/// Returns the rays `0..n` lane by lane, and the last one in the remaining lanes.
 #[inline]
 fn lanes(n: usize, ray: impl Fn(usize) -> (Ray, f32)) -> RayFields<[f32; 16], [u32; 16]> {
     let ray = |lane: usize| ray(lane.min(n - 1));
@@ -149,7 +148,7 @@ fn lanes(n: usize, ray: impl Fn(usize) -> (Ray, f32)) -> RayFields<[f32; 16], [u
     }
 }
 
-/// The active mask: one lane per ray.
+/// Returns the active mask: one lane per ray.
 fn valid(n: usize) -> Valid16 {
     Valid16(from_fn(|lane| if lane < n { -1 } else { 0 }))
 }

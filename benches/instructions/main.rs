@@ -1,8 +1,8 @@
 //! A fixed amount of tracing: `benches/instructions/run` counts its instructions,
 //! `benches/instructions/cache` its cache misses: `instructions SCENE WAY COST N_ROUNDS`.
 //!
-//! Each round makes a nearest-hit query and an occlusion query for all rays. Prints the
-//! number of queries, the number of primitives and the provenance of the program as JSON.
+//! Each round makes a nearest-hit query and an occlusion query for all rays. Prints the number of
+//! queries, the number of primitives and the provenance of the program as JSON.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -74,7 +74,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// Rays through the cube from -1 to 1, from a face to its opposite.
+    /// Returns rays through the cube from -1 to 1, from a face to its opposite.
     fn new() -> Self {
         let ray = |i| {
             let [x, y, u, v] = uniform([2, i, 0]).map(|random| 2.0 * random - 1.0);
@@ -108,7 +108,7 @@ impl Rays {
         black_box(&probe);
     }
 
-    /// Each ray belongs to a pixel of its own.
+    /// Traces rays in streams, where each ray belongs to a different pixel.
     #[inline(never)]
     fn in_streams<P: PixelProbe>(&self, accel: &Accel, mut probe: P) {
         probe.reset(N_RAYS as usize, 1);
@@ -121,7 +121,7 @@ impl Rays {
     }
 }
 
-/// A point in the cube from -1 to 1.
+/// Returns a point in the cube from -1 to 1.
 fn in_cube(key: [u64; 3]) -> Vec3 {
     let [x, y, z, _] = uniform(key);
     2.0 * Vec3::new(x, y, z) - 1.0

@@ -1,13 +1,12 @@
-//! Rays per second of every ray kernel that this machine can run:
-//! `cargo bench --bench kernel [-- [--only SCENE] [--mesh FILE] [--builds]]`.
+//! Rays per second of every ray kernel that this machine can run: `cargo bench --bench kernel [--
+//! [--only SCENE] [--mesh FILE] [--builds]]`.
 //!
-//! There are three scenes, and a fourth one with `--mesh`. For each quality of the
-//! hierarchy: the build time, the size, and the node visits and primitive tests
-//! per ray; with `--builds` that is all. For each kernel three kinds of rays:
-//! the primary rays of an image and, from each of their hits, a diffuse ray
-//! (cosine-distributed) and a shadow ray to a point light. On one thread; the
-//! kernels take turns in one process, so that drifts of the machine's speed
-//! affect all of them equally. Reports medians.
+//! There are three scenes, and a fourth one with `--mesh`. For each quality of the hierarchy: the
+//! build time, the size, and the node visits and primitive tests per ray; with `--builds` only
+//! these. For each kernel three kinds of rays: the primary rays of an image and, from each of their
+//! hits, a diffuse ray (cosine-distributed) and a shadow ray to a point light. On one thread; the
+//! kernels take turns in one process, so that drifts of the machine's speed affect all of them
+//! equally. Reports medians.
 
 mod scenes;
 
@@ -49,13 +48,13 @@ fn main() {
     }
 }
 
-/// The argument after `name` on the command line.
+/// Returns the argument after `name` on the command line.
 fn argument(name: &str) -> Option<String> {
     let mut arguments = std::env::args().skip_while(|argument| argument != name);
     arguments.nth(1)
 }
 
-/// A kernel per instruction set of the CPU, by name.
+/// Returns a kernel per instruction set of the CPU, by name.
 fn kernels(primitives: &[Primitive]) -> Vec<(String, Accel<'_>)> {
     let built = Accel::new(primitives, Acceleration::default());
     let on = |simd: Simd| (simd.to_string(), built.clone().with_simd(simd));
@@ -115,7 +114,7 @@ fn compare_build(primitives: &[Primitive], quality: Quality, rays: &Rays) {
     println!("\n           {:?}", accel.statistics().unwrap());
 }
 
-/// The time for all rays in seconds; they are nearest-hit queries if `t_max` is 0.
+/// Measures the time for all rays in seconds; they are nearest-hit queries if `t_max` is 0.
 fn seconds(accel: &Accel, rays: &[Ray], t_max: f32, probe: &mut impl Probe) -> f64 {
     let start = Instant::now();
     let mut n_hits = 0;
@@ -130,7 +129,7 @@ fn seconds(accel: &Accel, rays: &[Ray], t_max: f32, probe: &mut impl Probe) -> f
     start.elapsed().as_secs_f64()
 }
 
-/// The upper median of at least one time.
+/// Returns the upper median of at least one time.
 fn median(times: &mut [f64]) -> f64 {
     upper_median(times, f64::total_cmp).unwrap_or_default()
 }
@@ -142,7 +141,7 @@ struct Rays {
 }
 
 impl Rays {
-    /// The sets of rays by name, with the `t_max` of shadow rays and 0 for others.
+    /// Returns the sets of rays by name, with the `t_max` of shadow rays and 0 for others.
     fn sets(&self) -> [(&str, &[Ray], f32); 3] {
         [
             ("primary", &self.primary, 0.0),

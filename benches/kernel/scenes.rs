@@ -31,7 +31,7 @@ pub const NAVE: View = View {
 };
 
 impl View {
-    /// The ray through pixel `i` of a square image, counted row by row.
+    /// Returns the ray through pixel `i` of a square image, counted row by row.
     pub fn ray(&self, i: usize, side: usize) -> Ray {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(Vec3::Y).normalize();
@@ -51,13 +51,13 @@ fn primitive(shape: Shape) -> Primitive {
     Primitive::new(shape, None, ObjectId(0), MaterialId(0))
 }
 
-/// A point in the cube from -1 to 1, and one more number in [0, 1).
+/// Returns a point in the cube from -1 to 1, and one more number in [0, 1).
 fn in_cube(key: [u64; 3]) -> (Vec3, f32) {
     let [x, y, z, w] = uniform(key);
     (2.0 * Vec3::new(x, y, z) - 1.0, w)
 }
 
-/// A million small spheres.
+/// Returns a million small spheres.
 pub fn sphere_cloud() -> Vec<Primitive> {
     let sphere = |i| {
         let (center, w) = in_cube([1, i, 0]);
@@ -67,7 +67,7 @@ pub fn sphere_cloud() -> Vec<Primitive> {
     (0..1_000_000).map(sphere).collect()
 }
 
-/// Small triangles at random positions, in all directions.
+/// Returns small triangles at random positions, in all directions.
 pub fn triangle_soup() -> Vec<Primitive> {
     let triangle = |i| {
         let (center, _) = in_cube([2, i, 0]);
@@ -77,9 +77,9 @@ pub fn triangle_soup() -> Vec<Primitive> {
     (0..200_000).map(triangle).collect()
 }
 
-/// A hall of columns, 48 m long, 30 m wide and 6 m high: planks and shafts
-/// whose triangles are a hundred times longer than wide, ribs across all
-/// axes, bases and capitals of small triangles, two large walls.
+/// Returns a hall of columns, 48 m long, 30 m wide and 6 m high: planks and shafts whose triangles
+/// are a hundred times longer than wide, ribs across all axes, bases and capitals of small
+/// triangles, two large walls.
 pub fn architecture() -> Vec<Primitive> {
     let [n_x, n_z] = [10_u16, 16];
     let foot = |x: u16, z: u16| 3.0 * Vec3::new(f32::from(x) + 0.5, 0.0, f32::from(z) + 0.5);
@@ -110,7 +110,7 @@ pub fn architecture() -> Vec<Primitive> {
     triangles.into_iter().map(shape).collect()
 }
 
-/// A shaft of 4 m between a base and a capital of many rings.
+/// Adds a shaft of 4 m between a base and a capital of many rings.
 fn column(foot: Vec3, triangles: &mut Vec<[Vec3; 3]>) {
     let ring = |i: u16, from: f32| {
         let x = f32::from(i) / 8.0;
@@ -125,8 +125,7 @@ fn column(foot: Vec3, triangles: &mut Vec<[Vec3; 3]>) {
     tube([ring(8, 0.0), ring(0, 4.2)], 40, triangles);
 }
 
-/// The lateral surface of a cone between two circles, each given by its center and
-/// radius.
+/// Adds the lateral surface of a cone between two circles, each given by its center and radius.
 fn tube(circles: [(Vec3, f32); 2], n_sides: u16, triangles: &mut Vec<[Vec3; 3]>) {
     let axis = (circles[1].0 - circles[0].0).normalize();
     let (u, v) = axis.any_orthonormal_pair();
@@ -145,7 +144,7 @@ fn quad([a, b, c, d]: [Vec3; 4]) -> [[Vec3; 3]; 2] {
     [[a, b, c], [a, c, d]]
 }
 
-/// The triangles of a mesh file and a view of them.
+/// Reads the triangles of a mesh file and chooses a view of them.
 pub fn mesh(path: &Path) -> (Vec<Primitive>, View) {
     let mesh = read_mesh(path).unwrap_or_else(|fault| panic!("{fault}"));
     let triangles = mesh.triangles.iter().map(|&indices| mesh.triangle(indices));

@@ -1,10 +1,10 @@
-//! Rays per second of whole renderings in each cost mode:
-//! `cargo bench --bench render [-- SCENE …] [-- --json FILE]`.
+//! Rays per second of whole renderings in each cost mode: `cargo bench --bench render [-- SCENE …]
+//! [-- --json FILE]`.
 //!
-//! Takes scene files and folders of them; those in `configs/` if none is named. Renders on
-//! one thread; the modes take turns in one process, so that a drift of the machine affects
-//! all of them equally. Prints medians and, in brackets, the speed relative to the first
-//! mode: the gain of streams, and the cost of counters and of the clock of waves.
+//! Takes scene files and folders of them; by default `configs/`. Renders on one thread; the modes
+//! take turns in one process, so that a drift of the machine affects all of them equally. Prints
+//! medians and, in brackets, the speed relative to the first mode: the gain of streams, and the
+//! cost of counters and of the clock of waves.
 
 mod scenes;
 

@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The scene files of a command line, those of each folder sorted by name; the
-/// folder `configs` where none is named.
+/// Returns the scene files of a command line, the files of each folder sorted by name; the folder
+/// `configs` where none is named.
 ///
 /// # Errors
-/// A message, where a path does not exist or a folder has no scene.
+/// A message, if a path does not exist or a folder has no scene.
 pub fn named(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, String> {
     if paths.is_empty() {
         paths.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs"));
@@ -24,7 +24,7 @@ pub fn named(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, String> {
     Ok(scenes.collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-/// The YAML files directly in a folder; other files are ignored.
+/// Returns the YAML files directly in a folder; other files are ignored.
 fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let named = folder.display();
     let failed = |error| format!("cannot read `{named}`: {error}");

@@ -1,54 +1,54 @@
 //! A rendering on many ranks, simulated from the times of its tiles.
 //!
-//! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks,
-//! as [`render::ranks`] does with MPI: both ends of a message look for the next one from time
-//! to time ([`pause`]), and workers have some milliseconds of tiles ahead. What is simulated
-//! are the times of tiles, messages and the film of rank 0; that threads of a machine slow
-//! each other down, and that messages do, is not.
+//! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks, as
+//! [`render::ranks`] does with MPI: both ends of a message poll for the next one from time to time
+//! ([`pause`]), and workers have some milliseconds of tiles ahead. The simulation covers the times
+//! of tiles, messages and the film of rank 0, but not that the threads of a machine, and messages,
+//! slow each other down.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 use raycost::schedule::{TileRun, WorkerShare, pause};
 
-/// Ranks with equal threads, and what lies between them.
+/// Ranks with equal threads, and the network between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cluster {
     /// Number of ranks, at least 1.
     pub n_ranks: u32,
-    /// Number of threads of each, at least 1.
+    /// Number of threads of each rank, at least 1.
     pub n_threads: u32,
     /// Time of a message without bytes, in nanoseconds.
     pub latency_ns: u64,
-    /// Bytes of a message in a nanosecond.
+    /// Bytes of a message per nanosecond.
     pub bytes_per_ns: f64,
     /// Bytes of a tile in a message.
     pub tile_bytes: u64,
 }
 
-/// What a simulated rendering took.
+/// The times of a simulated rendering.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Makespan {
-    /// From the begin of the first tile until rank 0 has all, in nanoseconds.
+    /// Time from the start of the first tile until rank 0 has all, in nanoseconds.
     pub ns: u64,
     /// The time of the tiles of each thread, in nanoseconds, rank by rank.
     pub busy_ns: Vec<u64>,
 }
 
 impl Makespan {
-    /// The mean busy time of the threads over the longest: the load balance of the POP
+    /// Returns the mean busy time of the threads over the longest: the load balance of the POP
     /// metrics (pop-coe.eu), from 0 to 1.
     pub fn load_balance(&self) -> f64 {
         self.total_ns() / (self.busy_ns.len() as f64 * self.longest_ns())
     }
 
-    /// The longest busy time of a thread over the duration: the communication efficiency of
+    /// Returns the longest busy time of a thread over the duration: the communication efficiency of
     /// the POP metrics, from 0 to 1.
     pub fn communication_efficiency(&self) -> f64 {
         self.longest_ns() / self.ns as f64
     }
 
-    /// The mean busy time over the duration: the product of both.
+    /// Returns the mean busy time over the duration: the product of both.
     pub fn parallel_efficiency(&self) -> f64 {
         self.load_balance() * self.communication_efficiency()
     }
@@ -63,8 +63,8 @@ impl Makespan {
 }
 
 impl Cluster {
-    /// The shortest possible makespan of these tiles, in nanoseconds: each thread has the same
-    /// work, or the longest tile is alone on its thread.
+    /// Returns the shortest possible makespan of these tiles, in nanoseconds: each thread has the
+    /// same work, or the longest tile has a thread to itself.
     pub fn ideal_ns(&self, runs: &[TileRun]) -> u64 {
         let durations = || runs.iter().map(TileRun::duration_ns);
         let n_threads = u64::from(self.n_ranks) * u64::from(self.n_threads);
@@ -84,7 +84,7 @@ impl Cluster {
     }
 }
 
-/// What happens next on a rank.
+/// The next event on a rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Next {
     /// Thread `.1` of rank `.0` has no tile.
@@ -98,14 +98,14 @@ enum Next {
 /// A simulated rank.
 #[derive(Debug, Default)]
 struct SimulatedRank {
-    /// Tiles that no thread has begun.
+    /// Tiles that no thread has started.
     queue: VecDeque<usize>,
     /// The threads that wait for tiles.
     idle: Vec<u32>,
     busy_ns: Vec<u64>,
-    /// Rendered tiles, and when each was.
+    /// Rendered tiles, and the time when each was rendered.
     rendered: VecDeque<(u64, usize)>,
-    /// Tiles on the way to this rank, and when they arrive.
+    /// Tiles on the way to this rank, and the time when they arrive.
     dealt: VecDeque<(u64, usize)>,
     share: WorkerShare,
 }
@@ -117,10 +117,10 @@ struct Simulation<'a> {
     next: usize,
     ranks: Vec<SimulatedRank>,
     events: BinaryHeap<Reverse<(u64, Next)>>,
-    /// Tiles on the way to rank 0: when they arrive, the rank and the tile.
+    /// Tiles on the way to rank 0: the time when they arrive, the rank and the tile.
     returned: BinaryHeap<Reverse<(u64, u32, usize)>>,
     n_stored: usize,
-    /// When the last tile was stored.
+    /// The time when the last tile was stored.
     stored_ns: u64,
 }
 
@@ -136,7 +136,7 @@ impl<'a> Simulation<'a> {
         let mut ranks: Vec<SimulatedRank> = (0..cluster.n_ranks).map(|_| rank()).collect();
         for (rank, number) in ranks.iter_mut().zip(0..).skip(1) {
             rank.idle.extend(0..cluster.n_threads);
-            // The ranks do not look for messages at the same moments.
+            // The ranks do not poll for messages at the same moments.
             let offset = pause_ns(false) * number / u64::from(cluster.n_ranks);
             events.push(Reverse((offset, Next::Carry(number as u32))));
         }
@@ -165,7 +165,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// A thread takes the next tile of its rank.
+    /// Starts the next tile of a rank on a thread.
     fn begin_tile(&mut self, now: u64, number: u32, thread: u32) {
         let tile = match number {
             0 => self.take_tile(),
@@ -195,7 +195,7 @@ impl<'a> Simulation<'a> {
         Some(tile)
     }
 
-    /// Rank 0 stores the tiles that have arrived, and deals others.
+    /// Lets rank 0 store the tiles that have arrived, and deal others.
     fn lead(&mut self, now: u64) {
         let mut end = now;
         while let Some(&Reverse((arrival, rank, tile))) = self.returned.peek()
@@ -216,7 +216,7 @@ impl<'a> Simulation<'a> {
         self.events.push(Reverse((next, Next::Lead)));
     }
 
-    /// Sends a worker the tiles that it needs; returns the time that this takes.
+    /// Sends a worker the tiles that it needs. Returns the time that this takes.
     fn deal_to(&mut self, now: u64, number: u32) -> u64 {
         let n_left = (self.runs.len() - self.next) as u64;
         let [n_threads, n_ranks] = [self.cluster.n_threads, self.cluster.n_ranks].map(u64::from);
@@ -238,7 +238,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// A worker gives its threads the tiles that have arrived, and sends what they rendered.
+    /// Lets a worker give its threads the tiles that have arrived, and send what they rendered.
     fn carry(&mut self, now: u64, number: u32) {
         let rank = &mut self.ranks[number as usize];
         while let Some(&(arrival, tile)) = rank.dealt.front()
@@ -267,8 +267,8 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// When a rank looks for messages again that was busy with them until `end`: at once, or after a
-/// pause if it had nothing to do.
+/// Returns the time when a rank that was busy with messages until `end` polls again: at once, or
+/// after a pause if it had nothing to do.
 fn next_look(now: u64, end: u64, has_tiles: bool) -> u64 {
     if end > now {
         end
@@ -277,7 +277,7 @@ fn next_look(now: u64, end: u64, has_tiles: bool) -> u64 {
     }
 }
 
-/// The [`pause`] in nanoseconds.
+/// Returns the [`pause`] in nanoseconds.
 fn pause_ns(has_tiles: bool) -> u64 {
     pause(has_tiles).as_nanos() as u64
 }
@@ -339,7 +339,7 @@ mod tests {
             let sum: u64 = runs.iter().map(TileRun::duration_ns).sum();
             prop_assert_eq!(makespan.busy_ns.iter().sum::<u64>(), sum);
             prop_assert!(makespan.ns >= cluster.ideal_ns(&runs));
-            // Rank 0 alone would end no later, but for the way of the last messages.
+            // By itself, rank 0 would end no later, except for the way of the last messages.
             let longest = runs.iter().map(TileRun::duration_ns).max().unwrap_or(0);
             let slack = 8 * pause_ns(true) + 3 * longest * (1 + u64::from(n_threads));
             prop_assert!(makespan.ns <= sum / u64::from(n_threads) + slack);

@@ -14,7 +14,7 @@ use raycost::{Options, Session};
 
 use cluster::Cluster;
 
-/// The tiles of a scene in the order in which they are dealt, and the bytes of each.
+/// Returns the tiles of a scene in the order in which they are dealt, and the bytes of each.
 fn tiles(scene: &str, size: Option<u32>) -> Result<(Vec<TileRun>, u64), Box<dyn Error>> {
     let session = Session::open_with(scene, |config| {
         config.tiles.order = TileOrder::Cost;

@@ -5,9 +5,9 @@ use output::writers::{Group, RenderingView};
 use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use tracer::cost::Metric;
 
-/// Most rows of a table; the last one sums up the rest.
+/// Greatest number of rows of a table; the last one sums up the rest.
 const MAX_ROWS: usize = 10;
-/// Most characters of a name.
+/// Greatest number of characters of a name.
 const MAX_NAME_CHARS: usize = 30;
 
 /// A row: shares of the picture and of the cost by both attribution rules.
@@ -17,8 +17,8 @@ struct ShareRow {
     shares: [f64; 3],
 }
 
-/// Formats two tables with the share of the picture and the share of the cost of
-/// each object and each material, the most expensive first.
+/// Formats two tables with the share of the picture and the share of the cost of each object and
+/// each material, the most expensive first.
 pub(super) fn tables(rendering: &RenderingView, attribution: &CostAttribution) -> String {
     let whole = attribution.objects.iter().copied();
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);

@@ -51,11 +51,11 @@ pub(super) struct CheckArguments {
 }
 
 impl CheckArguments {
-    /// Checks a scene that a study measures, without printing a report; returns the files
-    /// that determine its picture.
+    /// Checks a scene that a study measures, without printing a report. Returns the files that
+    /// determine its picture.
     ///
     /// # Errors
-    /// The first fault of the scene; or it has many frames.
+    /// The first fault of the scene, or if it has many frames.
     pub(super) fn checked_files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
         if let Some(word) = self.others.first() {
             let message = format!("`{}` in `flags` is not a flag", shown(word));
@@ -123,7 +123,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     Ok(text::print(&report)?)
 }
 
-/// The config of a frame, or of a still, the scene in world space, and the memory of its
+/// Returns the config of a frame, or of a still, the scene in world space, and the memory of its
 /// rendering.
 fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memory), Diagnostic> {
     let Input {
@@ -222,7 +222,7 @@ fn report(
         ("files", files(config, memory, &folder)),
         ("disk", disk(config, memory, &expected.disk)),
     ];
-    // Behind the line about the scene.
+    // After the line about the scene.
     let (first, others) = lines.split_at(1);
     let lines = first.iter().chain(&frames).chain(others);
     lines
@@ -230,7 +230,7 @@ fn report(
         .collect()
 }
 
-/// "about 159 MB at the peak; with at most", where the peak is known.
+/// Returns "about 159 MB at the peak; with at most", where the peak is known.
 fn at_the_peak(expected: &Prediction) -> String {
     match expected.peak_memory {
         Some(peak) => format!("about {} at the peak; with at most", bytes(peak)),
@@ -238,7 +238,7 @@ fn at_the_peak(expected: &Prediction) -> String {
     }
 }
 
-/// The bytes of the files; before compression where the compressed ones are not predicted.
+/// Returns the bytes of the files; before compression where the compressed ones are not predicted.
 fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
     let list = |is_known: bool| {
         let files = disk.arrays.iter().filter(|file| file.is_known == is_known);
@@ -266,7 +266,7 @@ fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
     text
 }
 
-/// ", 512 bytes for each instance", in a scene that has some.
+/// Returns ", 512 bytes for each instance", in a scene that has some.
 fn per_instance(config: &Config) -> String {
     if !config.has_instances() {
         return String::new();
@@ -275,7 +275,7 @@ fn per_instance(config: &Config) -> String {
     format!(", {} for each instance", bytes(n_bytes))
 }
 
-/// The number of frames, their times, and the rays of all.
+/// Returns the number of frames, their times, and the rays of all.
 fn frames_of(frames: &Frames, config: &Config) -> String {
     let n_frames = frames.n_frames();
     let image = &config.image;
@@ -289,7 +289,7 @@ fn frames_of(frames: &Frames, config: &Config) -> String {
     )
 }
 
-/// The files that would be written.
+/// Returns the files that would be written.
 fn files(config: &Config, memory: &Memory, out: &Path) -> String {
     let request = Request {
         vtkhdf: false,
@@ -312,7 +312,7 @@ fn files(config: &Config, memory: &Memory, out: &Path) -> String {
     format!("{names}{of_bands} in {out}{codec}")
 }
 
-/// How light would become the picture.
+/// Describes how light would become the picture.
 fn film(config: &Config) -> String {
     let film = &config.film;
     let transfer = match film.transfer(config.shading.model) {
@@ -327,7 +327,7 @@ fn film(config: &Config) -> String {
     format!("exposure {exposure}, {curve}, {transfer}, {bits} bits per channel")
 }
 
-/// The tiles of the picture.
+/// Describes the tiles of the picture.
 fn tiles(config: &Config) -> String {
     let Image { width, height, .. } = config.image;
     let Tiling { size, order } = config.tiles;
@@ -339,7 +339,7 @@ fn tiles(config: &Config) -> String {
     )
 }
 
-/// The cost that would be measured, and how.
+/// Describes the cost that would be measured, and how.
 fn cost(config: &Config) -> String {
     match (config.cost, config.repeats) {
         (CostMode::None, _) => "none; rays are traced in streams".to_owned(),
@@ -362,7 +362,7 @@ fn cost(config: &Config) -> String {
     }
 }
 
-/// The number of objects of each kind, such as "3 sphere, 1 plane", in the order of the
+/// Returns the number of objects of each kind, such as "3 sphere, 1 plane", in the order of the
 /// file.
 fn kinds(config: &Config) -> String {
     let mut kinds: indexmap::IndexMap<String, u64> = indexmap::IndexMap::new();

@@ -71,7 +71,7 @@ fn compare(arguments: &DiffArguments) -> Result<(), Failure> {
     }
 }
 
-/// The folder to write to.
+/// Returns the folder to write to.
 fn out(arguments: &DiffArguments, [a, b]: &[Side; 2]) -> PathBuf {
     match &arguments.out {
         Some(out) => out.clone(),

@@ -5,12 +5,12 @@ use base::folder::WriteError;
 use base::stop::Stopped;
 use base::text::Diagnostic;
 
-/// Why a command failed.
+/// Reasons why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The user's input is wrong: exit code 2.
     Input(Diagnostic),
-    /// The output is not complete, as a message on standard output says: exit code 4.
+    /// The output is incomplete, as a message on standard output says: exit code 4.
     Partial,
     /// B costs more than the gate of `diff` allows: exit code 3.
     Gate(Diagnostic),
@@ -20,8 +20,8 @@ pub enum Failure {
     Usage(String),
     /// Several inputs failed: the greatest exit code.
     Several(Vec<Failure>),
-    /// A signal stopped the program: exit code 128 plus its number. The message says what was
-    /// kept, if anything can go on.
+    /// A signal stopped the program: exit code 128 plus its number. The message says what was kept,
+    /// if another run can continue.
     Stopped(Stopped, Option<Diagnostic>),
     /// The reader of the output has closed its pipe, as `| head` does: exit code 0,
     /// without a message.
@@ -69,7 +69,7 @@ impl From<std::io::Error> for Failure {
 }
 
 impl Failure {
-    /// The same; if the program was stopped, with what was kept.
+    /// Adds the message about what was kept, if the program was stopped.
     pub(super) fn or_kept(self, kept: impl FnOnce() -> Option<Diagnostic>) -> Self {
         match self {
             Self::Stopped(stopped, _) => Self::Stopped(stopped, kept()),
@@ -77,7 +77,7 @@ impl Failure {
         }
     }
 
-    /// The failure of a command that failed after a signal, and because of it.
+    /// Returns the failure of a command that failed after a signal, and because of it.
     pub(super) fn because_of(self, stopped: Stopped) -> Self {
         match self {
             Self::Stopped(_, kept) => Self::Stopped(stopped, kept),
@@ -85,7 +85,7 @@ impl Failure {
         }
     }
 
-    /// The process's exit code.
+    /// Returns the process's exit code.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Partial => 4,
@@ -98,7 +98,7 @@ impl Failure {
         }
     }
 
-    /// The message without styles, and without the word `error`, as part of another one;
+    /// Returns the message without styles, and without the word `error`, as part of another one;
     /// `None` if nothing is printed.
     pub(super) fn text(&self) -> Option<String> {
         let text = anstream::adapter::strip_str(&self.message()?).to_string();
@@ -106,7 +106,7 @@ impl Failure {
         Some(text.to_owned())
     }
 
-    /// The message with its styles; `None` if nothing is printed.
+    /// Returns the message with its styles; `None` if nothing is printed.
     pub fn message(&self) -> Option<String> {
         match self {
             Self::Input(diagnostic) | Self::Gate(diagnostic) | Self::Machine(diagnostic) => {

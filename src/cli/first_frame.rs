@@ -1,4 +1,4 @@
-//! The acceleration structure of the first frame, from which those of others are refitted.
+//! The acceleration structure of the first frame, which other frames may refit.
 
 use super::Failure;
 use super::open_scene::OpenScene;
@@ -10,7 +10,7 @@ use render::instruments::Stages;
 use scene::animation::HierarchyUpdate;
 use tracer::accel::FrameBase;
 
-/// The first frame of a scene whose other frames may have its hierarchy.
+/// The first frame of a scene, whose hierarchy other frames may reuse.
 pub(super) struct FirstFrame {
     /// A hash of the contents of the scene and of its files.
     pub(super) contents: Checksum,
@@ -18,14 +18,14 @@ pub(super) struct FirstFrame {
 }
 
 impl OpenScene<'_> {
-    /// How the hierarchies of frames come about.
+    /// Returns how other frames derive their hierarchies.
     pub(super) fn update(&self) -> HierarchyUpdate {
         let frames = self.frames.as_ref();
         frames.map_or(HierarchyUpdate::Rebuild, Frames::update)
     }
 
-    /// The hash of all that determines the primitives of the first frame, if other frames may
-    /// have its hierarchy.
+    /// Returns the hash of all that determines the primitives of the first frame, if other frames
+    /// may reuse its hierarchy.
     ///
     /// # Errors
     /// The first fault of the scene.
@@ -37,8 +37,8 @@ impl OpenScene<'_> {
         Ok(Some(Frames::geometry(&document, &config)))
     }
 
-    /// The hierarchy of the first frame, for a frame that may have it, by default the first one;
-    /// `None` for one that builds its own.
+    /// Returns the hierarchy of the first frame, for a frame that may reuse it, by default the
+    /// first one; `None` for a frame that builds a new one.
     ///
     /// # Errors
     /// The errors of [`first_frame`](Self::first_frame).
@@ -60,7 +60,7 @@ impl OpenScene<'_> {
     /// Reads the first frame and builds its hierarchy.
     ///
     /// # Errors
-    /// The first fault of the scene, or the hierarchy is too large.
+    /// The first fault of the scene, or if the hierarchy is too large.
     pub(super) fn first_frame(&self, options: &Options) -> Result<FirstFrame, Failure> {
         let session = Session::new(self.load(None, Memory::of_scene)?, Stages::default())?;
         FirstFrame::of(&session, options, self.update())
@@ -68,10 +68,10 @@ impl OpenScene<'_> {
 }
 
 impl FirstFrame {
-    /// The first frame; builds its hierarchy if it has none yet.
+    /// Creates the first frame; builds its hierarchy if it has none yet.
     ///
     /// # Errors
-    /// The hierarchy is too large, or a file cannot be read.
+    /// If the hierarchy is too large, or a file cannot be read.
     pub(super) fn of(
         session: &Session,
         options: &Options,

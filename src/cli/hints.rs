@@ -6,17 +6,17 @@ use output::prediction::{Look, Prediction};
 use scene::background::Background;
 use scene::config::{Config, ShadingModel};
 
-/// Most names in a hint.
+/// Greatest number of names in a hint.
 const MOST_NAMES: usize = 5;
 
-/// A line for each thing that is probably not meant; empty if there is none.
+/// Returns one line for each likely mistake; empty if there is none.
 pub(super) fn lines(config: &Config, expected: &Prediction) -> String {
     let hints = [of_view(config, expected.look), unused_materials(config)];
     let hints = hints.into_iter().flatten();
     hints.map(|hint| format!("hint    {hint}\n")).collect()
 }
 
-/// What is wrong with the picture as a whole.
+/// Returns the problem with the picture as a whole, if any.
 fn of_view(config: &Config, look: Look) -> Option<String> {
     let Look {
         has_hit,
@@ -52,7 +52,7 @@ fn of_view(config: &Config, look: Look) -> Option<String> {
     ))
 }
 
-/// Whether anything in the scene shines.
+/// Returns true if anything in the scene shines.
 fn has_light(config: &Config) -> bool {
     let emits = config.materials.values().any(|material| material.emits());
     let is_path = config.shading.model == ShadingModel::Path;
@@ -61,7 +61,7 @@ fn has_light(config: &Config) -> bool {
     !config.lights.is_empty() || has_ambient || emits || is_path && has_background
 }
 
-/// The materials that no object has.
+/// Returns the materials that no object has.
 fn unused_materials(config: &Config) -> Option<String> {
     let objects = config.objects.iter();
     let used: HashSet<&String> = objects.flat_map(|object| &object.material.0).collect();

@@ -31,8 +31,8 @@ pub(super) fn lines(found: [Option<Hottest>; 2]) -> String {
         .collect()
 }
 
-/// The command that traces the most expensive pixel; `None` if nothing was measured, or
-/// if the scene was read from standard input.
+/// Returns the command that traces the most expensive pixel; `None` if nothing was measured, or if
+/// the scene was read from standard input.
 pub(super) fn trace_command(scene: &SceneArguments, found: [Option<Hottest>; 2]) -> Option<String> {
     let (_, pixel) = found.into_iter().flatten().next()?;
     if scene.is_standard_input() {
@@ -54,8 +54,8 @@ pub(super) fn found(pixels: &[HotPixel], metric: Metric) -> String {
     format!("hottest by {}: {}\n", metric.name, pixels.join(", "))
 }
 
-/// The config of the rendering that finds the most expensive pixels: it measures only
-/// the metric.
+/// Returns the config of the rendering that finds the most expensive pixels: it measures only the
+/// metric.
 pub(super) fn searched(config: &Config, metric: Metric) -> Config {
     let (cost, repeats) = match metric {
         Metric::TIME if config.cost.has_time() => (config.cost, config.repeats),
@@ -82,7 +82,7 @@ pub(super) fn search(config: &Config, scene: &Scene, accel: &Accel, quiet: bool)
 /// Returns the `n` most expensive pixels, or fewer if fewer have a cost.
 ///
 /// # Errors
-/// No pixel has a cost, or no time is reliable.
+/// If no pixel has a cost, or no time is reliable.
 pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPixel>, Failure> {
     let pixels = film.hottest(metric, n);
     match (pixels.is_empty(), metric) {

@@ -52,8 +52,8 @@ pub struct Cli {
     command: Command,
 }
 
-/// Defines [`Command`] and its dispatch from one list. A row has the subcommand and the
-/// type of its arguments in its file, whose `run` takes them.
+/// Defines [`Command`] and its dispatch from one list. A row has the subcommand and the type of its
+/// arguments in its file, whose `run` takes them.
 macro_rules! commands {
     ($($(#[$doc:meta])* $command:ident($file:ident::$arguments:ident),)*) => {
         #[derive(Debug, Subcommand)]
@@ -94,8 +94,7 @@ commands! {
     Completions(completions::CompletionsArguments),
 }
 
-/// Parses the command line and runs its subcommand; the first argument is the program's
-/// name.
+/// Parses the command line and runs its subcommand; the first argument is the program's name.
 ///
 /// # Errors
 /// The message to print and the exit code.
@@ -114,8 +113,8 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     }
 }
 
-/// The failure of a command line that has a file in the place of the command, or a name with
-/// spaces without quotes.
+/// Returns the failure of a command line that has a file in the place of the command, or a name
+/// with spaces without quotes.
 fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagnostic> {
     match usage.kind() {
         ErrorKind::InvalidSubcommand => {
@@ -141,8 +140,8 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
     }
 }
 
-/// Returns clap's text with its styles. clap repeats arguments verbatim, so that
-/// arguments with control characters are parsed again with these made visible.
+/// Returns clap's text with its styles. clap repeats arguments verbatim, so arguments with control
+/// characters are parsed again with these made visible.
 fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
     let visible = arguments
         .iter()
@@ -168,8 +167,8 @@ impl Cli {
 }
 
 impl Cli {
-    /// Checks the scene of a `check` without printing a report; returns the files that
-    /// determine its picture. Other subcommands have none.
+    /// Checks the scene of a `check` without printing a report. Returns the files that determine
+    /// its picture. Other subcommands have none.
     fn checked_files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
         match &self.command {
             Command::Check(arguments) => arguments.checked_files(),
@@ -178,8 +177,8 @@ impl Cli {
     }
 }
 
-/// Runs `work` on a new thread pool: rayon's global pool would panic if the system
-/// refused its threads.
+/// Runs `work` on a new thread pool: rayon's global pool would panic if the system refused its
+/// threads.
 fn on_threads(work: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     thread_pool(None)?.install(work)
 }
@@ -189,7 +188,7 @@ fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     session::thread_pool(n_threads, &Cancellation::default()).map_err(Failure::Machine)
 }
 
-/// The path, safe to print on a terminal.
+/// Returns the path, safe to print on a terminal.
 fn shown(path: &Path) -> String {
     one_line(&path.to_string_lossy()).into_owned()
 }

@@ -68,7 +68,7 @@ fn unwritable(file: &Path, error: &io::Error) -> Failure {
     Failure::Machine(Diagnostic::new(message).with_help("name a file in another folder"))
 }
 
-/// The path of a mesh as its scene file has to name it.
+/// Returns the path of a mesh as its scene file has to name it.
 fn path_from(scene: &Path, mesh: &Path) -> PathBuf {
     let folder = scene.parent().unwrap_or(Path::new(""));
     if folder == Path::new("") || mesh.is_absolute() {

@@ -28,10 +28,10 @@ impl<'a> OpenScene<'a> {
         Self::of(arguments, arguments.source()?)
     }
 
-    /// A scene whose text was read before.
+    /// Opens a scene whose text was read before.
     ///
     /// # Errors
-    /// As those of [`read`](Self::read).
+    /// The errors of [`read`](Self::read).
     pub(super) fn of(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
         let document = arguments.document(source)?;
         let config: Config = document.parse()?;
@@ -43,8 +43,8 @@ impl<'a> OpenScene<'a> {
         })
     }
 
-    /// Reads the files of a frame, by default the first one, or of the still; checks that
-    /// the memory that a command needs is available.
+    /// Reads the files of a frame, by default the first one, or of the still; checks that the
+    /// memory that a command needs is available.
     ///
     /// # Errors
     /// The first fault of the scene.
@@ -60,7 +60,7 @@ impl<'a> OpenScene<'a> {
         Input::read(document, config, needed)
     }
 
-    /// The time of a frame that the animation has, by default the first one; `None` for a
+    /// Returns the time of a frame that the animation has, by default the first one; `None` for a
     /// still.
     pub(super) fn time(&self, frame: Option<u32>) -> Option<f64> {
         let frames = self.frames.as_ref()?;
@@ -70,7 +70,7 @@ impl<'a> OpenScene<'a> {
     /// Checks that the animation has a frame of this number.
     ///
     /// # Errors
-    /// It has not, or the scene is a still.
+    /// If it does not, or the scene is a still.
     pub(super) fn check_frame(&self, number: u32) -> Result<(), Diagnostic> {
         let n_frames = match &self.frames {
             Some(frames) if number < frames.n_frames() => return Ok(()),
@@ -89,7 +89,7 @@ impl<'a> OpenScene<'a> {
         Err(Diagnostic::new(message).with_help(help))
     }
 
-    /// The files that determine the picture of a still.
+    /// Returns the files that determine the picture of a still.
     ///
     /// # Errors
     /// A setting that the scene does not allow.
@@ -103,7 +103,7 @@ impl<'a> OpenScene<'a> {
         self.document.point_at(fault)
     }
 
-    /// The scene at a frame, or the still, with the settings of the command line.
+    /// Returns the scene at a frame, or the still, with the settings of the command line.
     ///
     /// # Errors
     /// The first fault in it.

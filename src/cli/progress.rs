@@ -11,12 +11,12 @@ use base::text::one_line;
 use render::instruments::TimeLeft;
 use render::tiles::Progress;
 
-/// A build shows no bar before this time.
+/// A build that takes less than this shows no bar.
 const BAR_DELAY: Duration = Duration::from_secs(1);
 /// The length of bars of fractions.
 const MILLION: u64 = 1_000_000;
 
-/// A bar on standard error, if that is a terminal.
+/// Returns a bar on standard error, if that is a terminal.
 fn bar(length: u64, quiet: bool) -> ProgressBar {
     // indicatif hides the bar where standard error is not a terminal.
     let target = if quiet {
@@ -39,7 +39,7 @@ pub(super) struct BuildBar {
 }
 
 impl BuildBar {
-    /// A bar that is never drawn if `quiet`.
+    /// Creates a bar that is never drawn if `quiet`.
     pub(super) fn new(quiet: bool) -> Self {
         Self {
             bar: bar(MILLION, quiet).with_message("building"),
@@ -70,7 +70,7 @@ pub(super) struct PixelBar {
 }
 
 impl PixelBar {
-    /// A bar of `n_pixels`; never drawn if `quiet`.
+    /// Creates a bar of `n_pixels`; never drawn if `quiet`.
     pub(super) fn new(n_pixels: u64, quiet: bool) -> Self {
         let bar = bar(MILLION, quiet);
         if let Ok(style) = ProgressStyle::with_template("{bar:40.cyan} {percent:>3} %  {msg}") {
@@ -110,7 +110,7 @@ impl PixelBar {
     }
 }
 
-/// The rays that this run has traced: those of an earlier one took it no time.
+/// Returns the rays that this run has traced: rays of an earlier run took it no time.
 fn rays_of_this_run(progress: Progress) -> u64 {
     if progress.is_restored {
         0
@@ -132,7 +132,7 @@ enum StageBar {
 }
 
 impl Bars {
-    /// Bars that are never drawn if `quiet`.
+    /// Creates bars that are never drawn if `quiet`.
     pub(super) fn new(quiet: bool) -> Self {
         Self {
             quiet,
@@ -140,7 +140,7 @@ impl Bars {
         }
     }
 
-    /// Whether bars are drawn, if not `quiet`.
+    /// Returns true if bars are drawn, if not `quiet`.
     pub(super) fn are_shown(quiet: bool) -> bool {
         !quiet && !ProgressDrawTarget::stderr().is_hidden()
     }
@@ -202,7 +202,7 @@ pub(super) struct StudyBar {
 }
 
 impl StudyBar {
-    /// A bar of `n_runs`; never drawn if `quiet`.
+    /// Creates a bar of `n_runs`; never drawn if `quiet`.
     pub(super) fn new(n_runs: u64, quiet: bool) -> Self {
         Self {
             bar: bar(n_runs, quiet),

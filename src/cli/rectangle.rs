@@ -7,8 +7,8 @@ use std::str::FromStr;
 use base::text::Diagnostic;
 use scene::config::Image;
 
-/// A rectangle of pixels, row 0 on top, such as `3,4`, `10..19,4` or `10..19,0..9`; both
-/// ends are inclusive.
+/// A rectangle of pixels, row 0 on top, such as `3,4`, `10..19,4` or `10..19,0..9`; both ends are
+/// inclusive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PixelRectangle {
     columns: RangeInclusive<u32>,
@@ -32,13 +32,13 @@ impl PixelRectangle {
         )))
     }
 
-    /// The number of pixels.
+    /// Returns the number of pixels.
     pub(super) fn n_pixels(&self) -> u64 {
         let n = |range: &RangeInclusive<u32>| u64::from(range.end() - range.start()) + 1;
         n(&self.columns) * n(&self.rows)
     }
 
-    /// The pixels of all rectangles, each once, row by row of each rectangle.
+    /// Returns the pixels of all rectangles, each once, row by row of each rectangle.
     pub(super) fn pixels(rectangles: &[Self]) -> impl Iterator<Item = (u32, u32)> + '_ {
         rectangles
             .iter()

@@ -91,7 +91,7 @@ pub(super) fn lines(
     )
 }
 
-/// A line about each requested output that has nothing to show.
+/// Returns a line about each requested output that has nothing to show.
 pub(super) fn left_out(outputs: &Outputs) -> String {
     let line = |output: &OptionalOutput| {
         let name = output.name();
@@ -100,7 +100,7 @@ pub(super) fn left_out(outputs: &Outputs) -> String {
     outputs.left_out().iter().map(line).collect()
 }
 
-/// The names and the lengths of the files; those of pieces together.
+/// Returns the names and the lengths of the files; pieces are added up.
 fn files(written: &[Written]) -> String {
     let (pieces, files): (Vec<_>, Vec<_>) = written.iter().partition(|one| is_piece(&one.file));
     let files = files.into_iter();
@@ -113,7 +113,7 @@ fn files(written: &[Written]) -> String {
     files.chain(of_pieces).collect::<Vec<_>>().join(", ")
 }
 
-/// "1,234 primitives", and the number of omitted triangles.
+/// Returns "1,234 primitives", and the number of omitted triangles.
 pub(super) fn primitives(scene: &Scene) -> String {
     let world = scene.world();
     let mut kept = counted(world.n_primitives() as u64, "primitive");
@@ -130,7 +130,7 @@ pub(super) fn primitives(scene: &Scene) -> String {
     }
 }
 
-/// The ranks, their load balance and what they have sent.
+/// Returns the ranks, their load balance and their communication.
 fn ranks(ranks: &RanksSection) -> String {
     let communication_ms: f64 = ranks.of_rank.iter().map(|rank| rank.communication_ms).sum();
     format!(
@@ -142,7 +142,7 @@ fn ranks(ranks: &RanksSection) -> String {
     )
 }
 
-/// The tiles and the load balance of the threads.
+/// Returns the tiles and the load balance of the threads.
 fn tiles(schedule: &Schedule) -> String {
     let grid = &schedule.grid;
     let load = schedule.load();
@@ -156,9 +156,9 @@ fn tiles(schedule: &Schedule) -> String {
     )
 }
 
-/// Rays per second, or samples per second if rays were not counted.
+/// Returns rays per second, or samples per second if rays were not counted.
 fn speed(rendering: &RenderingView) -> String {
-    // Of a partial picture without tiles, nothing took no time.
+    // A partial picture without tiles took no time.
     let seconds = rendering.median_wall().as_secs_f64().max(1e-9);
     let millions = |n: u64| n as f64 / seconds / 1e6;
     if rendering.film.cost.has_counters() {

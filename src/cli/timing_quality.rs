@@ -7,7 +7,7 @@ use output::summary::ThreadTime;
 use output::writers::{RenderingView, thread_time};
 use render::tiles::{N_ROUNDS, Overhead};
 
-/// Least time without a CPU, in percent of the time at work, that has a line.
+/// Least time without a CPU, in percent of the time at work, that is reported.
 const LEAST_WAITING_PERCENT: f64 = 0.1;
 
 /// Returns the lines that apply, each with a line feed.
@@ -22,7 +22,7 @@ pub(super) fn lines(rendering: &RenderingView) -> String {
     lines.into_iter().flatten().collect()
 }
 
-/// The breakdown of the threads' time.
+/// Returns the breakdown of the threads' time.
 fn threads(time: &ThreadTime) -> String {
     let percent = |part_ns| time.percent(part_ns);
     format!(
@@ -37,7 +37,7 @@ fn threads(time: &ThreadTime) -> String {
     )
 }
 
-/// The time without a CPU, unless it is short.
+/// Returns the time without a CPU, unless it is short.
 fn waiting(time: &ThreadTime) -> Option<String> {
     let is_short = time.percent(time.waiting_ns) < LEAST_WAITING_PERCENT;
     let waiting = || Duration::from_nanos(time.waiting_ns as u64);
@@ -49,7 +49,7 @@ fn waiting(time: &ThreadTime) -> Option<String> {
     })
 }
 
-/// The number of repeats, the spread of the times, and the rejected ones.
+/// Returns the number of repeats, the spread of the times, and the rejected ones.
 fn repeats(rendering: &RenderingView) -> Option<String> {
     let film = rendering.film;
     let n_rejected: u64 = rendering
@@ -71,7 +71,7 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
     }
 }
 
-/// The overhead of measurement.
+/// Returns the overhead of measurement.
 fn overhead(overhead: &Overhead) -> String {
     format!(
         "measure counters {:+.1} %, a clock {:+.1} %, both {:+.1} %; \

@@ -78,8 +78,8 @@ pub(super) struct TraceArguments {
     quiet: bool,
 }
 
-/// Longest side of the cloud's picture in pixels: dense enough for `rays.pvsm`, and
-/// rendered in a fraction of a second.
+/// Longest side of the cloud's picture in pixels: dense enough for `rays.pvsm`, and rendered in a
+/// fraction of a second.
 const CLOUD_SIDE: u32 = 320;
 
 pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
@@ -126,8 +126,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;
 
-    // The cloud is a small picture of the scene, sharp without a lens; the traced rays
-    // pass through the image plane of the requested picture.
+    // The cloud is a small picture of the scene, sharp without a lens; the traced rays pass through
+    // the image plane of the requested picture.
     let plane = scene.image_plane;
     let small = small(&image);
     scene.image_plane = config
@@ -170,8 +170,8 @@ enum TracedPixels<'a> {
 }
 
 impl<'a> TracedPixels<'a> {
-    /// Returns the pixels of the arguments; for `--hottest` renders the picture on the
-    /// current rayon pool.
+    /// Returns the pixels of the arguments; for `--hottest` renders the picture on the current
+    /// rayon pool.
     fn of(
         arguments: &'a TraceArguments,
         config: &Config,
@@ -187,7 +187,7 @@ impl<'a> TracedPixels<'a> {
         Ok(Self::Hottest(metric, found))
     }
 
-    /// The number of pixels.
+    /// Returns the number of pixels.
     fn n(&self) -> u64 {
         match self {
             Self::Named(rectangles) => rectangles.iter().map(PixelRectangle::n_pixels).sum(),
@@ -195,7 +195,7 @@ impl<'a> TracedPixels<'a> {
         }
     }
 
-    /// The column and row of each pixel.
+    /// Returns the column and row of each pixel.
     fn places(&self) -> Box<dyn Iterator<Item = (u32, u32)> + '_> {
         match self {
             Self::Named(rectangles) => Box::new(PixelRectangle::pixels(rectangles)),
@@ -203,7 +203,7 @@ impl<'a> TracedPixels<'a> {
         }
     }
 
-    /// A line with the pixels that `--hottest` found; empty for `--pixel`.
+    /// Returns a line with the pixels that `--hottest` found; empty for `--pixel`.
     fn found(&self) -> String {
         match self {
             Self::Named(_) => String::new(),
@@ -213,7 +213,7 @@ impl<'a> TracedPixels<'a> {
 }
 
 impl TraceArguments {
-    /// The metric of `--hottest`; `None` without it.
+    /// Returns the metric of `--hottest`; `None` without it.
     fn metric(&self, config: &Config) -> Option<Metric> {
         self.hottest?;
         let by_default = Metric::of_times(config.cost).unwrap_or(Metric::NODE_VISITS);
@@ -221,7 +221,7 @@ impl TraceArguments {
     }
 }
 
-/// A small image with the same aspect ratio and one sample per pixel.
+/// Returns a small image with the same aspect ratio and one sample per pixel.
 fn small(image: &Image) -> Image {
     let longest = image.width.max(image.height);
     image.shrunk(|side| {
@@ -233,8 +233,8 @@ fn small(image: &Image) -> Image {
     })
 }
 
-/// Traces the rays of all pixels, if they fit into half of the free memory; the other
-/// half is for writing them.
+/// Traces the rays of all pixels, if they fit into half of the free memory; the other half is for
+/// writing them.
 fn observe(
     observer: &Observer,
     pixels: &TracedPixels,
@@ -256,7 +256,7 @@ fn too_many(error: TooManyRays, n_pixels: u64) -> Failure {
     Failure::Machine(Diagnostic::new(error.to_string()).with_help(help))
 }
 
-/// The written files and the next command.
+/// Returns the written files and the next command.
 fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> String {
     let n_rays: usize = pixels.iter().map(|pixel| pixel.tree.rays.len()).sum();
     let files: Vec<String> = written

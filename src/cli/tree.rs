@@ -13,17 +13,17 @@ use scene::config::Config;
 use scene::world::LightOrigin;
 use tracer::cost::RayKind;
 
-/// Most pixels that are shown.
+/// Greatest number of pixels that are shown.
 const MAX_PIXELS: usize = 3;
-/// Most rays of a pixel that are shown.
+/// Greatest number of rays of a pixel that are shown.
 const MAX_RAYS: usize = 40;
-/// Most characters of a name.
+/// Greatest number of characters of a name.
 const MAX_NAME_CHARS: usize = 24;
 
 const BOLD: Style = Style::new().bold();
 const DIMMED: Style = Style::new().dimmed();
 
-/// Traced pixels and the scene's config, which names what their rays hit.
+/// Traced pixels and the scene's config, which names the objects that their rays hit.
 pub(super) struct Trees<'a> {
     config: &'a Config,
     traced: &'a Traced<'a>,
@@ -35,7 +35,7 @@ struct TreeRow {
     branches: String,
     /// The first cell and its style.
     first: (String, Style),
-    /// The other cells: what the ray hit, the numbers, and the color.
+    /// The other cells: the hit object, the numbers, and the color.
     cells: Vec<String>,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Trees<'a> {
         text
     }
 
-    /// The table of a pixel: a header, the rays, and their sums.
+    /// Returns the table of a pixel: a header, the rays, and their sums.
     fn table(&self, pixel: &ObservedPixel) -> Vec<TreeRow> {
         let ((x, y), tree) = (pixel.place, &pixel.tree);
         let mut header = vec!["meets", "distance", "nodes", "tests"];
@@ -79,7 +79,7 @@ impl<'a> Trees<'a> {
         rows
     }
 
-    /// The rays, each above the rays that start from its hit.
+    /// Returns the rays, each above the rays that start from its hit.
     fn rays(&self, tree: &RayTree) -> Vec<TreeRow> {
         let mut children = vec![Vec::new(); tree.rays.len()];
         let mut next = Vec::new();
@@ -135,7 +135,7 @@ impl<'a> Trees<'a> {
         }
     }
 
-    /// The light with this index.
+    /// Returns the light with this index.
     fn light(&self, index: u32) -> String {
         match self.traced.scene.lights.origin(index) {
             LightOrigin::Surfaces(material) => format!("lamp of {}", self.material(material.0)),
@@ -145,7 +145,7 @@ impl<'a> Trees<'a> {
         }
     }
 
-    /// The name of what the ray hit.
+    /// Returns the name of the object that the ray hit.
     fn meets(&self, ray: &TracedRay) -> String {
         if ray.particle.is_some() {
             return "fog".to_owned();
@@ -182,7 +182,7 @@ impl<'a> Trees<'a> {
         material.map_or_else(|| id.to_string(), |(name, _)| short(name))
     }
 
-    /// The sums over all rays, and the color in the picture.
+    /// Returns the sums over all rays, and the color in the picture.
     fn sums(&self, tree: &RayTree) -> Vec<TreeRow> {
         let cost = tree.cost();
         let time_ns = tree.rays.iter().map(|ray| ray.time_ns).sum();
@@ -217,7 +217,7 @@ impl<'a> Trees<'a> {
 }
 
 impl TreeRow {
-    /// A remark below the table.
+    /// Returns a remark below the table.
     fn of_text(text: String) -> Self {
         Self {
             branches: String::new(),
@@ -227,7 +227,7 @@ impl TreeRow {
     }
 }
 
-/// The name of a kind of rays and its color, the terminal's nearest to that in
+/// Returns the name of a kind of rays and its color, the terminal's nearest to the color in
 /// `rays.pvsm`.
 fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
     match kind {
@@ -254,7 +254,7 @@ fn significant(number: f32) -> String {
     }
 }
 
-/// A name on one line, truncated if it is long.
+/// Returns a name on one line, truncated if it is long.
 fn short(name: &str) -> String {
     let mut short = one_line(name).into_owned();
     if let Some((end, _)) = short.char_indices().nth(MAX_NAME_CHARS) {

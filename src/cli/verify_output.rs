@@ -12,7 +12,7 @@ use output::results::{read_unchanged, verify};
 use output::summary::Summary;
 use tools::series::{FRAMES, FrameSeries, frame_folder};
 
-/// The outputs in a folder: itself, or the folders of its frames; `None` if it has none.
+/// Returns the outputs in a folder: itself, or the folders of its frames; `None` if it has none.
 pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
     if folder.join(SUMMARY).exists() {
         return Some(vec![folder.to_owned()]);
@@ -26,11 +26,11 @@ pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
     Some(frames).filter(|frames| !frames.is_empty())
 }
 
-/// Compares the files of output folders, which are `folder` or its frames, with their
-/// summaries, and the files beside frames with these.
+/// Compares the files of output folders, which are `folder` or its frames, with their summaries,
+/// and the files beside frames with these.
 ///
 /// # Errors
-/// A file that is not as it was written, or a frame that is missing.
+/// A file that has changed since it was written, or a frame that is missing.
 pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> {
     let (mut n, mut broken, mut notes) = (0, Vec::new(), String::new());
     let mut summaries = Vec::new();
@@ -68,7 +68,7 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> 
         .into())
 }
 
-/// What is wrong with an animation, but for the files of its frames: a line each.
+/// Returns the problems of an animation, except for the files of its frames: one line each.
 fn faults_of_series(folder: &Path, summaries: &[Summary]) -> Vec<String> {
     let sections = summaries
         .iter()

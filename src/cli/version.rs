@@ -1,11 +1,11 @@
-//! `raycost --version`: what this program was built from, and what it runs with here.
+//! `raycost --version`: the build of this program, and the machine's instruction set.
 
 use std::sync::LazyLock;
 
 use crate::session::this_build;
 use math::simd::Simd;
 
-/// The cargo features, and whether this program was built with them.
+/// The cargo features, each true if this program was built with it.
 const FEATURES: [(&str, bool); 3] = [
     ("hdf5", cfg!(feature = "hdf5")),
     ("mpi", cfg!(feature = "mpi")),

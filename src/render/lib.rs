@@ -1,10 +1,10 @@
 //! A world and a view → a film, tile by tile on all threads.
 //!
-//! In: a scene, its hierarchy, the image and a meter. Out: a [`Film`](film::Film), the pixels
-//! and the cost of each; a [`Schedule`](schedule::Schedule), who rendered which tile when; and
-//! the cost of objects and nodes.
+//! In: a scene, its hierarchy, the image and a meter. Out: a [`Film`](film::Film), the pixels and
+//! the cost of each; a [`Schedule`](schedule::Schedule), the thread and the time span of each tile;
+//! and the cost of objects and nodes.
 //!
-//! Read [`schedule`] and [`film`], what is rendered and what becomes of it; then [`tiles`], the
+//! Read [`schedule`] and [`film`], the input and the output of a rendering; then [`tiles`], the
 //! loop. [`checkpoint`] keeps finished tiles, [`ranks`] shares them among processes,
 //! [`attribution`] observes the rays once more, [`instruments`] watch the process.
 

@@ -1,4 +1,4 @@
-//! What this program was built from.
+//! The build of this program.
 
 use output::summary::Build;
 

@@ -6,18 +6,18 @@ use base::stop::Stopped;
 use base::text::Diagnostic;
 use render::ranks::RankFailure;
 
-/// Why a scene was not rendered.
+/// Reasons why a scene was not rendered.
 pub enum RenderError {
     /// A mistake in the scene.
     Scene(Diagnostic),
-    /// The system refused what the rendering needs, such as threads.
+    /// The system refused a resource that the rendering needs, such as threads.
     Machine(Diagnostic),
     /// The rendering was canceled.
     Stopped(Stopped),
 }
 
 impl RenderError {
-    /// Why another rank cannot render.
+    /// Returns the reason why another rank cannot render.
     pub(crate) fn of_rank(rank: &str, failure: &RankFailure) -> Self {
         let diagnostic = Diagnostic::new(format!("{rank} cannot render with rank 0"))
             .with_note(&*failure.message)
@@ -38,7 +38,7 @@ impl fmt::Display for RenderError {
     }
 }
 
-/// The message, behind the word `Error:` of a `main` that returns it.
+/// Prints the message after the word `Error:` of a `main` that returns it.
 impl fmt::Debug for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

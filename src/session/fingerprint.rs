@@ -1,4 +1,4 @@
-//! The fingerprint of a frame: equal where its files would be.
+//! The fingerprint of a frame: equal where its files would be equal.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -20,20 +20,20 @@ use base::text::Diagnostic;
 use scene::yaml::{Document, FieldPath, Folders};
 
 impl Session {
-    /// A hash of the contents of the scene and of its files.
+    /// Returns a hash of the contents of the scene and of its files.
     ///
     /// # Errors
-    /// A file of the scene cannot be read.
+    /// If a file of the scene cannot be read.
     pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
         let (document, config) = (&self.document, &self.config);
         of_pixels(config, (None, None), files(document, config))
     }
 
-    /// What identifies finished tiles of this scene, rendered by this program. `flags` are
-    /// those of the command line that change its settings.
+    /// Returns the header that identifies finished tiles of this scene, rendered by this program.
+    /// `flags` are the flags of the command line that change its settings.
     ///
     /// # Errors
-    /// A file of the scene cannot be read.
+    /// If a file of the scene cannot be read.
     pub(crate) fn header(
         &self,
         flags: Vec<String>,
@@ -42,11 +42,11 @@ impl Session {
         self.header_with(files(&self.document, &self.config), flags, part)
     }
 
-    /// What identifies the tiles of a rank: of the contents of the files those that rank 0 has
-    /// not read for all.
+    /// Returns the header that identifies the tiles of a rank. It hashes only the files that rank 0
+    /// has not read for all.
     ///
     /// # Errors
-    /// Such a file cannot be read.
+    /// If such a file cannot be read.
     pub(crate) fn header_of_rank(&self, flags: Vec<String>) -> Result<Header, Diagnostic> {
         let files = named_files(&self.document, &self.config).into_iter();
         let own = files.filter(|file| import::is_read_by_each_rank(file));
@@ -88,8 +88,8 @@ impl Session {
     }
 }
 
-/// The section of a frame in its summary. `flags` are those that change its files, besides
-/// those that change the config.
+/// Returns the section of a frame in its summary. `flags` are the flags that change its files,
+/// besides flags that change the config.
 pub(super) fn section_of(
     document: &Document,
     config: &Config,
@@ -120,12 +120,12 @@ pub(super) fn section_of(
     }
 }
 
-/// A hash of all that determines the pixels of a scene, except for the program: of the
-/// config, the time of a frame, the frame whose hierarchy may be refitted, and the contents
-/// of these files. Files and scene may be elsewhere on another machine.
+/// Returns a hash of all that determines the pixels of a scene, except for the program: the config,
+/// the time of a frame, the frame whose hierarchy may be refitted, and the contents of these files.
+/// Files and scene may be elsewhere on another machine.
 ///
 /// # Errors
-/// A file cannot be read.
+/// If a file cannot be read.
 fn of_pixels(
     config: &Config,
     (frame, base): (Option<(u32, f64)>, Option<Checksum>),
@@ -137,10 +137,10 @@ fn of_pixels(
     Ok(hasher.checksum())
 }
 
-/// A hash of the contents of files.
+/// Returns a hash of the contents of files.
 ///
 /// # Errors
-/// A file cannot be read.
+/// If a file cannot be read.
 pub(crate) fn contents_of(
     files: impl Iterator<Item = impl AsRef<Path>>,
 ) -> Result<Checksum, Diagnostic> {
@@ -159,7 +159,7 @@ pub(crate) fn contents_of(
     Ok(hasher.checksum())
 }
 
-/// A hash of the lengths of files and of when they were changed.
+/// Returns a hash of the lengths and modification times of files.
 pub(crate) fn states_of(files: impl Iterator<Item = impl AsRef<Path>>) -> Checksum {
     let mut hasher = Hasher::default();
     for file in files {
@@ -168,14 +168,14 @@ pub(crate) fn states_of(files: impl Iterator<Item = impl AsRef<Path>>) -> Checks
     hasher.checksum()
 }
 
-/// All files that determine the picture of a scene: its text, those that it includes, and
-/// those that the config names.
+/// Returns all files that determine the picture of a scene: its text, the files that it includes,
+/// and the files that the config names.
 pub(crate) fn scene_files(document: &Document, config: &Config) -> impl Iterator<Item = PathBuf> {
     let texts: Vec<PathBuf> = document.files().map(PathBuf::from).collect();
     texts.into_iter().chain(files(document, config))
 }
 
-/// The path of a file, its length, and when it was changed.
+/// Returns the path of a file, its length, and its modification time.
 fn state_of(file: &Path) -> (&Path, u64, u128) {
     let Ok(metadata) = file.metadata() else {
         return (file, 0, 0);
@@ -185,7 +185,7 @@ fn state_of(file: &Path) -> (&Path, u64, u128) {
     (file, metadata.len(), since.unwrap_or_default().as_nanos())
 }
 
-/// A hash of all that determines the primitives of the scene and the acceleration structure
+/// Returns a hash of all that determines the primitives of the scene and the acceleration structure
 /// over them.
 pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
     let materials: Vec<&String> = config.materials.keys().collect();
@@ -196,13 +196,13 @@ pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
     hasher.checksum()
 }
 
-/// All files that the config names.
+/// Returns all files that the config names.
 fn files(document: &Document, config: &Config) -> impl Iterator<Item = PathBuf> {
     let pictures = picture_files(document, config).into_iter();
     pictures.chain(geometry_files(document, config))
 }
 
-/// The files of pictures that the config names.
+/// Returns the files of textures that the config names.
 fn picture_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let root = FieldPath::default;
     let mut found = Vec::new();
@@ -217,7 +217,7 @@ fn picture_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     found
 }
 
-/// The files of objects that the config names, with the pieces of data sets.
+/// Returns the files of objects that the config names, with the pieces of data sets.
 fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for file in named_files(document, config) {
@@ -227,7 +227,7 @@ fn geometry_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     found
 }
 
-/// The files of objects that the config names.
+/// Returns the files of objects that the config names.
 fn named_files(document: &Document, config: &Config) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for (index, object) in config.objects.iter().enumerate() {

@@ -13,13 +13,13 @@ use scene::yaml::Document;
 /// A scene that changes over time.
 #[derive(Debug)]
 pub(crate) struct Frames {
-    /// The scene without what changes it.
+    /// The scene without its animation.
     document: Document,
     timeline: Timeline,
 }
 
 impl Frames {
-    /// The frames of a scene; `None` for a still.
+    /// Returns the frames of a scene; `None` for a still.
     ///
     /// # Errors
     /// The first mistake in the section `animation`.
@@ -36,7 +36,7 @@ impl Frames {
         }))
     }
 
-    /// The first frame of a scene, which may be a still.
+    /// Returns the first frame of a scene, which may be a still.
     ///
     /// # Errors
     /// The first mistake in the scene.
@@ -48,29 +48,29 @@ impl Frames {
         }
     }
 
-    /// The number of frames, at least 1.
+    /// Returns the number of frames, at least 1.
     pub(crate) fn n_frames(&self) -> u32 {
         self.timeline.n_frames
     }
 
-    /// Frames per second of a video.
+    /// Returns the frames per second of a video.
     pub(crate) fn fps(&self) -> f32 {
         self.timeline.animation.fps
     }
 
-    /// How the hierarchies of frames come about.
+    /// Returns how frames get their hierarchies: rebuilt or refitted.
     pub(crate) fn update(&self) -> HierarchyUpdate {
         self.timeline.animation.hierarchy
     }
 
-    /// The number and the time of a frame.
+    /// Returns the number and the time of a frame.
     pub(crate) fn frame(&self, number: u32) -> SceneFrame {
         self.timeline.frame(number)
     }
 
-    /// The section of a frame in its summary, for the scene that [`at`](Self::at) returned.
-    /// `flags` are those of the command line that change its files, besides those that
-    /// change the config.
+    /// Returns the section of a frame in its summary, for the scene that [`at`](Self::at) returned.
+    /// `flags` are the flags of the command line that change its files, besides flags that change
+    /// the config.
     pub(crate) fn section(
         &self,
         number: u32,
@@ -80,16 +80,16 @@ impl Frames {
         fingerprint::section_of(document, config, self.frame(number), flags)
     }
 
-    /// A hash of all that determines the primitives of a frame and the acceleration structure
-    /// over them.
+    /// Returns a hash of all that determines the primitives of a frame and the acceleration
+    /// structure over them.
     pub(crate) fn geometry(document: &Document, config: &Config) -> Checksum {
         fingerprint::of_geometry(document, config)
     }
 
-    /// The scene at a frame: a still.
+    /// Returns the scene at a frame: a still.
     ///
     /// # Errors
-    /// A keyframe's path that the scene does not have, or a value that it cannot have.
+    /// If a keyframe has a path that the scene does not have, or a value that is not allowed.
     pub(crate) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
         let (animation, n_frames) = (&self.timeline.animation, self.timeline.n_frames);
         let document = animation.at_frame(&self.document, number, n_frames)?;

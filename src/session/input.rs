@@ -13,13 +13,13 @@ use scene::yaml::Document;
 pub struct Input {
     /// The scene file, with the files that it includes.
     pub document: Document,
-    /// Its settings, which may have been changed.
+    /// The settings, which may have been changed.
     pub config: Config,
     /// The geometries.
     pub geometries: Geometries,
     /// The frame of an animated scene.
     pub frame: Option<FrameSection>,
-    /// The memory that its rendering needs.
+    /// The memory that the rendering needs.
     pub memory: Memory,
 }
 
@@ -61,8 +61,8 @@ impl Input {
         config.output.leave_out_without(config.acceleration);
         let available = memory::available();
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
-        // The geometries are part of the need, but were not yet allocated when
-        // `available` was measured.
+        // The geometries are part of the need, but were not yet allocated when `available` was
+        // measured.
         let memory = needed(&config, &geometries);
         memory.check(available).map_err(point_at)?;
         Ok(Self {

@@ -25,12 +25,15 @@ impl Session {
         scope: &Scope,
         stages: &mut Stages,
     ) -> Result<Measured, RenderError> {
+        // Build the hierarchy.
         let accel = &self.accel(options, stages)?;
+        // Make the meter, which calibrates the clock.
         let (config, scene) = (&self.config, &self.scene);
         let meter = Meter::new(config.cost);
         if meter.clock().is_some() {
             stages.end("calibrate");
         }
+        // Plan the tiles and their order.
         let mut plan = scope.plan(scene, accel, config);
         if options.estimates_work {
             plan = estimate_times(plan, (scene, accel), &meter);
@@ -39,13 +42,14 @@ impl Session {
             stages.end("order");
         }
         let n_pixels = config.image.n_pixels() as u64;
-        // Measured before the film is allocated, so that two never exist at once.
+        // Measure the overhead before the film is allocated, so that two never exist at once.
         let overhead = options.measure_overhead.then(|| {
             let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
             let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
             stages.end("overhead");
             overhead
         });
+        // Render the passes onto the film.
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (film, schedule, repeats) = options.reported("render", n_rendered, |report: Report| {
             let (limits, world) = (&scope.limits, (scene, accel));
@@ -54,6 +58,7 @@ impl Session {
         stages.end("render");
         stop::check()?;
         scope.check()?;
+        // Dismiss the other ranks.
         let ranks = match scope.limits.team {
             Some(team) => {
                 let work = team.dismiss();
@@ -67,6 +72,7 @@ impl Session {
         };
         stop::check()?;
         scope.check()?;
+        // Attribute the cost to objects and nodes.
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
         let attribution = is_attributed.then(|| {
             let world = (scene, accel, &config.image);
@@ -91,8 +97,8 @@ impl Session {
         })
     }
 
-    /// Returns the acceleration structure, after building it, or refitting that of another frame,
-    /// if there is none.
+    /// Returns the acceleration structure, reusing an existing one, or else building it or
+    /// refitting the structure of another frame.
     pub(super) fn accel(
         &self,
         options: &Options,

@@ -1,8 +1,8 @@
 //! Scene file → pixels and their cost → files: raycost as a library.
 //!
-//! A [`Session`] holds a checked scene. [`Session::render`] gives a [`Rendering`],
-//! whose pixels and costs a program reads, and which [`Rendering::write`] writes as
-//! `raycost render` does: the command line is a user of this module, too.
+//! A [`Session`] holds a checked scene. [`Session::render`] gives a [`Rendering`], whose pixels and
+//! costs a program reads, and which [`Rendering::write`] writes as `raycost render` does: the
+//! command line is a user of this module, too.
 
 mod build;
 mod error;
@@ -65,28 +65,27 @@ pub struct Session {
     band_rows: Option<u32>,
     /// The index of the acceleration structure, built by the first rendering.
     index: OnceLock<Arc<AccelIndex>>,
-    /// The structure of another frame, from which that of this one comes.
+    /// The structure of another frame, from which this frame's structure derives.
     base: OnceLock<FrameBase>,
     /// A hash of the contents of that frame, if the structure may be refitted.
     base_contents: OnceLock<Checksum>,
-    /// The stages of the first rendering, which has the time to read the scene.
+    /// The stages of the first rendering, which includes the time to read the scene.
     stages: Mutex<Option<Stages>>,
 }
 
 impl Session {
-    /// Reads and checks a scene file and the files that it names; of an animated scene
-    /// this is the first frame.
+    /// Reads and checks a scene file and the files that it names; for an animated scene, its first
+    /// frame.
     ///
     /// # Errors
-    /// The first mistake in the scene, with its line; or the scene does not fit
-    /// into memory.
+    /// The first mistake in the scene, with its line; or if the scene does not fit into memory.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Diagnostic> {
         Self::open_with(path, |_| {})
     }
 
-    /// Does what [`Self::open`] does, after `change` has changed settings of the
-    /// scene file. Values have to stay in the ranges that their descriptions state;
-    /// sizes of the image and of tiles are checked.
+    /// Opens a scene file as [`Self::open`] does, after `change` has changed settings. Values have
+    /// to stay in the ranges that their descriptions state; sizes of the image and of tiles are
+    /// checked.
     ///
     /// # Errors
     /// The errors of [`Self::open`].
@@ -101,10 +100,9 @@ impl Session {
         Self::new(Input::read(document, config, Memory::of)?, stages)
     }
 
-    /// Checks a scene that a program describes: any value that serializes to the
-    /// same keys and values as a scene file, such as `serde_json::json!({ … })`.
-    /// `name` stands for the file in messages and in `summary.json`. Relative
-    /// paths in the scene start from the current folder.
+    /// Checks a scene that a program describes: any value that serializes to the same keys and
+    /// values as a scene file, such as `serde_json::json!({ … })`. `name` stands for the file in
+    /// messages and in `summary.json`. Relative paths in the scene start from the current folder.
     ///
     /// # Errors
     /// The errors of [`Self::open`], with a line of the scene as JSON.
@@ -118,7 +116,7 @@ impl Session {
         Self::new(Input::read(document, config, Memory::of)?, stages)
     }
 
-    /// Places a scene that was read. `stages` are those of the first rendering.
+    /// Places a scene that was read. `stages` belong to the first rendering.
     ///
     /// # Errors
     /// The first value that contradicts others.
@@ -146,33 +144,32 @@ impl Session {
         })
     }
 
-    /// The scene's name: the stem of its file.
+    /// Returns the scene's name: the stem of its file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Whether it is a frame of an animated scene.
+    /// Returns true for a frame of an animated scene.
     pub(crate) fn is_frame(&self) -> bool {
         self.frame.is_some()
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub fn config(&self) -> &Config {
         &self.config
     }
 
-    /// The scene in world space.
+    /// Returns the scene in world space.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Opens the folder that the files of a rendering will be written to; creates it if
-    /// there is none. A rendering that takes long should not be the first to find out
-    /// that its files cannot be written.
+    /// Opens the folder that the files of a rendering will be written to; creates it if there is
+    /// none. Called first, so that a long rendering does not end with files that cannot be written.
     ///
     /// # Errors
-    /// The folder cannot be written to, has too little space, or has a file of
-    /// another program where raycost would write.
+    /// If the folder cannot be written to, has too little space, or has a file of another program
+    /// where raycost would write.
     pub(crate) fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
         let of_tiles = self.bands().map_or(0, |_| stored_bytes(&self.config));
         let folder = OutputFolder::create(path, least_bytes(&self.config) + of_tiles)?;
@@ -180,7 +177,7 @@ impl Session {
         Ok(folder)
     }
 
-    /// The rows of the pieces in which the picture is written if it is larger than memory:
+    /// Returns the rows of the pieces in which the picture is written if it is larger than memory:
     /// then its tiles have to be kept in files.
     pub(crate) fn bands(&self) -> Option<BandRows> {
         let height = self.config.image.height;
@@ -188,21 +185,21 @@ impl Session {
         self.band_rows.map(rows)
     }
 
-    /// Renders the scene and measures what its config asks for. The first rendering
-    /// also builds the acceleration structure.
+    /// Renders the scene and measures what its config requests. The first rendering also builds the
+    /// acceleration structure.
     ///
     /// # Errors
-    /// The acceleration structure is too large, the threads cannot be started, or
-    /// the rendering was canceled.
+    /// If the acceleration structure is too large, the threads cannot be started, or the rendering
+    /// was canceled.
     pub fn render(&self, options: &Options) -> Result<Rendering<'_>, RenderError> {
         self.render_within(options, &Scope::default())
     }
 
-    /// Does what [`Self::render`] does, for a part of the picture or with the tiles of
-    /// other runs. Attributes no cost to objects for a part.
+    /// Renders as [`Self::render`] does, for a part of the picture or with the tiles of other runs.
+    /// Attributes no cost to objects for a part.
     ///
     /// # Errors
-    /// The errors of [`Self::render`]; or tiles cannot be read or kept.
+    /// The errors of [`Self::render`], or if tiles cannot be read or kept.
     pub(crate) fn render_within(
         &self,
         options: &Options,
@@ -233,20 +230,21 @@ impl Session {
         let _ = self.index.set(index);
     }
 
-    /// Gives it the structure of another frame, from which its own comes.
+    /// Sets the structure of another frame, from which this frame's structure derives.
     pub(crate) fn set_base(&self, base: FrameBase) {
         let _ = self.base.set(base);
     }
 
-    /// Gives it a hash of the contents of the frame whose structure may be refitted.
+    /// Sets a hash of the contents of the frame whose structure may be refitted.
     pub(crate) fn set_base_contents(&self, contents: Checksum) {
         let _ = self.base_contents.set(contents);
     }
 
-    /// The acceleration structure, for other frames, whose own come from it so.
+    /// Returns the acceleration structure for other frames, which derive theirs from it by
+    /// `update`.
     ///
     /// # Errors
-    /// The structure is too large, or the threads cannot be started.
+    /// If the structure is too large, or the threads cannot be started.
     pub(crate) fn frame_base(
         &self,
         options: &Options,
@@ -257,35 +255,35 @@ impl Session {
         Ok(FrameBase::of(&accel, update))
     }
 
-    /// Size and expected cost of the hierarchy, once there is one.
+    /// Returns the size and expected cost of the hierarchy, once there is one.
     pub(crate) fn hierarchy(&self) -> Option<BvhStatistics> {
         self.index.get()?.statistics()
     }
 
-    /// The index of the acceleration structure, once there is one.
+    /// Returns the index of the acceleration structure, once there is one.
     pub(crate) fn index(&self) -> Option<Arc<AccelIndex>> {
         self.index.get().cloned()
     }
 
-    /// The values that the command line set.
+    /// Returns the values that the command line set.
     fn settings(&self) -> Vec<String> {
         self.document.settings().map(str::to_owned).collect()
     }
 
-    /// The scene file as the user typed it.
+    /// Returns the scene file as the user typed it.
     fn scene_file(&self) -> &str {
         self.document.name()
     }
 }
 
-/// Lower bound of the bytes of the files of tiles.
+/// Returns a lower bound of the bytes of the files of tiles.
 fn stored_bytes(config: &Config) -> u64 {
     let per_pixel = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
     (config.image.n_pixels() * per_pixel) as u64
 }
 
-/// Lower bound of the bytes of the files, whatever the camera sees and however well
-/// it compresses.
+/// Returns a lower bound of the bytes of the files, whatever the camera sees and however well it
+/// compresses.
 fn least_bytes(config: &Config) -> u64 {
     // frame.vti has all arrays except the positions.
     let per_pixel: usize = written_columns(config).map(|column| column.stride()).sum();

@@ -11,7 +11,7 @@ use scene::config::{SimdSet, Traversal};
 /// Receives progress, from any thread.
 pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 
-/// How a scene is rendered, besides what its config says.
+/// The way in which a scene is rendered, besides the settings of its config.
 ///
 /// ```
 /// # use raycost::session::{Event, Options};
@@ -28,31 +28,31 @@ pub struct Options<'a> {
     pub threads: Option<u16>,
     /// The instruction set; `None` for the fastest one of the processor.
     pub simd: Option<SimdSet>,
-    /// How the rays of a wave are traced.
+    /// The way in which the rays of a wave are traced.
     pub traversal: Traversal,
-    /// Whether the picture is also rendered in each cost mode in turn, for
+    /// If true, also renders the picture in each cost mode in turn, for
     /// [`Rendering::overhead`](super::Rendering::overhead).
     pub measure_overhead: bool,
-    /// Whether a few rays estimate the work of each tile before the rendering, for
-    /// [`Progress::work`]: without, all pixels count the same.
+    /// If true, a few rays estimate the work of each tile before the rendering, for
+    /// [`Progress::work`]; otherwise all pixels count the same.
     pub estimates_work: bool,
-    /// Whether [`Rendering::write`](super::Rendering::write) also writes cloud and frame as
+    /// If true, [`Rendering::write`](super::Rendering::write) also writes cloud and frame as
     /// VTKHDF; needs the cargo feature `hdf5`.
     pub vtkhdf: bool,
     /// Cancels the rendering.
     pub cancellation: Cancellation,
-    /// Is called with each event, from any thread.
+    /// Called with each event, from any thread.
     pub on_event: Option<&'a (dyn Fn(Event) + Sync)>,
 }
 
 /// The progress of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// A stage begins: `build`, `overhead`, `render` or `observe`.
+    /// A stage starts: `build`, `overhead`, `render` or `observe`.
     Begin {
-        /// Its name.
+        /// Name of the stage.
         stage: &'static str,
-        /// The number of pixels that it will render; 0 for `build`.
+        /// Number of pixels that it will render; 0 for `build`.
         n_pixels: u64,
     },
     /// Another part of the acceleration structure was built.
@@ -96,7 +96,7 @@ impl Options<'_> {
 /// Starts threads whose work the cancellation stops; `None` for one per processor.
 ///
 /// # Errors
-/// The system refuses them.
+/// If the system refuses them.
 pub(crate) fn thread_pool(
     n_threads: Option<u16>,
     cancellation: &Cancellation,

@@ -21,7 +21,7 @@ use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
 
-/// The pixels of a scene, what they cost, and how they were rendered.
+/// The pixels of a scene, their cost, and the record of their rendering.
 #[derive(Debug)]
 pub struct Rendering<'s> {
     pub(super) session: &'s Session,
@@ -38,7 +38,7 @@ pub struct Rendering<'s> {
 #[derive(Debug)]
 pub(super) struct Measured {
     pub(super) bvh: Option<BvhStatistics>,
-    /// The instruction set, and how the rays of waves were traced.
+    /// The instruction set, and the way in which the rays of waves were traced.
     pub(super) kernel: (Simd, Traversal),
     pub(super) meter: Meter,
     pub(super) film: Film,
@@ -53,48 +53,47 @@ pub(super) struct Measured {
 }
 
 impl Rendering<'_> {
-    /// The color, the geometry and the cost of every pixel.
+    /// Returns the color, the geometry and the cost of every pixel.
     pub fn film(&self) -> &Film {
         &self.measured.film
     }
 
-    /// When each tile was rendered, and by which thread.
+    /// Returns the time span and the thread of each tile.
     pub fn schedule(&self) -> &Schedule {
         &self.measured.schedule
     }
 
-    /// The cost of each object, material, primitive and node, if the config asks for
+    /// Returns the cost of each object, material, primitive and node, if the config requests
     /// outputs that need it.
     pub fn attribution(&self) -> Option<&CostAttribution> {
         self.measured.attribution.as_ref()
     }
 
-    /// What measuring costs, if the [`Options`](super::Options) ask for it.
+    /// Returns the overhead of measuring, if the [`Options`](super::Options) request it.
     pub fn overhead(&self) -> Option<Overhead> {
         self.measured.overhead
     }
 
-    /// The stages and their times, from reading the scene on.
+    /// Returns the stages and their times, from reading the scene on.
     pub fn stages(&self) -> &Stages {
         &self.stages
     }
 
-    /// Writes all files into a folder, as `raycost render` does; creates the folder if
-    /// there is none, and replaces the files of an earlier rendering. The files take
-    /// their places together at the end.
+    /// Writes all files into a folder, as `raycost render` does; creates the folder if there is
+    /// none, and replaces the files of an earlier rendering. The files take their places together
+    /// at the end.
     ///
     /// # Errors
-    /// The folder or a file cannot be written; then no file has changed.
+    /// If the folder or a file cannot be written; then no file has changed.
     pub fn write(&mut self, folder: impl AsRef<Path>) -> Result<Vec<Written>, WriteError> {
         let folder = self.session.folder(folder.as_ref())?;
         self.write_to(&folder, None)
     }
 
-    /// Writes only the picture to a file: as OpenEXR if the config asks for that, otherwise as
-    /// PNG.
+    /// Writes only the picture to a file: as OpenEXR if the config requests it, otherwise as PNG.
     ///
     /// # Errors
-    /// The file cannot be written; then an old one is unchanged.
+    /// If the file cannot be written; then an old one is unchanged.
     pub(crate) fn write_picture(&mut self, path: &Path) -> Result<Written, WriteError> {
         let mut stages = std::mem::take(&mut self.stages);
         let view = self.view(None);
@@ -107,7 +106,7 @@ impl Rendering<'_> {
     /// Writes all files into an open folder; the profile, too, if there is one.
     ///
     /// # Errors
-    /// A file cannot be written; then no file has changed.
+    /// If a file cannot be written; then no file has changed.
     pub(crate) fn write_to(
         &mut self,
         folder: &OutputFolder,
@@ -124,8 +123,8 @@ impl Rendering<'_> {
     /// Writes a picture that is larger than memory from the files of its tiles.
     ///
     /// # Errors
-    /// A file cannot be written; then no file has changed. Or a tile cannot be read, which
-    /// the checkpoint knows, or the rendering is canceled.
+    /// If a file cannot be written; then no file has changed. Or if a tile cannot be read, which
+    /// the checkpoint records, or the rendering is canceled.
     pub(crate) fn write_stored(
         &mut self,
         folder: &OutputFolder,
@@ -172,7 +171,7 @@ impl Rendering<'_> {
         Bands::new(picture, rows)
     }
 
-    /// The missing part of a rendering that ended at a deadline; `None` if it is complete.
+    /// Returns the missing part of a rendering that ended at a deadline; `None` if it is complete.
     pub(crate) fn partial(&self) -> Option<Partial> {
         let Measured {
             film,
@@ -185,7 +184,7 @@ impl Rendering<'_> {
         Partial::of([n_rendered, *n_tiles], [film.n_repeats, asked])
     }
 
-    /// Statistics of all pixels together.
+    /// Returns statistics of all pixels together.
     fn survey(&self) -> &Survey {
         let survey = || Survey::of(&self.measured.film);
         self.survey.get_or_init(|| self.pool.install(survey))
@@ -223,7 +222,7 @@ impl Rendering<'_> {
     }
 }
 
-/// Why a picture cannot be written from the files of its tiles.
+/// Returns the reason why a picture cannot be written from the files of its tiles.
 fn unreadable() -> RenderError {
     let message = "the finished tiles in the output folder cannot be read again";
     let help = "leave the folder as it is while raycost runs, and render again";

@@ -1,4 +1,4 @@
-//! Which tiles a session renders.
+//! The tiles that a session renders.
 
 use super::RenderError;
 use base::text::Diagnostic;
@@ -16,12 +16,12 @@ pub(crate) struct Scope<'a> {
     pub(crate) part: Option<PicturePart>,
     /// The tiles of other runs, and the end.
     pub(crate) limits: Limits<'a>,
-    /// Whether the summary has a section of ranks although this process is the only one.
+    /// True if the summary has a section of ranks although this process is the only one.
     pub(crate) is_only_rank: bool,
 }
 
 impl Scope<'_> {
-    /// The tiles in their order.
+    /// Returns the tiles in their order.
     pub(super) fn plan(&self, scene: &Scene, accel: &Accel, config: &Config) -> TilePlan {
         let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
         match (self.part, self.limits.team) {
@@ -34,7 +34,7 @@ impl Scope<'_> {
     /// Checks that tiles could be read and kept.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason if they could not.
     pub(super) fn check(&self) -> Result<(), RenderError> {
         if let Some((rank, failure)) = self.limits.team.and_then(Team::failure) {
             return Err(RenderError::of_rank(&rank, &failure));

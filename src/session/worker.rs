@@ -1,4 +1,4 @@
-//! A session of a worker: it renders what rank 0 deals to it.
+//! A session of a worker: it renders the tiles that rank 0 deals to it.
 
 use super::{Options, RenderError, Session};
 use base::stop;
@@ -17,7 +17,7 @@ impl Session {
         options.thread_pool()?.install(|| {
             let accel = self.accel(options, &mut Stages::default())?;
             let meter = Meter::new(self.config.cost);
-            // Rank 0 has the order.
+            // The order of tiles comes from rank 0.
             let tiling = Tiling {
                 order: TileOrder::Scanline,
                 ..self.config.tiles

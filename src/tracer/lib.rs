@@ -3,9 +3,9 @@
 //! In: a [`Scene`](scene::world::Scene), and rays one by one or as streams. Out: hits, surface
 //! points, radiance and the next rays; a probe counts the work where one is given.
 //!
-//! Read [`cost`], what is counted and timed; [`accel`], the hierarchy, its builds and its
-//! traversals, beside brute force, to which the tests compare them; [`trace`], from hits to
-//! surface points; and [`shade`], from surface points to light.
+//! Read [`cost`], the counters and the clock; [`accel`], the hierarchy, its builds and its
+//! traversals, beside brute force, to which the tests compare them; [`trace`], from hits to surface
+//! points; and [`shade`], from surface points to light.
 
 pub mod cost;
 pub mod accel;

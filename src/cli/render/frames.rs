@@ -24,7 +24,7 @@ use scene::config::Config;
 use scene::yaml::Document;
 use tools::series::{FrameSeries, Video, frame_folder};
 
-/// Renders the frames that are not complete, and writes what plays all complete ones.
+/// Renders the incomplete frames, and writes the files that play all complete ones.
 pub(super) fn render(
     arguments: &RenderArguments,
     scene: &OpenScene,
@@ -97,7 +97,7 @@ pub(super) fn render(
     }
 }
 
-/// What a run keeps that is stopped, and how to go on.
+/// Returns what a stopped run keeps, and how to continue.
 fn frames_kept(arguments: &RenderArguments, n_complete: u64) -> Option<Diagnostic> {
     if arguments.quiet {
         return None;
@@ -108,7 +108,7 @@ fn frames_kept(arguments: &RenderArguments, n_complete: u64) -> Option<Diagnosti
     Some(Diagnostic::new(message).with_help(help))
 }
 
-/// The numbers of the frames that the command line asks for.
+/// Returns the numbers of the frames that the command line requests.
 fn wanted(
     arguments: &RenderArguments,
     scene: &OpenScene,
@@ -122,18 +122,18 @@ fn wanted(
     Ok(range.0.clone())
 }
 
-/// What became of a frame.
+/// The outcome of a frame.
 enum FrameDone {
     Rendered,
     /// The time was over.
     Partial,
-    /// It was complete.
+    /// It was already complete.
     Kept,
 }
 
-/// What was rendered of a frame.
+/// The rendered part of a frame.
 enum FrameRender {
-    /// The times of its stages, and what is missing.
+    /// The times of its stages, and the missing tiles.
     Whole(String, Option<Partial>),
     Part(PicturePart, PartDone),
 }
@@ -175,14 +175,14 @@ struct FrameJob<'a> {
     frames: &'a Frames,
     /// The folder of the series.
     out: &'a Path,
-    /// When no further tile is begun.
+    /// The moment after which no further tile is started.
     deadline: Option<Instant>,
     /// The acceleration structures.
     hierarchies: FrameHierarchies<'a>,
 }
 
 impl FrameJob<'_> {
-    /// The scene at a frame, and the section of its summary.
+    /// Returns the scene at a frame, and the section of its summary.
     fn frame(&self, number: u32) -> Result<(Document, Config, FrameSection), Failure> {
         let (document, config) = self.scene.at(number)?;
         let RenderArguments {
@@ -246,7 +246,7 @@ impl FrameJob<'_> {
         Ok(done.of_frame())
     }
 
-    /// Writes the files that play all complete frames; returns the lines about them.
+    /// Writes the files that play all complete frames. Returns the lines about them.
     fn finish(&self) -> Result<String, Failure> {
         let n_frames = self.frames.n_frames();
         let mut series = FrameSeries::new(self.arguments.scene.name());
@@ -279,7 +279,7 @@ impl FrameJob<'_> {
         Ok(lines)
     }
 
-    /// Makes the video; returns the line about it.
+    /// Makes the video. Returns the line about it.
     fn video(&self, series: &FrameSeries) -> Result<String, Failure> {
         let video = series.write_video(self.out, self.frames.fps())?;
         stop::check()?;

@@ -1,8 +1,8 @@
 //! The acceleration structures of the frames that a run renders.
 //!
 //! A frame has the same structure whether another one came before it or not, so that job arrays
-//! write the bytes of a whole run: the same primitives have the same structure, and that of
-//! others comes from the first frame alone.
+//! write the bytes of a whole run: the same primitives have the same structure, and other
+//! structures derive only from the first frame.
 
 use std::sync::Arc;
 
@@ -13,19 +13,19 @@ use crate::session::{Options, Session};
 use base::provenance::Checksum;
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 
-/// What the frames so far leave for those behind them.
+/// The structures that the frames so far leave for later ones.
 pub(super) struct FrameHierarchies<'a> {
     scene: &'a OpenScene<'a>,
     /// The hash of the last frame's geometry, and its index.
     last: Option<(Checksum, Arc<AccelIndex>)>,
-    /// The hash of the first frame's geometry, if others may have its hierarchy.
+    /// The hash of the first frame's geometry, if others may reuse its hierarchy.
     first_geometry: Option<Checksum>,
-    /// The first frame, once another one may have its hierarchy.
+    /// The first frame, once another one may reuse its hierarchy.
     first: Option<FirstFrame>,
 }
 
 impl<'a> FrameHierarchies<'a> {
-    /// Before the first frame of a run.
+    /// Starts before the first frame of a run.
     ///
     /// # Errors
     /// The first fault of the scene.
@@ -38,7 +38,7 @@ impl<'a> FrameHierarchies<'a> {
         })
     }
 
-    /// What determines the hierarchies of frames besides their own geometry.
+    /// Returns the flags that determine the hierarchies of frames besides their geometry.
     pub(super) fn flags(&self) -> String {
         let first = self.first_geometry;
         first.map_or(String::new(), |first| {
@@ -47,10 +47,10 @@ impl<'a> FrameHierarchies<'a> {
     }
 
     /// Gives the session of a frame of this geometry the structure that it keeps, or another one
-    /// from which its own comes; returns whether it keeps one.
+    /// that it can start from. Returns true if it keeps one.
     ///
     /// # Errors
-    /// The first frame cannot be read or built.
+    /// If the first frame cannot be read or built.
     pub(super) fn give_to(
         &mut self,
         session: &Session,
@@ -86,7 +86,7 @@ impl<'a> FrameHierarchies<'a> {
     /// Takes over the structure of a session that was rendered, of a frame of this geometry.
     ///
     /// # Errors
-    /// A file of the first frame cannot be read.
+    /// If a file of the first frame cannot be read.
     pub(super) fn take_from(
         &mut self,
         session: &Session,
@@ -104,7 +104,7 @@ impl<'a> FrameHierarchies<'a> {
     }
 }
 
-/// What is said about the hierarchy of a frame; nothing without one.
+/// Returns the line about the hierarchy of a frame; empty without one.
 pub(super) fn line(hierarchy: Option<BvhStatistics>, is_kept: bool) -> String {
     let Some(bvh) = hierarchy else {
         return String::new();

@@ -107,7 +107,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     super::render_scene(&arguments, None)
 }
 
-/// The folders of frames with parts, in the folder of a series.
+/// Returns the folders of frames with parts, in the folder of a series.
 fn frames_with_parts(out: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(out.join(FRAMES)).into_iter().flatten();
     let names = entries
@@ -120,7 +120,7 @@ fn frames_with_parts(out: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// The scene of the parts, with its settings.
+/// Returns the scene of the parts, with its settings.
 fn scene_of(arguments: &MergeArguments, header: &Header) -> Result<SceneArguments, Diagnostic> {
     let path = arguments.scene.as_deref();
     let path = path.unwrap_or(Path::new(&header.scene));
@@ -142,10 +142,10 @@ fn open(folder: &Path) -> Result<PartFiles, Diagnostic> {
     })
 }
 
-/// The tiles of all parts of a session's picture in an output folder.
+/// Opens the tiles of all parts of a session's picture in an output folder.
 ///
 /// # Errors
-/// The parts are not those of the picture.
+/// If the parts do not belong to the picture.
 pub(super) fn parts(
     arguments: &RenderArguments,
     session: &Session,
@@ -167,7 +167,7 @@ pub(super) fn parts(
 }
 
 impl RenderArguments {
-    /// The message about parts that make no picture.
+    /// Returns the message about parts that do not form a picture.
     fn refused(&self, faults: &PartFaults, expected: &Header, out: &Path) -> Diagnostic {
         let message = format!("the parts in `{}` make no picture", out.display());
         let refused = Diagnostic::new(message).with_note(faults.lines.join("\n"));

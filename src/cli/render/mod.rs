@@ -144,7 +144,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         arguments.scene.want_only_picture(file.format);
     }
     let arguments = &arguments;
-    // Processes with parts share no picture: each renders its own.
+    // Processes with parts share no picture: each renders a separate one.
     let ranks = match arguments.part {
         Some(_) => None,
         None => Ranks::join()?,
@@ -226,7 +226,7 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     picture.partial.map_or(Ok(()), |_| Err(Failure::Partial))
 }
 
-/// The lines about a still that was rendered and written.
+/// Returns the lines about a still that was rendered and written.
 fn still_lines(
     arguments: &RenderArguments,
     picture: &FinishedPicture,
@@ -244,7 +244,7 @@ fn still_lines(
     format!("{text}{of_tiles}{}", last.unwrap_or_default())
 }
 
-/// Renders a part of a still, and prints what comes next.
+/// Renders a part of a still, and prints the next step.
 fn still_part(
     arguments: &RenderArguments,
     session: &Session,
@@ -262,7 +262,7 @@ fn still_part(
 }
 
 impl RenderArguments {
-    /// The hardware counters, if they are asked for.
+    /// Starts the hardware counters, if requested.
     fn hardware(&self) -> HardwareCounters {
         if self.hardware_counters {
             HardwareCounters::start()
@@ -271,14 +271,14 @@ impl RenderArguments {
         }
     }
 
-    /// When no further tile is begun, if it begins now.
+    /// Returns the moment after which no further tile is started, if the rendering starts now.
     fn deadline(&self) -> Option<Instant> {
         // Without a deadline if the system's clock has no such time.
         self.timeout
             .and_then(|timeout| Instant::now().checked_add(timeout))
     }
 
-    /// Checks that what is measured can go on in another run.
+    /// Checks that another run can continue the measurements.
     fn check_kept(&self) -> Result<(), Diagnostic> {
         let flag = match self.timeout {
             Some(_) => "timeout",
@@ -292,7 +292,7 @@ impl RenderArguments {
         Ok(())
     }
 
-    /// Checks that this program can write the format that is asked for.
+    /// Checks that this program can write the requested format.
     fn check_format(&self) -> Result<(), Failure> {
         if self.format.is_none() || hdf::IS_BUILT {
             return Ok(());
@@ -303,7 +303,7 @@ impl RenderArguments {
         Err(Diagnostic::new(message).with_help(help).into())
     }
 
-    /// The memory of a still picture, or of a part of one.
+    /// Returns the memory estimate of a still picture, or of a part of one.
     fn needed(&self) -> fn(&Config, &Geometries) -> Memory {
         match self.part {
             Some(_) => Memory::of_part,
@@ -329,7 +329,7 @@ impl RenderArguments {
         Err(Diagnostic::new(message).with_help(help))
     }
 
-    /// How a session renders.
+    /// Returns the options of a session.
     fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
         Options {
             threads: self.threads,

@@ -1,4 +1,4 @@
-//! `raycost render SCENE -o picture.png`: a picture, and no other file.
+//! `raycost render SCENE -o picture.png`: only a picture, no other file.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -18,7 +18,7 @@ use render::tiles::Limits;
 #[derive(Debug, Clone)]
 pub(super) struct PictureFile {
     path: PathBuf,
-    /// By the end of its name.
+    /// Chosen by the file's extension.
     pub(super) format: PictureFormat,
 }
 
@@ -69,7 +69,7 @@ pub(super) fn render(
 }
 
 impl RenderArguments {
-    /// The only frame of an animation whose picture is wanted.
+    /// Returns the number of the frame of an animation whose picture is requested.
     pub(super) fn only_frame(&self) -> Result<u32, Diagnostic> {
         let range = self.frames.as_ref().map(|frames| &frames.0);
         match range {

@@ -18,19 +18,19 @@ use render::tiles::Limits;
 /// The extension of a file that is not complete.
 const UNFINISHED: &str = "unfinished";
 
-/// What became of a part.
+/// The outcome of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PartDone {
-    /// So many of its tiles were rendered, in so much time.
+    /// Number of tiles rendered, and the time they took.
     Rendered(u64, Duration),
-    /// It is not complete yet: the time is over.
+    /// The time is over before the part is complete.
     Partial(Partial),
     /// It was complete already.
     Kept,
 }
 
 impl PartDone {
-    /// A line about a part in an output folder.
+    /// Returns a line about a part in an output folder.
     pub(super) fn line(self, part: PicturePart, out: &Path) -> String {
         let path = shown(&out.join(PARTS).join(part.file_name()));
         match self {
@@ -47,7 +47,7 @@ impl PartDone {
     }
 }
 
-/// What to do when all parts are there.
+/// Returns the line about the step after all parts are complete.
 pub(super) fn next_line(out: &Path) -> String {
     let out = shell_word(out);
     format!("next    raycost merge {out}, when all parts are there\n")
@@ -57,7 +57,7 @@ impl RenderArguments {
     /// Checks that a part of the picture can have these settings.
     ///
     /// # Errors
-    /// The first flag that it cannot have.
+    /// The first flag that is not allowed.
     pub(super) fn check_part(&self) -> Result<(), Diagnostic> {
         if self.part.is_none() {
             return Ok(());
@@ -85,8 +85,8 @@ impl RenderArguments {
     }
 }
 
-/// Renders a part of the picture of a session into the folder of parts of an output folder,
-/// unless it is there. Goes on where an interrupted run of the same part was.
+/// Renders a part of the picture of a session into the folder of parts of an output folder, unless
+/// it is there. Continues where an interrupted run of the same part ended.
 pub(super) fn render(
     arguments: &RenderArguments,
     session: &Session,

@@ -20,18 +20,18 @@ pub(super) struct FinishedPicture<'a> {
     pub(super) written: Vec<Written>,
     /// Lines about tiles of other runs.
     pub(super) of_tiles: String,
-    /// What is missing.
+    /// The missing tiles.
     pub(super) partial: Option<Partial>,
 }
 
-/// When no further tile is begun, what samples the functions meanwhile, and who renders.
+/// The deadline, the profiler and the ranks of a rendering.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Until<'a> {
     pub(super) deadline: Option<Instant>,
     pub(super) profiler: Option<&'a Profiler>,
     /// The ranks that render, if there are several.
     pub(super) team: Option<&'a Team>,
-    /// Whether a launcher has started this process as the only rank.
+    /// True if a launcher has started this process as the only rank.
     pub(super) is_only_rank: bool,
 }
 
@@ -49,7 +49,7 @@ impl<'a> FinishedPicture<'a> {
         let bars = Bars::new(arguments.quiet);
         let on_event = |event| bars.show(event);
         let options = Options {
-            // The frames of an animation are in one file each for cloud and frame.
+            // For an animation, all frames share one file each for cloud and frame.
             vtkhdf: arguments.format.is_some() && !session.is_frame(),
             ..arguments.options(&on_event)
         };

@@ -13,8 +13,8 @@ use render::instruments::{HardwareCounters, Stages};
 use render::ranks::{Hello, RankFailure, Ranks, SceneText, Team};
 use scene::yaml::Source;
 
-/// Renders what rank 0 deals to this rank. It writes no file and prints nothing: rank 0
-/// prints why it fails.
+/// Renders the tiles that rank 0 deals to this rank. It writes no file and prints nothing: rank 0
+/// prints the reason if it fails.
 pub(super) fn help(arguments: &RenderArguments, ranks: Ranks) -> Result<(), Failure> {
     let done = work(arguments, &ranks);
     if let Err(failure) = &done {
@@ -59,7 +59,7 @@ impl Crew {
         Ok(Self { ranks, hellos })
     }
 
-    /// Gives them the text of the scene, and from now on its files.
+    /// Sends the text of the scene to the ranks, and from now on its files.
     pub(super) fn send(&self, scene: &Source) -> SharedFiles {
         self.ranks.send_scene(&SceneText {
             name: scene.name().to_owned(),
@@ -68,7 +68,7 @@ impl Crew {
         files::share(self.ranks.broadcast())
     }
 
-    /// Waits until they have read the scene.
+    /// Waits until the ranks have read the scene.
     pub(super) fn gather(
         self,
         arguments: &RenderArguments,
@@ -83,7 +83,7 @@ fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
     RenderError::of_rank(&rank, &failure)
 }
 
-/// What a rank is about to render.
+/// Returns the introduction of a rank before it renders.
 fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
     let n_threads = thread_pool(arguments.threads)?.current_num_threads();
     Ok(Hello {
@@ -95,7 +95,7 @@ fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
     })
 }
 
-/// A failure as rank 0 prints it.
+/// Returns a failure in the form that rank 0 prints.
 fn failure_of(failure: &Failure) -> RankFailure {
     RankFailure {
         exit_code: failure.exit_code(),
@@ -112,10 +112,10 @@ pub(in crate::cli) fn fail_on_a_rank(failure: &Failure) {
 }
 
 impl RenderArguments {
-    /// Checks that several ranks can render what is asked for.
+    /// Checks that several ranks can render what is requested.
     ///
     /// # Errors
-    /// The first flag that they cannot have.
+    /// The first flag that is not allowed.
     pub(super) fn check_ranks(&self, is_animation: bool) -> Result<(), Diagnostic> {
         let alone = "start one process without `mpirun`";
         let refused = [

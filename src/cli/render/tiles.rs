@@ -1,4 +1,4 @@
-//! The tiles of other runs that a rendering takes over, and those that it keeps.
+//! The tiles of other runs that a rendering takes over, and the tiles that it keeps.
 
 use std::fs;
 use std::io;
@@ -16,7 +16,7 @@ use render::checkpoint::{Checkpoint, CheckpointFile, Damage};
 use render::ranks::Team;
 use render::tiles::Limits;
 
-/// The file of finished tiles, in the output folder until that is complete.
+/// Name of the file of finished tiles, in the output folder until the output is complete.
 const UNFINISHED: &str = "unfinished.tiles";
 
 /// The tiles of a whole picture.
@@ -26,16 +26,16 @@ pub(super) struct Tiles {
     deadline: Option<Instant>,
     /// The file of an interrupted run that this one does not continue.
     left: Option<PathBuf>,
-    /// Whether the picture is larger than memory: its pixels are in the files alone.
+    /// True if the picture is larger than memory: its pixels are only in the files.
     is_stored: bool,
 }
 
 impl Tiles {
-    /// The tiles that a session's rendering takes over from files in its output folder. It
+    /// Opens the tiles that a session's rendering takes over from files in its output folder. It
     /// ends at the deadline.
     ///
     /// # Errors
-    /// A file does not belong to the rendering, or cannot be written.
+    /// If a file does not belong to the rendering, or cannot be written.
     pub(super) fn of(
         arguments: &RenderArguments,
         session: &Session,
@@ -62,7 +62,7 @@ impl Tiles {
         })
     }
 
-    /// The tiles for a rendering by this process, or by all ranks of a team.
+    /// Returns the scope of a rendering by this process, or by all ranks of a team.
     pub(super) fn scope<'a>(&'a self, team: Option<&'a Team>) -> Scope<'a> {
         Scope {
             limits: Limits {
@@ -75,12 +75,13 @@ impl Tiles {
         }
     }
 
-    /// The tiles, if the pixels are in their files alone.
+    /// Returns the tiles, if the pixels are only in their files.
     pub(super) fn stored(&self) -> Option<&Checkpoint> {
         self.checkpoint.as_ref().filter(|_| self.is_stored)
     }
 
-    /// What a rendering keeps that is stopped, and how to go on; `None` where nothing is said.
+    /// Returns what a stopped rendering keeps, and how to continue; `None` if there is nothing to
+    /// say.
     pub(super) fn kept(&self, arguments: &RenderArguments) -> Option<Diagnostic> {
         if arguments.quiet || arguments.merges {
             return None;
@@ -97,11 +98,11 @@ impl Tiles {
         Some(Diagnostic::new(message).with_help(go_on(arguments)))
     }
 
-    /// Removes the file of finished tiles if the output, which was written, is complete;
-    /// returns lines about tiles of other runs.
+    /// Removes the file of finished tiles if the output, which was written, is complete. Returns
+    /// lines about tiles of other runs.
     ///
     /// # Errors
-    /// The file cannot be removed.
+    /// If the file cannot be removed.
     pub(super) fn settle(self, partial: Option<Partial>) -> Result<String, WriteError> {
         let mut lines = String::new();
         if let Some(left) = &self.left {
@@ -123,7 +124,7 @@ impl Tiles {
     }
 }
 
-/// The line about what is missing, and how to go on.
+/// Returns the line about missing tiles, and how to continue.
 pub(super) fn partial_line(arguments: &RenderArguments, partial: Partial) -> String {
     let what = match partial.n_missing_tiles {
         0 => format!(
@@ -139,13 +140,13 @@ pub(super) fn partial_line(arguments: &RenderArguments, partial: Partial) -> Str
     format!("partial {what}: {}\n", go_on(arguments))
 }
 
-/// How to go on with a picture that is not complete.
+/// Returns how to continue an incomplete picture.
 fn go_on(arguments: &RenderArguments) -> String {
     let scene = shell_word(&arguments.scene.scene);
     format!("go on with `raycost render {scene} --resume` and the same flags")
 }
 
-/// The tiles of an interrupted run, and the file for new ones.
+/// Opens the tiles of an interrupted run, and the file for new ones.
 fn kept(
     arguments: &RenderArguments,
     session: &Session,
@@ -173,10 +174,10 @@ fn kept(
     }
 }
 
-/// Removes what a run left in a folder with a complete picture, or beside it, that was killed
-/// after that was put in place. Ignores errors.
+/// Removes files that a run left in or beside a folder with a complete picture, if it was killed
+/// after the folder was put in place. Ignores errors.
 pub(super) fn remove_left(folder: &Path) {
-    // Other files of finished tiles are of another picture.
+    // Other files of finished tiles belong to another picture.
     let path = folder.join(UNFINISHED);
     let is_used = |file: &CheckpointFile| file.has_all_tiles();
     if let Ok(_lock) = lock_folder(folder)
@@ -189,7 +190,7 @@ pub(super) fn remove_left(folder: &Path) {
 /// Opens a file of finished tiles; `None` if there is none, or no whole header.
 ///
 /// # Errors
-/// Another program wrote it, or another version of raycost; or it cannot be read.
+/// If another program wrote it, or another version of raycost, or it cannot be read.
 pub(super) fn open(path: &Path) -> Result<Option<CheckpointFile>, Failure> {
     match CheckpointFile::open(path) {
         Ok(file) => Ok(Some(file)),
@@ -205,7 +206,7 @@ pub(super) fn open(path: &Path) -> Result<Option<CheckpointFile>, Failure> {
     }
 }
 
-/// Whether a file has no bytes, as after a crash.
+/// Returns true if a file has no bytes, as after a crash.
 fn is_empty(path: &Path) -> bool {
     path.metadata()
         .is_ok_and(|found| found.is_file() && found.len() == 0)

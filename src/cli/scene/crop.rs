@@ -11,10 +11,10 @@ use scene::config::Image;
 pub(super) struct Crop([u32; 4]);
 
 impl Crop {
-    /// The window of an image.
+    /// Returns the window of an image.
     ///
     /// # Errors
-    /// It reaches beyond the image.
+    /// If it reaches beyond the image.
     pub(super) fn of(self, image: &Image) -> Result<Image, Diagnostic> {
         image.cropped(self.0).ok_or_else(|| {
             let message = format!("the window `--crop {self}` is not within the picture");

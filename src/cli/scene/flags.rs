@@ -20,8 +20,8 @@ struct SceneCommand {
 type Flag = (&'static str, String);
 
 impl SceneArguments {
-    /// The flags that determine the pixels and the output folder, each preceded by a
-    /// blank: with them, another command renders the same pixels.
+    /// Returns the flags that determine the pixels and the output folder, each preceded by a blank:
+    /// with them, another command renders the same pixels.
     pub(in crate::cli) fn flags_of_the_picture(&self) -> Vec<String> {
         let out = self.out.as_deref().map(shell_word);
         let picture = self.picture().into_iter();
@@ -32,7 +32,7 @@ impl SceneArguments {
         shown.chain(set).collect()
     }
 
-    /// All flags but the output folder, each as one argument: with them,
+    /// Returns all flags except the output folder, each as one argument: with them,
     /// [`of_flags`](Self::of_flags) gives the same settings.
     pub(in crate::cli) fn all_flags(&self) -> Vec<String> {
         let cost = if self.no_cost {
@@ -60,11 +60,11 @@ impl SceneArguments {
             .collect()
     }
 
-    /// The arguments of a scene with [`all_flags`](Self::all_flags) of another command, to
+    /// Returns the arguments of a scene with [`all_flags`](Self::all_flags) of another command, to
     /// write to a folder.
     ///
     /// # Errors
-    /// The flags are not those of a scene.
+    /// If the flags do not belong to a scene.
     pub(in crate::cli) fn of_flags(
         scene: &Path,
         flags: &[String],
@@ -81,7 +81,7 @@ impl SceneArguments {
         Ok(parsed.scene)
     }
 
-    /// The flags that determine the pixels, besides those of values by their path.
+    /// Returns the flags that determine the pixels, besides `--set`.
     fn picture(&self) -> Vec<Flag> {
         let number = |n: Option<u32>| n.map(|n| n.to_string());
         let structure = self.acceleration.and_then(|s| s.to_possible_value());

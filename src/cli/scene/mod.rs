@@ -120,7 +120,7 @@ pub(in crate::cli) enum PictureFormat {
 }
 
 impl SceneArguments {
-    /// Gives the config the settings of the command line.
+    /// Applies the settings of the command line to the config.
     ///
     /// # Errors
     /// A setting that the scene does not allow.
@@ -175,22 +175,22 @@ impl SceneArguments {
             .map_err(|fault| document.point_at(fault))
     }
 
-    /// Asks for the picture only, in this format.
+    /// Requests only the picture, in this format.
     pub(in crate::cli) fn want_only_picture(&mut self, format: PictureFormat) {
         self.picture = Some(format);
     }
 
-    /// Whether a setting of the command line changes the scene or its folder.
+    /// Returns true if a setting of the command line changes the scene or its folder.
     pub(in crate::cli) fn changes_scene(&self) -> bool {
         self.out.is_some() || !self.all_flags().is_empty()
     }
 
-    /// Whether the scene is read from standard input.
+    /// Returns true if the scene is read from standard input.
     pub(in crate::cli) fn is_standard_input(&self) -> bool {
         self.scene == Path::new(STANDARD_INPUT)
     }
 
-    /// The command that writes the scene of a mesh as a file; `None` for another scene.
+    /// Returns the command that writes the scene of a mesh as a file; `None` for another scene.
     pub(in crate::cli) fn command_to_keep(&self) -> Option<String> {
         let mesh = import::is_mesh(&self.scene).then(|| shell_word(&self.scene))?;
         let stem = self.scene.file_stem().unwrap_or_default();
@@ -198,10 +198,10 @@ impl SceneArguments {
         Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
     }
 
-    /// The text of the scene.
+    /// Reads the text of the scene.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// If it cannot be read.
     pub(in crate::cli) fn source(&self) -> Result<Source, Diagnostic> {
         if self.is_standard_input() {
             Source::read_standard_input()
@@ -218,7 +218,7 @@ impl SceneArguments {
         }
     }
 
-    /// The text of the scene with the files that it includes and its settings.
+    /// Parses the text of the scene with the files that it includes and its settings.
     ///
     /// # Errors
     /// The first mistake in it.
@@ -233,7 +233,7 @@ impl SceneArguments {
     /// Refuses `--also`, for a command that writes only its own files.
     ///
     /// # Errors
-    /// `--also` is given.
+    /// If `--also` is given.
     pub(in crate::cli) fn refuse_also(&self) -> Result<(), Diagnostic> {
         if self.also.is_empty() {
             Ok(())
@@ -245,7 +245,7 @@ impl SceneArguments {
         }
     }
 
-    /// The cost mode of the command line, if given.
+    /// Returns the cost mode of the command line, if given.
     fn cost(&self) -> Option<CostMode> {
         let is_unwanted = self.no_cost || (self.picture.is_some() && self.cost.is_none());
         if is_unwanted {
@@ -255,7 +255,7 @@ impl SceneArguments {
         }
     }
 
-    /// Sets the config's repeats to those of the command line, if given.
+    /// Sets the config's repeats from the command line, if given.
     fn set_repeats(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
         let of_file = config.repeats;
         config.repeats = self.repeats.unwrap_or(of_file);
@@ -283,7 +283,7 @@ impl SceneArguments {
         }
     }
 
-    /// The folder to write to.
+    /// Returns the folder to write to.
     pub(in crate::cli) fn out(&self) -> PathBuf {
         match &self.out {
             Some(out) => out.clone(),
@@ -291,7 +291,7 @@ impl SceneArguments {
         }
     }
 
-    /// The scene's name: the file's stem.
+    /// Returns the scene's name: the file's stem.
     pub(in crate::cli) fn name(&self) -> String {
         if self.is_standard_input() {
             return "stdin".to_owned();

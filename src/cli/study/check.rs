@@ -8,18 +8,18 @@ use base::text::{Diagnostic, one_line};
 use scene::yaml::Source;
 use tools::study::StudyPlan;
 
-/// The key that every study has, and no scene.
+/// A key that every study has, and no scene.
 const SCENES: &str = "scenes";
 
-/// Whether a text is a study's, not a scene's.
+/// Returns true if a text is a study, not a scene.
 pub(in crate::cli) fn is_study(source: &Source) -> bool {
     source.has_key(SCENES)
 }
 
-/// Checks a study with its small matrix, and every scene that it names; returns the report.
+/// Checks a study with its small matrix, and every scene that it names. Returns the report.
 ///
 /// # Errors
-/// The first fault of the study or of a scene; or it cannot run here.
+/// The first fault of the study or of a scene, or if it cannot run here.
 pub(in crate::cli) fn checked(source: &Source) -> Result<String, Failure> {
     let shown = one_line(source.name()).into_owned();
     let stem = Path::new(source.name()).file_stem().unwrap_or_default();
@@ -60,7 +60,7 @@ pub(in crate::cli) fn checked(source: &Source) -> Result<String, Failure> {
     Ok(lines.into_iter().map(line).collect())
 }
 
-/// The number of points and of the levels that are crossed.
+/// Returns the number of points and of the levels that are crossed.
 fn points(plan: &StudyPlan, n_points: usize) -> String {
     let cases = Some(plan.cases.len()).filter(|&n| n > 0);
     let cases = cases.map(|n| counted(n as u64, "case"));
@@ -75,7 +75,7 @@ fn points(plan: &StudyPlan, n_points: usize) -> String {
     )
 }
 
-/// The fault of flags of a scene that are given for a study.
+/// Returns the fault of a scene's flags that are given for a study.
 pub(in crate::cli) fn refuse_flags() -> Diagnostic {
     Diagnostic::new("the flags of a scene do not change a study")
         .with_help("leave them out, or add them to `flags` in the study")

@@ -9,12 +9,12 @@ use base::text::Diagnostic;
 /// The default: the studies of the repository.
 const DEFAULT_FOLDER: &str = "configs/studies";
 
-/// The study files of a command line, those in a folder sorted by name, each with its output
-/// folder.
+/// Returns the study files of a command line, the files in a folder sorted by name, each with its
+/// output folder.
 ///
 /// # Errors
-/// If a file does not exist, a folder cannot be read or has no study, or two studies have
-/// the same name.
+/// If a file does not exist, a folder cannot be read or has no study, or two studies have the same
+/// name.
 pub(super) fn find(
     named: &[PathBuf],
     out: Option<&Path>,
@@ -67,7 +67,7 @@ fn default_studies() -> Result<Vec<PathBuf>, Diagnostic> {
         .with_help("name a study file, or go to the root of the repository"))
 }
 
-/// The YAML files of a folder, sorted by path.
+/// Returns the YAML files of a folder, sorted by path.
 fn studies_in(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     let named = folder.display();
     let failed = |error: io::Error| Diagnostic::new(format!("cannot read `{named}`: {error}"));
@@ -87,7 +87,7 @@ fn studies_in(folder: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     Ok(files)
 }
 
-/// The name of the output folder, such as "tiles" or "tiles-quick".
+/// Returns the name of the output folder, such as "tiles" or "tiles-quick".
 fn name_of(file: &Path, quick: bool) -> String {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     format!("{stem}{}", if quick { "-quick" } else { "" })

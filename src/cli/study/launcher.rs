@@ -9,7 +9,7 @@ use tools::study::{Launcher, StudyPlan};
 /// Checks that the launcher starts nothing but ranks of this program.
 ///
 /// # Errors
-/// It may start another program.
+/// If it may start another program.
 fn check_harmless(launcher: &Launcher) -> Result<(), Fault> {
     let Some(word) = launcher.suspect() else {
         return Ok(());
@@ -21,8 +21,8 @@ fn check_harmless(launcher: &Launcher) -> Result<(), Fault> {
         .with_help("if you trust this command, let the study start it: `--allow-commands`"))
 }
 
-/// Checks that the program that starts ranks can be run, and that this one can be a rank.
-/// Unless `any_command`, the launcher has to be harmless.
+/// Checks that the program that starts ranks can be run, and that this one can be a rank. Unless
+/// `any_command`, the launcher has to be harmless.
 pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     let Some(launcher) = &plan.launcher else {
         return Ok(());
@@ -65,7 +65,7 @@ pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     fault(message, expected, "install MPI, or give its path")
 }
 
-/// Whether this user may execute a file.
+/// Returns true if this user may execute a file.
 fn is_executable(path: &Path) -> bool {
     #[cfg(unix)]
     let may_execute = rustix::fs::access(path, rustix::fs::Access::EXEC_OK).is_ok();

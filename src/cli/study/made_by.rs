@@ -9,7 +9,7 @@ use base::text::Diagnostic;
 use output::summary::Machine;
 use render::instruments::HardwareCounters;
 
-/// The provenance of tables: machine and build.
+/// Returns the provenance of tables: machine and build.
 pub(super) fn of_tables() -> Value {
     json!({
         "machine": Machine::current(),
@@ -18,11 +18,11 @@ pub(super) fn of_tables() -> Value {
     })
 }
 
-/// The provenance of measurements: that of tables and, because builds of different sources may
-/// have one description, a checksum of this program.
+/// Returns the provenance of measurements: the provenance of tables and, because builds of
+/// different sources may have one description, a checksum of this program.
 ///
 /// # Errors
-/// The program's file cannot be read.
+/// If the program's file cannot be read.
 pub(super) fn of_measurements(of_tables: &Value) -> Result<Value, Failure> {
     let program = std::env::current_exe().and_then(|program| checksum_of(&program));
     let program = program.map_err(|error| {

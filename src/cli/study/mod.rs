@@ -145,7 +145,7 @@ impl Study {
             return Err(point_at(fault).into());
         }
         launcher::check(&plan, any_command).map_err(point_at)?;
-        // A scene is never that of standard input, whose name is `-`.
+        // A scene is never standard input, whose name is `-`.
         let folder = match source.folder() {
             none if none == Path::new("") => PathBuf::from("."),
             folder => folder.to_owned(),
@@ -161,8 +161,8 @@ impl Study {
         })
     }
 
-    /// Locks the output folder and checks that it has no foreign table or plot. A folder
-    /// with a log of runs belongs to a study.
+    /// Locks the output folder and checks that it has no foreign table or plot. A folder with a log
+    /// of runs belongs to a study.
     fn lock(&self) -> Result<File, Failure> {
         let lock = lock_folder(&self.out)?;
         if !self.out.join(RUN_LOG).exists() {
@@ -195,8 +195,8 @@ impl Study {
         Ok(RunLog::open(&self.out.join(RUN_LOG), &made_by)?)
     }
 
-    /// Makes the missing runs until the time budget ends; returns the number of runs that
-    /// are still missing.
+    /// Makes the missing runs until the time budget ends. Returns the number of runs that are still
+    /// missing.
     fn measure(&self, log: &mut RunLog, quiet: bool) -> Result<usize, Failure> {
         let planned = self.plan.runs().into_iter();
         let is_missing = |run: &PlannedRun| !log.has(&self.points[run.point], run.round);
@@ -227,7 +227,7 @@ impl Study {
         Ok(0)
     }
 
-    /// The points in the roofline model, if the study requests it; writes the plot, too.
+    /// Returns the points in the roofline model, if the study requests it; writes the plot, too.
     /// Measures the limits if the folder does not have them yet.
     fn roofline(
         &self,
@@ -261,7 +261,7 @@ impl Study {
     }
 }
 
-/// Checks that a point can be rendered, before the first run; returns the files of its scene.
+/// Checks that a point can be rendered, before the first run. Returns the files of its scene.
 fn checked_files(
     plan: &StudyPlan,
     point: &StudyPoint,

@@ -13,8 +13,8 @@ use base::text::Diagnostic;
 use output::summary::{self, Summary};
 use tools::study::{RunMetrics, StudyPlan, StudyPoint};
 
-/// Renders a point in a process of its own, into a temporary folder in `out`. `folder` is
-/// that of the study file. The process ends when this one does, even if this one is killed.
+/// Renders a point in a separate process, into a temporary folder in `out`. `folder` is the folder
+/// of the study file. The process ends when this one does, even if this one is killed.
 ///
 /// # Errors
 /// If the process cannot be started, fails, or leaves no valid summary.
@@ -43,8 +43,8 @@ pub(super) fn render(
     let out = scratch.path();
     command.arg("--out").arg(&out).arg("--while-input-is-open");
     let flags = || plan.flags.iter().chain(&point.flags);
-    // The rounds of the study are its repeats. A run that chose its number of repeats by
-    // its time would not be comparable with another one.
+    // The rounds of the study are its repeats. A run that chose its number of repeats by its time
+    // would not be comparable with another one.
     if !flags().any(|flag| flag.starts_with("--repeats")) {
         command.arg("--repeats=1");
     }
@@ -63,7 +63,7 @@ pub(super) fn render(
     Ok(RunMetrics::of(&summary, process_ms))
 }
 
-/// The output of a process that ends when its standard input closes: that happens when this
+/// Returns the output of a process that ends when its standard input closes: that happens when this
 /// process ends, and as soon as a signal asks this process to stop.
 fn output_of(command: &mut Command) -> io::Result<Output> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped());

@@ -16,8 +16,8 @@ use tools::study::{
     write_csv,
 };
 
-/// Writes the tables and plots of a study; `points` if it requests a roofline. Returns the
-/// numbers of the plots that have no values.
+/// Writes the tables and plots of a study; `points` if it requests a roofline. Returns the numbers
+/// of the plots that have no values.
 pub(super) fn write_tables(
     out: &Path,
     plan: &StudyPlan,
@@ -51,7 +51,7 @@ pub(super) fn write_tables(
     Ok(empty)
 }
 
-/// Removes the plots that an earlier version of the study drew, of fewer runs than there are.
+/// Removes the plots that an earlier version of the study drew from fewer runs.
 fn remove_other_plots(out: &Path, drawn: &[String]) -> Result<(), Failure> {
     let failed = |error| super::cannot_write(out, &error);
     for entry in fs::read_dir(out).map_err(failed)? {
@@ -66,7 +66,7 @@ fn remove_other_plots(out: &Path, drawn: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The fitted laws of a plot with the labels of their series.
+/// Returns the fitted laws of a plot with the labels of their series.
 fn fits_of(plot: &PlotSpec, figure: &Figure) -> impl Iterator<Item = Value> {
     let fit = |series: &Series| {
         let law = series.law?;
@@ -87,8 +87,8 @@ pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<()
     Ok(())
 }
 
-/// The report on a study: title, render time of each point, notes, and the folder. `empty` are
-/// the numbers of the plots without values.
+/// Returns the report on a study: title, render time of each point, notes, and the folder. `empty`
+/// holds the numbers of the plots without values.
 pub(super) fn lines_of(
     plan: &StudyPlan,
     rows: &[StatisticsRow],
@@ -135,7 +135,7 @@ pub(super) fn lines_of(
     text + &format!("\nwrote   {}/\n\n", shown(out))
 }
 
-/// Notes on outliers and what to do about them; empty if there are none.
+/// Returns notes on outliers and what to do about them; empty if there are none.
 fn notes<'a>(rows: impl Iterator<Item = &'a StatisticsRow> + Clone) -> String {
     let mut text = String::new();
     let n_points = rows.clone().count();
@@ -161,7 +161,7 @@ fn notes<'a>(rows: impl Iterator<Item = &'a StatisticsRow> + Clone) -> String {
     }
 }
 
-/// The last lines, which apply to all studies.
+/// Returns the last lines, which apply to all studies.
 pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
     let mut text =
         "files   runs.jsonl, statistics.csv, statistics.json and plots in each folder\n".to_owned();

@@ -1,4 +1,4 @@
-//! The files of a study's scenes, whose runs are only comparable while these do not change.
+//! The files of a study's scenes: runs are comparable only while these do not change.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ impl SceneFiles {
     /// Reads the files of these points, which `files_of` names.
     ///
     /// # Errors
-    /// The errors of `files_of`; or a file cannot be read.
+    /// The errors of `files_of`, or if a file cannot be read.
     pub(super) fn read<E: From<Diagnostic>>(
         points: &[StudyPoint],
         files_of: impl Fn(&StudyPoint) -> Result<Vec<PathBuf>, E>,
@@ -48,23 +48,23 @@ impl SceneFiles {
         ))
     }
 
-    /// The names of the scenes.
+    /// Returns the names of the scenes.
     pub(super) fn names(&self) -> Vec<&str> {
         self.0.keys().map(String::as_str).collect()
     }
 
-    /// A hash of the contents of each scene's files, by the name of the scene.
+    /// Returns a hash of the contents of each scene's files, by the name of the scene.
     pub(super) fn hashes(&self) -> Value {
         let hashes = self.0.iter();
         let hashes = hashes.map(|(name, files)| (name.clone(), json!(files.contents)));
         Value::Object(hashes.collect())
     }
 
-    /// Checks that the scene of a point has not changed since it was read. `out` is the folder
-    /// of the runs.
+    /// Checks that the scene of a point has not changed since it was read. `out` is the folder of
+    /// the runs.
     ///
     /// # Errors
-    /// It has changed, or it cannot be read.
+    /// If it has changed, or it cannot be read.
     pub(super) fn check(&self, point: &StudyPoint, out: &Path) -> Result<(), Diagnostic> {
         let name = name_of(point);
         let Some(of_scene) = self.0.get(&name) else {
@@ -83,7 +83,7 @@ impl SceneFiles {
     }
 }
 
-/// The name of a point's scene.
+/// Returns the name of a point's scene.
 fn name_of(point: &StudyPoint) -> String {
     let name = point.values.get("scene").and_then(Value::as_str);
     name.unwrap_or_default().to_owned()

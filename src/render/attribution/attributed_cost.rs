@@ -7,17 +7,17 @@ use tracer::cost::{Metric, RayKind};
 /// The work of some rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Work {
-    /// The number of rays.
+    /// Number of rays.
     pub rays: u64,
-    /// Their BVH node visits.
+    /// BVH node visits of the rays.
     pub node_visits: u64,
-    /// Their primitive tests.
+    /// Primitive tests of the rays.
     pub primitive_tests: u64,
-    /// Their thread time in picoseconds, as integers so that sums do not depend
-    /// on their order; 0 if no time was measured.
+    /// Thread time of the rays in picoseconds, as integers so that sums do not depend on their
+    /// order; 0 if no time was measured.
     pub time_ps: u64,
-    /// The pixels that they are samples of, if camera rays, in units of
-    /// [`Self::PIXEL_UNIT`]: integers for the same reason.
+    /// The pixels that camera rays are samples of, in units of [`Self::PIXEL_UNIT`]: integers for
+    /// the same reason.
     pub pixel_units: u64,
 }
 
@@ -28,8 +28,8 @@ impl Work {
     /// The counted metrics of rays, in order of preference.
     pub const COUNTED: [Metric; 3] = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS, Metric::RAYS];
 
-    /// Returns one of [`Self::COUNTED`], or the time in nanoseconds for any metric of times;
-    /// 0 for any other.
+    /// Returns one of [`Self::COUNTED`], or the time in nanoseconds for any metric of times; 0 for
+    /// any other.
     pub fn get(&self, metric: Metric) -> f64 {
         match metric {
             _ if metric.is_timed() => (self.time_ps as f64 / 1e3).round(),
@@ -55,10 +55,10 @@ impl Work {
 /// The rule by which a ray's cost is attributed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AttributionRule {
-    /// To the first hit of the ray's path: a visible object is charged for its
-    /// shadow rays and its reflections.
+    /// To the first hit of the ray's path: a visible object is charged for its shadow rays and its
+    /// reflections.
     Primary,
-    /// To the ray's own hit; for a shadow ray to its occluder.
+    /// To the ray's hit; for a shadow ray to its occluder.
     Hit,
 }
 
@@ -66,7 +66,7 @@ impl AttributionRule {
     /// Both rules.
     pub const ALL: [Self; 2] = [Self::Primary, Self::Hit];
 
-    /// Its name in files.
+    /// Returns the rule's name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",
@@ -83,12 +83,12 @@ pub struct AttributedCost {
 }
 
 impl AttributedCost {
-    /// Returns the work of its rays of one kind.
+    /// Returns the work of rays of one kind.
     pub fn of_kind(&self, charge: AttributionRule, kind: RayKind) -> Work {
         self.work[charge as usize][kind as usize]
     }
 
-    /// Returns the work of all of its rays.
+    /// Returns the work of all rays.
     pub fn all(&self, charge: AttributionRule) -> Work {
         let kinds = self.work[charge as usize];
         kinds.into_iter().fold(Work::default(), Work::with)
@@ -103,8 +103,7 @@ impl AttributedCost {
         }
     }
 
-    /// Returns the number of pixels that it covers, each of a pixel's samples counted as
-    /// its share.
+    /// Returns the number of pixels covered, each of a pixel's samples counted as its share.
     pub fn n_pixels(&self) -> f64 {
         let units = self
             .of_kind(AttributionRule::Hit, RayKind::Camera)
@@ -112,7 +111,7 @@ impl AttributedCost {
         units as f64 / Work::PIXEL_UNIT as f64
     }
 
-    /// Returns the number of camera rays that hit it.
+    /// Returns the number of camera rays that hit the object.
     pub fn n_samples(&self) -> u64 {
         self.of_kind(AttributionRule::Hit, RayKind::Camera).rays
     }
@@ -121,22 +120,22 @@ impl AttributedCost {
 /// The visits of a node or the tests of a primitive.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Visits {
-    /// The number of visits or tests.
+    /// Number of visits or tests.
     pub n: u64,
-    /// The successful ones: visits that continued to a child, or tests that
-    /// found the nearest hit so far.
+    /// Number of successful ones: visits that continued to a child, or tests that found the nearest
+    /// hit so far.
     pub n_hits: u64,
     /// Thread time in picoseconds; 0 if no time was measured.
     pub time_ps: u64,
 }
 
 impl Visits {
-    /// The number of unsuccessful visits or tests.
+    /// Returns the number of unsuccessful visits or tests.
     pub fn n_wasted(&self) -> u64 {
         self.n - self.n_hits
     }
 
-    /// The time in nanoseconds.
+    /// Returns the time in nanoseconds.
     pub fn time_ns(&self) -> f32 {
         (self.time_ps as f64 / 1e3) as f32
     }
@@ -147,17 +146,16 @@ impl Visits {
 pub struct Hierarchy {
     /// Inner nodes and leaves, each before its descendants.
     pub nodes: Vec<BvhNode>,
-    /// The visits of each node. A ray that visits a leaf is tested against all of
-    /// its primitives. The time of a leaf is that of its tests; the time of an
-    /// inner node excludes its children.
+    /// The visits of each node. A ray that visits a leaf is tested against all of its primitives.
+    /// The time of a leaf is the time of its tests; the time of an inner node excludes its
+    /// children.
     pub visits: Vec<Visits>,
 }
 
 impl Hierarchy {
-    /// Returns the measured cost of each subtree per ray that visited the root, on
-    /// the scale of [`BvhNode::sah_cost`], which predicts it: one for each node
-    /// visit and each primitive test in the subtree, divided by the visits of the
-    /// root. 0 for a subtree that no ray visited.
+    /// Returns the measured cost of each subtree per ray that visited the root, on the scale of
+    /// [`BvhNode::sah_cost`], which predicts it: one for each node visit and each primitive test in
+    /// the subtree, divided by the visits of the root. 0 for a subtree that no ray visited.
     pub fn costs(&self) -> Vec<f32> {
         let mut steps: Vec<u64> = self.nodes.iter().zip(&self.visits).map(own_steps).collect();
         // Descendants come after their ancestors.
@@ -172,8 +170,8 @@ impl Hierarchy {
         steps.into_iter().map(per_ray).collect()
     }
 
-    /// Returns the nodes within the limits in their order, each with its visits and
-    /// its entry of [`Self::costs`].
+    /// Returns the nodes within the limits in their order, each with its visits and its entry of
+    /// [`Self::costs`].
     pub fn within(&self, limits: BvhLimits) -> Vec<(&BvhNode, &Visits, f32)> {
         let all = self.nodes.iter().zip(&self.visits).zip(self.costs());
         all.map(|((node, visits), cost)| (node, visits, cost))

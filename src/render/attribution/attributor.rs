@@ -17,8 +17,8 @@ pub(super) struct Tallies {
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
-    /// The id of the first node of meshes that are placed many times; greater than all others if
-    /// there are none.
+    /// The ID of the first node of instanced meshes; greater than all IDs if there are no such
+    /// meshes.
     first_lower_id: u32,
 }
 
@@ -122,11 +122,13 @@ impl<'a> Attributor<'a> {
         }
     }
 
-    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of
-    /// `time_ns`, if given. Returns the number of rays.
+    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of `time_ns`, if
+    /// given. Returns the number of rays.
     pub(super) fn pixel(&mut self, place: (u32, u32), time_ns: Option<f32>) -> u64 {
+        // Observe the rays of the pixel.
         self.observer.observe(place, &mut self.tree);
         let rays = &self.tree.rays;
+        // Scale their times to the time of the pixel.
         let observed_ns: f64 = rays.iter().map(|ray| f64::from(ray.time_ns)).sum();
         let ps = match time_ns {
             Some(time_ns) if observed_ns > 0.0 => 1e3 * f64::from(time_ns) / observed_ns,
@@ -135,6 +137,7 @@ impl<'a> Attributor<'a> {
         let n_samples = rays.last().map_or(1, |ray| u64::from(ray.sample) + 1);
         let share = (Work::PIXEL_UNIT + n_samples / 2) / n_samples;
         let mut primary = self.groups.background;
+        // Attribute each ray to objects, by both rules, and its steps to nodes and primitives.
         for ray in rays {
             let hit = self.groups.of_hit(ray.hit);
             // The camera ray is the first ray of a sample.
@@ -170,8 +173,7 @@ impl ObjectTallies<'_> {
         })
     }
 
-    /// Attributes a ray, with its time and its share of the pixel, to an object and a
-    /// material.
+    /// Attributes a ray, with its time and its share of the pixel, to an object and a material.
     fn attribute(
         &mut self,
         charge: AttributionRule,
@@ -199,8 +201,8 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
-    /// The index of the first primitive, and the id of the first node, of meshes that are placed
-    /// many times; greater than all others if there are none.
+    /// The index of the first primitive, and the ID of the first node, of instanced meshes; greater
+    /// than all others if there are no such meshes.
     first_lower: u32,
     first_lower_id: u32,
     primitives: Option<TallyCache<'a, 3>>,
@@ -218,7 +220,7 @@ impl Steps<'_> {
             rest -= one_more;
             time_ps / n_steps + one_more
         };
-        // The last leaf, and the last one of the upper level.
+        // The last leaf, and the last leaf of the upper level.
         let (mut leaf, mut upper_leaf) = (None, None);
         for step in steps {
             match *step {
@@ -235,7 +237,7 @@ impl Steps<'_> {
                 TraversalStep::Test { primitive, hit } => {
                     let time_ps = share();
                     add(&mut self.primitives, primitive, [1, hit.into(), time_ps]);
-                    // The tests in an instance may come between those of a leaf of the upper
+                    // The tests in an instance may come between the tests of a leaf of the upper
                     // level.
                     if primitive < self.first_lower {
                         leaf = upper_leaf;

@@ -8,8 +8,8 @@ use crate::attribution::{Observer, RayTree, TracedRay};
 use base::stop;
 use math::statistics::upper_median;
 
-/// Number of observations of a timed pixel. In the first one the caches are cold,
-/// unlike in a rendering, where the neighboring pixels have warmed them.
+/// Number of observations of a timed pixel. In the first one the caches are cold, unlike in a
+/// rendering, where the neighboring pixels have warmed them.
 const N_TIMES: usize = 5;
 
 /// Least number of paths between two checks of the memory.
@@ -20,12 +20,11 @@ const N_SAMPLES: u32 = 1 << 12;
 pub struct ObservedPixel {
     /// Column and row; row 0 is on top.
     pub place: (u32, u32),
-    /// Its rays.
+    /// The rays of the pixel.
     pub tree: RayTree,
 }
 
-/// The rays need more memory than is available, or are more than an `i32` can
-/// count.
+/// Error: the rays need more memory than is available, or there are more than an `i32` can count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyRays {
     /// Number of observed pixels.
@@ -47,13 +46,13 @@ impl fmt::Display for TooManyRays {
 impl std::error::Error for TooManyRays {}
 
 impl Observer<'_> {
-    /// Observes many pixels on the current rayon pool. The time of each ray is
-    /// the median of several observations. Calls `report` with the number of
-    /// pixels that have been finished since the last call.
+    /// Observes many pixels on the current rayon pool. The time of each ray is the median of
+    /// several observations. Calls `report` with the number of pixels that have been finished since
+    /// the last call.
     ///
     /// # Errors
-    /// As soon as the rays take more than `n_bytes` of memory, or are more than
-    /// an `i32` can count.
+    /// As soon as the rays take more than `n_bytes` of memory, or there are more than an `i32` can
+    /// count.
     pub fn observe_many(
         &self,
         places: impl Iterator<Item = (u32, u32)>,

@@ -1,16 +1,14 @@
 //! Cost attribution: the cost of each object, material, primitive and node.
 //!
-//! After a picture is rendered, all of its rays are traced once more with an
-//! observer, and their cost is attributed to the objects, materials, primitives
-//! and nodes involved. The counters sum exactly to those of the film. So do the
-//! times: the time of each observed ray is scaled so that the rays of a pixel sum
-//! to its `time_ns`, which was measured without an observer. The time of a ray is
-//! divided evenly among its steps, the node visits and primitive tests.
+//! After a picture is rendered, all of its rays are traced once more with an observer, and their
+//! cost is attributed to the objects, materials, primitives and nodes involved. The counters sum
+//! exactly to the counters of the film. So do the times: the time of each observed ray is scaled so
+//! that the rays of a pixel sum to its `time_ns`, which was measured without an observer. The time
+//! of a ray is divided evenly among its steps, the node visits and primitive tests.
 //!
-//! The [`Observer`] is a third way to render a pixel, besides single rays and
-//! streams of rays, with the same rays, hits and counters. It is slow and records
-//! everything: what each ray hit, which nodes and primitives it was tested
-//! against, how long it took and how much it contributed to the pixel.
+//! The [`Observer`] is a third way to render a pixel, besides single rays and streams of rays, with
+//! the same rays, hits and counters. It is slow and records everything: the hit of each ray, the
+//! nodes and primitives it was tested against, its time, and its contribution to the pixel.
 
 mod tree;
 mod observer;
@@ -38,11 +36,10 @@ pub use tree::{RayTree, TracedRay};
 /// The cost of a picture, attributed to the parts of its scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostAttribution {
-    /// Indexed by [`ObjectId`](scene::world::ObjectId); the last entry is that of
-    /// rays without a hit.
+    /// Indexed by [`ObjectId`](scene::world::ObjectId); the last entry is for rays without a hit.
     pub objects: Vec<AttributedCost>,
-    /// Indexed by [`MaterialId`](scene::world::MaterialId); the last entry is that
-    /// of rays without a hit.
+    /// Indexed by [`MaterialId`](scene::world::MaterialId); the last entry is for rays without a
+    /// hit.
     pub materials: Vec<AttributedCost>,
     /// For each primitive of the scene, if [`OptionalOutput::Surface`] is requested.
     pub primitives: Option<Vec<Visits>>,
@@ -58,7 +55,7 @@ impl CostAttribution {
         } else {
             0
         };
-        // Sums by node id, with gaps, and those of each node.
+        // Sums by node ID, with gaps, and sums of each node.
         let per_id = 2 * size_of::<Visits>() + size_of::<BvhNode>();
         let of_nodes = match acceleration {
             Acceleration::Bvh(quality) if outputs.has(OptionalOutput::Bvh) => {
@@ -69,14 +66,13 @@ impl CostAttribution {
         of_surface + of_nodes
     }
 
-    /// Whether the requested outputs need a cost attribution.
+    /// Returns true if the requested outputs need a cost attribution.
     pub fn is_requested(outputs: &Outputs) -> bool {
         outputs.iter().any(OptionalOutput::needs_attribution)
     }
 
-    /// Observes all rays of a film of this scene, which was rendered with
-    /// counters, on the current rayon pool. Any thread calls `report` after each
-    /// row.
+    /// Observes all rays of a film of this scene, which was rendered with counters, on the current
+    /// rayon pool. Any thread calls `report` after each row.
     pub fn measure(
         (scene, accel, image): (&Scene, &Accel, &Image),
         (film, meter): (&Film, &Meter),

@@ -30,15 +30,15 @@ struct Start {
     sample: u32,
     light: Option<u32>,
     bounce: u32,
-    /// The length of the path before it.
+    /// Length of the path before the ray.
     length: f32,
     ray: Ray,
     t_max: f32,
 }
 
 impl<'a> Observer<'a> {
-    /// Observes the pixels of this image; measures their rays with the clock, if
-    /// there is one.
+    /// Creates an observer of the pixels of this image, which measures their rays with the clock,
+    /// if there is one.
     pub fn new(
         scene: &'a Scene,
         accel: &'a Accel<'a>,
@@ -52,7 +52,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The same for pixels in this plane instead of the scene's.
+    /// Observes pixels in this plane instead of the scene's plane.
     pub fn through(self, plane: ImagePlane) -> Self {
         Self {
             view: self.view.through(plane),
@@ -60,7 +60,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The same without the steps of the rays, which take most of the memory.
+    /// Omits the steps of the rays, which take most of the memory.
     pub fn without_steps(self) -> Self {
         Self {
             keeps_steps: false,
@@ -68,22 +68,22 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// Most samples of a pixel.
+    /// Returns the greatest number of samples of a pixel.
     pub(super) fn most_samples(&self) -> u32 {
         self.view.rounds.n_most()
     }
 
-    /// Whether it measures times.
+    /// Returns true if times are measured.
     pub(super) fn is_timed(&self) -> bool {
         self.clock.is_some()
     }
 
-    /// Overwrites `tree` with that of the pixel in column `x` and row `y`; row 0 is
-    /// on top.
+    /// Overwrites `tree` with the rays of the pixel in column `x` and row `y`; row 0 is on top.
     pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
         tree.clear();
         let mut sums = SampleSums::zero(0.0);
         let mut round = self.view.rounds.first();
+        // Observe the samples, in rounds as in a rendering.
         while !round.is_empty() {
             for sample in round.clone() {
                 let color = self.observe_sample((x, y), sample, tree);
@@ -103,6 +103,7 @@ impl<'a> Observer<'a> {
         let mut paths = vec![camera_path];
         let mut parents = vec![None];
         let (mut color, mut n_traced) = (Vec3::ZERO, 0);
+        // Follow all paths of the sample, each ray after the ray that it continues.
         while let Some(&path) = paths.get(n_traced) {
             let start = Start {
                 kind: path.kind,
@@ -114,8 +115,10 @@ impl<'a> Observer<'a> {
                 ray: path.ray,
                 t_max: f32::INFINITY,
             };
+            // Trace the ray.
             n_traced += 1;
             let (number, hit) = self.trace(start, tree);
+            // Shade its point, or add the background.
             match self.view.shader.met_in_fog(&path, hit) {
                 Some(point) => {
                     if self.view.shader.is_particle(&point) {
@@ -131,8 +134,7 @@ impl<'a> Observer<'a> {
         color
     }
 
-    /// Traces a ray for its nearest hit and adds it; returns its index and the
-    /// surface point.
+    /// Traces a ray for its nearest hit and adds it. Returns its index and the surface point.
     fn trace(&self, start: Start, tree: &mut RayTree) -> (u32, Option<SurfacePoint>) {
         let tracer = &self.view.tracer;
         let ray = start.ray;
@@ -142,8 +144,8 @@ impl<'a> Observer<'a> {
         (self.add(start, cost, time_ns, record, tree), hit)
     }
 
-    /// Traces the shadow ray of a light sample and adds it; returns its index and
-    /// whether it is occluded.
+    /// Traces the shadow ray of a light sample and adds it. Returns its index, and true if it is
+    /// occluded.
     fn trace_shadow(&self, parent: u32, sample: &LightSample, tree: &mut RayTree) -> (u32, bool) {
         let tracer = &self.view.tracer;
         let shadow = &sample.shadow;
@@ -174,6 +176,7 @@ impl<'a> Observer<'a> {
         tree: &mut RayTree,
     ) {
         let shader = &self.view.shader;
+        // Trace a shadow ray to each light.
         let mut lights: Vec<(Option<u32>, Illumination<f32>)> = Vec::new();
         for sample in shader.light_samples(path, point) {
             if !shader.casts_shadows() {
@@ -185,10 +188,12 @@ impl<'a> Observer<'a> {
                 lights.push((Some(shadow), sample.light));
             }
         }
+        // Shade the point by the lights that reach it.
         let all = || lights.iter().map(|(_, light)| *light);
         let (_, time_ns, color) = self.timed(|_| shader.shade(eye, path, point, all(), next));
         tree.rays[number as usize].time_ns += time_ns;
         tree.rays[number as usize].contribution = color;
+        // Find the contribution of each light: the color without it.
         for left_out in lights.iter().filter_map(|(shadow, _)| *shadow) {
             let others = lights
                 .iter()
@@ -206,7 +211,7 @@ impl<'a> Observer<'a> {
         tree.rays[number as usize].contribution = color;
     }
 
-    /// Runs `work`; returns its counters, its time in nanoseconds and its result.
+    /// Runs `work`. Returns its counters, its time in nanoseconds and its result.
     fn timed<T>(&self, work: impl FnOnce(&mut Cost) -> T) -> (Cost, f32, T) {
         let mut cost = Cost::default();
         let Some(clock) = self.clock else {
@@ -219,7 +224,7 @@ impl<'a> Observer<'a> {
         (cost, time_ns, result)
     }
 
-    /// Adds a ray to the tree; returns its index.
+    /// Adds a ray to the tree. Returns its index.
     fn add(
         &self,
         start: Start,

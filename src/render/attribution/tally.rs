@@ -33,8 +33,8 @@ impl<const N: usize> Tally<N> {
 /// Rows that a [`TallyCache`] caches.
 const N_SLOTS: usize = 1 << 10;
 
-/// A thread's write cache of a tally. It avoids contention on rows that all
-/// threads add to, such as that of the root, which each ray visits.
+/// A thread's write cache of a tally. It avoids contention on rows that all threads add to, such as
+/// the root's row, since each ray visits the root.
 pub(super) struct TallyCache<'a, const N: usize> {
     tally: &'a Tally<N>,
     slots: Vec<Slot<N>>,

@@ -1,10 +1,10 @@
-//! Blocks of a file: a kind, a length, a checksum, and as many bytes.
+//! Blocks of a file: a kind, a length, a checksum, and the content.
 
 use std::io::{self, Read};
 
 use base::provenance::Hasher;
 
-/// What a block holds.
+/// The kind of content of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BlockKind {
     /// The header as JSON; the first block.
@@ -17,7 +17,7 @@ pub(super) enum BlockKind {
     End = 4,
 }
 
-/// Bytes before those of a block: kind, length and checksum.
+/// Bytes before the content of a block: kind, length and checksum.
 pub(super) const PREFIX: usize = 4 + 4 + 16;
 
 impl BlockKind {
@@ -27,8 +27,8 @@ impl BlockKind {
     }
 }
 
-/// Appends a block whose bytes `append` appends. Blocks are numbered from 0 in their
-/// file: the checksum includes the number, so that none can be left out.
+/// Appends a block whose content `append` writes. Blocks are numbered from 0 in their file: the
+/// checksum includes the number, so none can be left out.
 pub(super) fn append(
     bytes: &mut Vec<u8>,
     kind: BlockKind,
@@ -46,8 +46,8 @@ pub(super) fn append(
     prefix[8..].copy_from_slice(&checksum);
 }
 
-/// Reads the next block of a file, which has this number, into `content`; at most
-/// `max_bytes` of it. `None` if there is no whole one.
+/// Reads the next block of a file, which has this number, into `content`; at most `max_bytes` of
+/// it. Returns its kind, or `None` if there is no whole block.
 ///
 /// # Errors
 /// An error of the system.
@@ -74,7 +74,7 @@ pub(super) fn read(
     Ok(is_whole.then_some(kind))
 }
 
-/// Fills a buffer; false if there are too few bytes.
+/// Fills a buffer. Returns false if there are too few bytes.
 fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<bool> {
     match file.read_exact(buffer) {
         Ok(()) => Ok(true),

@@ -11,27 +11,27 @@ use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
 use base::files;
 
-/// The first bytes of a file; the number is that of the format.
+/// The first bytes of a file; the number is the version of the format.
 pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 4\n";
-/// The part of them that is the same for every format.
+/// Number of these bytes that is the same for every format.
 const N_OF_ALL_FORMATS: usize = 14;
-/// Most bytes of a header.
+/// Greatest number of bytes of a header.
 const MAX_HEADER: usize = 1 << 20;
 
 /// A file whose blocks were checked.
 #[derive(Debug)]
 pub struct CheckpointFile {
-    /// Its path.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its header.
+    /// Header of the file.
     pub header: Header,
-    /// The runs that wrote it.
+    /// The runs that wrote the file.
     pub sessions: Vec<RunSpan>,
-    /// Its tiles in their order.
+    /// The tiles in their order.
     pub(super) tiles: Vec<StoredTile>,
-    /// Whether its last block says that no tile is missing.
+    /// True if the last block says that no tile is missing.
     pub is_complete: bool,
-    /// Whether something follows the last whole block.
+    /// True if something follows the last whole block.
     pub is_torn: bool,
     reader: TileReader,
     /// Bytes and blocks up to the last whole block.
@@ -44,19 +44,19 @@ pub struct CheckpointFile {
 pub struct RunSpan {
     /// Number of threads.
     pub n_threads: u32,
-    /// Wall time since its rendering began, in nanoseconds.
+    /// Wall time since the rendering started, in nanoseconds.
     pub wall_ns: u64,
     /// CPU time of all threads since then, in nanoseconds.
     pub cpu_ns: u64,
 }
 
-/// Where a tile is.
+/// Location of a tile in a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StoredTile {
     pub(super) rendering: u8,
     pub(super) tile: u32,
     pub(super) end_ns: u64,
-    /// The number of its block, its position, and the bytes in it.
+    /// Number of its block, its position, and the bytes in it.
     pub(super) block: u64,
     pub(super) position: u64,
     pub(super) n_bytes: u32,
@@ -76,7 +76,7 @@ impl TileReader {
         Ok(Self { file, layout })
     }
 
-    /// Reads a tile; `None` if it is not as it was written.
+    /// Reads a tile. Returns `None` if its bytes have changed since it was written.
     pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord<'static>>> {
         let mut block = vec![0; PREFIX + stored.n_bytes as usize];
         {
@@ -98,16 +98,16 @@ impl TileReader {
     }
 }
 
-/// Why a file cannot be read.
+/// Reasons why a file cannot be read.
 #[derive(Debug)]
 pub enum Damage {
     /// An error of the system.
     System(io::Error),
-    /// It is not a file of tiles.
+    /// Not a file of tiles.
     Foreign,
-    /// A raycost with another format of these files wrote it.
+    /// Written by a raycost with another format of these files.
     OtherFormat,
-    /// Its header is damaged, or not all there.
+    /// The header is damaged or incomplete.
     NoHeader,
 }
 
@@ -132,7 +132,7 @@ impl CheckpointFile {
     /// Opens a file and checks all blocks, up to the first that is not whole.
     ///
     /// # Errors
-    /// There is no header, or an error of the system.
+    /// If there is no header, or an error of the system.
     pub fn open(path: &Path) -> Result<Self, Damage> {
         let mut reader = BufReader::with_capacity(1 << 18, files::open(path)?);
         let mut magic = Vec::new();
@@ -168,12 +168,12 @@ impl CheckpointFile {
         Ok(this)
     }
 
-    /// Number of tiles, of all renderings.
+    /// Returns the number of tiles, of all renderings.
     pub fn n_tiles(&self) -> usize {
         self.tiles.len()
     }
 
-    /// Whether it has each tile of each rendering of the picture.
+    /// Returns true if the file has each tile of each rendering of the picture.
     pub fn has_all_tiles(&self) -> bool {
         let layout = &self.header.layout;
         let n_tiles = layout.grid().n_tiles() as usize * usize::from(layout.n_renderings);
@@ -185,7 +185,7 @@ impl CheckpointFile {
         self.reader.read(stored)
     }
 
-    /// Reads the blocks behind the header; `content` is a buffer.
+    /// Reads the blocks after the header; `content` is a buffer.
     fn read_blocks(&mut self, reader: &mut impl Read, mut content: Vec<u8>) -> io::Result<()> {
         let layout = self.header.layout;
         let max_bytes = TileRecord::max_bytes(&layout);
@@ -229,7 +229,7 @@ impl CheckpointFile {
         true
     }
 
-    /// Adds a run, or what it has done since.
+    /// Adds a run, or its progress.
     fn add_session(&mut self, content: &[u8]) -> bool {
         let Some((number, session)) = RunSpan::of_bytes(content) else {
             return false;

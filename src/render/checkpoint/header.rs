@@ -1,4 +1,4 @@
-//! Identifies the rendering that the tiles of a file belong to.
+//! Identification of the rendering that the tiles of a file belong to.
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,7 +13,7 @@ use base::provenance::{Checksum, program};
 pub struct Header {
     /// The version of raycost that renders.
     pub raycost: String,
-    /// Its commit, if the build was given one.
+    /// The commit, if the build was given one.
     pub commit: Option<String>,
     /// `little` or `big`: the order of the bytes of a number in the pixels.
     pub byte_order: String,
@@ -25,8 +25,8 @@ pub struct Header {
     pub folder: String,
     /// The frame of an animated scene.
     pub frame: Option<u32>,
-    /// A hash of the settings and of the contents of the files that the scene names:
-    /// equal where the pixels are.
+    /// A hash of the settings and of the contents of the files that the scene names: equal where
+    /// the pixels are equal.
     pub fingerprint: Checksum,
     /// The part of the picture; `None` for the whole.
     pub part: Option<PicturePart>,
@@ -37,17 +37,17 @@ pub struct Header {
 /// One of several parts of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct PicturePart {
-    /// Its number, from 1.
+    /// Number of the part, from 1.
     pub number: u32,
-    /// The number of parts.
+    /// Number of parts.
     pub of: u32,
 }
 
 impl PicturePart {
-    /// Most parts of a picture.
+    /// Greatest number of parts of a picture.
     pub const MAX: u32 = 65_535;
 
-    /// The name of its file: numbers have as many digits as the number of parts.
+    /// Returns the name of the part's file: numbers have as many digits as the number of parts.
     pub fn file_name(self) -> String {
         let n_digits = self.of.to_string().len();
         format!("part-{:0n_digits$}-of-{}.tiles", self.number, self.of)
@@ -88,8 +88,8 @@ impl Header {
         "big"
     };
 
-    /// Why tiles of `self` do not belong to the rendering of `other`, whatever their
-    /// parts are; `None` if they do.
+    /// Returns the reason why tiles of `self` do not belong to the rendering of `other`, whatever
+    /// their parts are, or `None` if they do.
     pub fn foreign_to(&self, other: &Self) -> Option<String> {
         let program = |header: &Self| program(&header.raycost, header.commit.as_deref());
         let [found, expected] = [program(self), program(other)];

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::schedule::TileGrid;
 use scene::config::{MAX_SIDE, Tiling};
 
-/// What determines the sizes of the records of a rendering.
+/// The quantities that determine the sizes of the records of a rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordLayout {
     /// Width of the picture in pixels.
@@ -14,17 +14,17 @@ pub struct RecordLayout {
     pub height: u32,
     /// Pixels along a tile's side.
     pub tile_size: u32,
-    /// How often the picture is rendered.
+    /// Number of renderings of the picture.
     pub n_renderings: u8,
     /// Bytes of a pixel in all arrays of the film.
     pub bytes_per_pixel: u32,
 }
 
-/// Most bytes of a pixel in all arrays.
+/// Greatest number of bytes of a pixel in all arrays.
 const MAX_BYTES_PER_PIXEL: u32 = 1 << 10;
 
 impl RecordLayout {
-    /// Whether a scene can have these sizes.
+    /// Returns true if a scene can have these sizes.
     pub fn is_possible(&self) -> bool {
         let sides = 1..=MAX_SIDE;
         sides.contains(&self.width)
@@ -34,7 +34,7 @@ impl RecordLayout {
             && (1..=MAX_BYTES_PER_PIXEL).contains(&self.bytes_per_pixel)
     }
 
-    /// The tiles.
+    /// Returns the tiles.
     pub fn grid(&self) -> TileGrid {
         TileGrid::new(self.width, self.height, self.tile_size)
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::{CheckpointFile, Damage, Header, PicturePart};
 use base::text::numbers::counted;
 
-/// The folder of the files of parts, in the output folder.
+/// Name of the folder of parts' files in the output folder.
 pub const PARTS: &str = "parts";
 /// The extension of a complete file.
 const EXTENSION: &str = "tiles";
@@ -19,21 +19,20 @@ pub struct PartFiles {
     files: Vec<(String, Result<CheckpointFile, Damage>)>,
 }
 
-/// What is wrong with the parts of a picture.
+/// Problems with the parts of a picture.
 #[derive(Debug, Default)]
 pub struct PartFaults {
-    /// A line each.
+    /// One line per problem.
     pub lines: Vec<String>,
     /// The parts to be rendered again.
     pub again: BTreeSet<PicturePart>,
 }
 
 impl PartFiles {
-    /// Opens and checks the files of parts of an output folder; there are none without the
-    /// folder.
+    /// Opens and checks the files of parts of an output folder; none if the folder does not exist.
     ///
     /// # Errors
-    /// The folder cannot be read.
+    /// If the folder cannot be read.
     pub fn open(folder: &Path) -> io::Result<Self> {
         let mut paths = Vec::new();
         match fs::read_dir(folder.join(PARTS)) {
@@ -53,12 +52,12 @@ impl PartFiles {
         })
     }
 
-    /// Whether there are no files.
+    /// Returns true if there are no files.
     pub fn is_empty(&self) -> bool {
         self.files.is_empty()
     }
 
-    /// The header that most of the files have, except for their parts.
+    /// Returns the header that most of the files share, except for their parts.
     pub fn header(&self) -> Option<&Header> {
         let headers: Vec<&Header> = self.whole().map(|file| &file.header).collect();
         let n_like = |header: &Header| {
@@ -75,12 +74,12 @@ impl PartFiles {
             .copied()
     }
 
-    /// The files in the order of their parts, each of which is there once, with each tile of
+    /// Returns the files in the order of their parts, each of which exists once, with each tile of
     /// the picture in one of them.
     ///
     /// # Errors
-    /// What is missing, damaged, or does not belong to the rendering that `expected`
-    /// describes.
+    /// Lists missing and damaged files, and files that do not belong to the rendering that
+    /// `expected` describes.
     pub fn checked(self, expected: &Header) -> Result<Vec<CheckpointFile>, PartFaults> {
         let n = self.n_parts(expected);
         let mut faults = PartFaults::default();
@@ -126,7 +125,7 @@ impl PartFiles {
         self.files.iter().filter_map(|(_, file)| file.as_ref().ok())
     }
 
-    /// The number of parts that most files of the rendering say; 0 if none does.
+    /// Returns the number of parts according to most files of the rendering; 0 if there are none.
     fn n_parts(&self, expected: &Header) -> u32 {
         let mut counts: HashMap<u32, usize> = HashMap::new();
         let own = self
@@ -170,7 +169,7 @@ impl PartFaults {
     }
 }
 
-/// The part of a file of the rendering that `expected` describes, in `n` parts.
+/// Returns the part of a file of the rendering that `expected` describes, in `n` parts.
 fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<PicturePart, String> {
     if let Some(why) = file.header.foreign_to(expected) {
         return Err(why);
@@ -188,7 +187,7 @@ fn part_of(file: &CheckpointFile, n: u32, expected: &Header) -> Result<PicturePa
     Ok(part)
 }
 
-/// The part that a file's name says.
+/// Returns the part that a file's name says.
 fn part_of_name(name: &str) -> Option<PicturePart> {
     let name = name.strip_suffix(EXTENSION)?.strip_suffix('.')?;
     let (number, of) = name.strip_prefix("part-")?.split_once("-of-")?;

@@ -11,12 +11,12 @@ use tracer::cost::Cost;
 /// A tile of one rendering of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileRecord<'a> {
-    /// The rendering, from 0, of several that repeat the picture.
+    /// Number of the rendering, from 0, among several that repeat the picture.
     pub rendering: u8,
-    /// The tile's number in the grid.
+    /// Number of the tile in the grid.
     pub tile: u32,
-    /// When and by which thread it was rendered, and its counters; the position in the
-    /// order of tiles is not kept.
+    /// The thread, the times and the counters of the tile; its position in the order of tiles is
+    /// not kept.
     pub run: TileRun,
     /// The counters of its pixels, in parts of whole rows; empty if nothing was counted.
     pub counters: Vec<PackedCounters>,
@@ -30,22 +30,21 @@ const FIXED_BYTES: usize = 1 + 4 + 4 + 4 + 5 * 8 + N_COUNTS * 8 + 4;
 const N_COUNTS: usize = 8;
 /// Latest time in nanoseconds: sums of many stay below 2^64.
 const MAX_NS: u64 = 1 << 53;
-/// Most threads.
+/// Greatest number of threads.
 pub(super) const MAX_THREADS: u32 = 1 << 16;
 
-/// The bytes of a tile in a file besides its pixels and counters, which are in one part.
+/// Bytes of a tile in a file besides its pixels and counters, which are in one part.
 pub const BYTES_PER_TILE: u64 = (PREFIX + FIXED_BYTES + 8) as u64;
 
 impl<'a> TileRecord<'a> {
-    /// Upper bound of the bytes of a record with this layout.
+    /// Returns an upper bound of the bytes of a record with this layout.
     pub(super) fn max_bytes(layout: &RecordLayout) -> usize {
         let n_pixels = layout.tile_size.pow(2) as usize;
         let counters = PackedCounters::max_bytes(n_pixels);
         FIXED_BYTES + n_pixels * layout.bytes_per_pixel as usize + counters
     }
 
-    /// Appends the record as bytes: numbers with the lowest byte first, pixels as in
-    /// memory.
+    /// Appends the record as bytes: numbers with the lowest byte first, pixels as in memory.
     pub fn append_to(&self, bytes: &mut Vec<u8>) {
         let run = &self.run;
         bytes.push(self.rendering);
@@ -64,8 +63,8 @@ impl<'a> TileRecord<'a> {
         bytes.extend(&*self.pixels);
     }
 
-    /// Reads a record of a rendering with this layout; `None` if it is none. All of
-    /// `bytes` belong to it.
+    /// Reads a record of a rendering with this layout from all of `bytes`. Returns `None` if they
+    /// are not a record.
     pub fn of_bytes(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         let [rendering] = bytes.array()?;
@@ -99,7 +98,7 @@ impl<'a> TileRecord<'a> {
         })
     }
 
-    /// The same with pixels of its own.
+    /// Returns the record with owned pixels.
     pub fn into_owned(self) -> TileRecord<'static> {
         TileRecord {
             pixels: self.pixels.into_owned().into(),
@@ -108,7 +107,7 @@ impl<'a> TileRecord<'a> {
     }
 }
 
-/// The numbers of a cost.
+/// Returns the numbers of a cost.
 fn counts(cost: &Cost) -> [u64; N_COUNTS] {
     let [camera, shadow, reflection, refraction, diffuse] = cost.rays;
     let [visits, tests] = [cost.node_visits, cost.primitive_tests];
@@ -135,7 +134,7 @@ impl Bytes<'_> {
         Some(u64::from_le_bytes(self.array()?))
     }
 
-    /// A time in nanoseconds.
+    /// Reads a time in nanoseconds.
     pub(super) fn time(&mut self) -> Option<u64> {
         self.u64().filter(|&ns| ns < MAX_NS)
     }
@@ -154,7 +153,7 @@ impl Bytes<'_> {
         })
     }
 
-    /// The counters of a tile: parts of whole rows that cover it, or none.
+    /// Reads the counters of a tile: parts of whole rows that cover it, or none.
     fn counters(&mut self, tile: &Tile) -> Option<Vec<PackedCounters>> {
         let mut n_left = tile.n_pixels();
         let mut counters = Vec::new();

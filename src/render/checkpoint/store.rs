@@ -14,11 +14,11 @@ use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
 use base::folder::WriteError;
 
-/// About the bytes of memory of a tile that was kept: a map of twice as many, with a byte for
+/// Approximate bytes of memory of a tile that was kept: a map with twice the entries, plus a byte
 /// each.
 pub const MEMORY_PER_TILE: usize = 2 * (size_of::<((u8, u32), StoredTile)>() + 1);
 
-/// Finished tiles, and where new ones go.
+/// Finished tiles, and the sink of new ones.
 #[derive(Debug, Default)]
 pub struct Checkpoint {
     sources: Vec<TileSource>,
@@ -28,7 +28,7 @@ pub struct Checkpoint {
     failure: OnceLock<CheckpointFailure>,
 }
 
-/// A file of finished tiles, and the number of its first thread among those of all files.
+/// A file of finished tiles, and the number of its first thread among the threads of all files.
 #[derive(Debug)]
 pub struct TileSource {
     /// The file.
@@ -44,12 +44,12 @@ struct Sink {
     reader: TileReader,
     /// The tiles that were kept.
     kept: Mutex<HashMap<(u8, u32), StoredTile>>,
-    /// The number of this run among those that wrote the file.
+    /// Number of this run among the runs that wrote the file.
     number: u32,
     begin: OnceLock<(Instant, ProcessTime, u32)>,
 }
 
-/// Why tiles could not be read or kept.
+/// Reasons why tiles could not be read or kept.
 #[derive(Debug)]
 pub enum CheckpointFailure {
     /// The file has changed since it was opened.
@@ -59,7 +59,7 @@ pub enum CheckpointFailure {
 }
 
 impl Checkpoint {
-    /// The tiles of all parts of a picture. Their threads are numbered in the order of the
+    /// Opens the tiles of all parts of a picture. Their threads are numbered in the order of the
     /// parts.
     pub fn of_parts(files: Vec<CheckpointFile>) -> Self {
         let mut this = Self::default();
@@ -72,10 +72,10 @@ impl Checkpoint {
         this
     }
 
-    /// No tiles yet; new ones go to a new file.
+    /// Starts without tiles; new ones go to a new file.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path, header: &Header) -> Result<Self, WriteError> {
         let sink = TileWriter::create(path, header)
             .and_then(|writer| Sink::new(path, header, writer, 0))
@@ -86,10 +86,10 @@ impl Checkpoint {
         })
     }
 
-    /// The tiles of a file; new ones are appended to it.
+    /// Opens the tiles of a file; new ones are appended to it.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// If the file cannot be written.
     pub fn resume(file: CheckpointFile) -> Result<Self, WriteError> {
         let (path, number) = (&file.path, file.sessions.len() as u32);
         let sink = TileWriter::behind(&file)
@@ -106,23 +106,23 @@ impl Checkpoint {
         Ok(this)
     }
 
-    /// The files that tiles come from.
+    /// Returns the files that tiles come from.
     pub fn sources(&self) -> &[TileSource] {
         &self.sources
     }
 
-    /// Number of tiles that came from files, of all renderings.
+    /// Returns the number of tiles that came from files, of all renderings.
     pub fn n_restored(&self) -> usize {
         self.places.len()
     }
 
-    /// Number of tiles that another run can go on with, of all renderings.
+    /// Returns the number of tiles that another run can start from, of all renderings.
     pub fn n_kept(&self) -> usize {
         let here = self.sink.as_ref().map_or(0, |sink| lock(&sink.kept).len());
         self.n_restored() + here
     }
 
-    /// A tile of a rendering; `None` if it has to be rendered.
+    /// Returns a tile of a rendering, or `None` if it has to be rendered.
     pub fn restore(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let (source, stored) = self.places.get(&(rendering, tile))?;
         let source = &self.sources[*source];
@@ -138,8 +138,8 @@ impl Checkpoint {
         }
     }
 
-    /// A tile of a rendering that came from a file or was kept, once all are given to the
-    /// system; `None` if it is missing, or cannot be read.
+    /// Returns a tile of a rendering that came from a file or was kept, after flushing all tiles to
+    /// the system, or `None` if it is missing or cannot be read.
     pub fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let kept = self.sink.as_ref().and_then(|sink| {
             let stored = *lock(&sink.kept).get(&(rendering, tile))?;
@@ -164,15 +164,15 @@ impl Checkpoint {
         }
     }
 
-    /// When the last of the tiles that are already there ended, in nanoseconds: new ones
-    /// are rendered after it.
+    /// Returns the end of the last tile that already exists, in nanoseconds: new tiles are rendered
+    /// after it.
     pub(crate) fn elapsed_ns(&self, rendering: u8) -> u64 {
         let tiles = self.places.iter().filter(|((of, _), _)| *of == rendering);
         let ends = tiles.map(|(_, (_, stored))| stored.end_ns);
         ends.max().unwrap_or(0)
     }
 
-    /// Number of threads of all tiles, if so many threads render the new ones.
+    /// Returns the number of threads of all tiles, if `n_here` threads render the new ones.
     pub fn n_threads(&self, n_here: u32) -> u32 {
         let ends = self
             .sources
@@ -184,18 +184,18 @@ impl Checkpoint {
         }
     }
 
-    /// Whether new tiles are kept.
+    /// Returns true if new tiles are kept.
     pub fn keeps(&self) -> bool {
         self.sink.is_some()
     }
 
-    /// A rendering on so many threads begins.
+    /// Starts a rendering on `n_threads` threads.
     pub fn begin(&self, n_threads: u32) {
         if let Some(sink) = &self.sink {
             let now = || (Instant::now(), ProcessTime::now(), n_threads);
             sink.begin.get_or_init(now);
         }
-        // The threads are known before their tiles.
+        // The threads are recorded before their tiles.
         self.flush();
     }
 
@@ -208,7 +208,7 @@ impl Checkpoint {
         });
     }
 
-    /// Gives all tiles that were kept to the system.
+    /// Flushes all kept tiles to the system.
     pub fn flush(&self) {
         self.write(|sink, writer| {
             if let Some(session) = sink.session() {
@@ -218,20 +218,20 @@ impl Checkpoint {
         });
     }
 
-    /// Whether a file could not be read or written: the rendering ends.
+    /// Returns true if a file could not be read or written: the rendering ends.
     pub fn has_failed(&self) -> bool {
         self.failure.get().is_some()
     }
 
-    /// Why it has.
+    /// Returns the reason.
     pub fn failure(&self) -> Option<&CheckpointFailure> {
         self.failure.get()
     }
 
-    /// Removes the file of new tiles, as the output has them.
+    /// Removes the file of new tiles, once the output has them.
     ///
     /// # Errors
-    /// It cannot be removed.
+    /// If it cannot be removed.
     pub fn remove(self) -> Result<(), WriteError> {
         let Some(sink) = self.sink else {
             return Ok(());
@@ -242,7 +242,7 @@ impl Checkpoint {
     /// Marks the file of new tiles as complete, and gives it this path.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// If it cannot be written.
     pub fn finish(self, path: &Path, sync: bool) -> Result<(), WriteError> {
         let Some(sink) = self.sink else {
             return Ok(());
@@ -278,7 +278,7 @@ impl Checkpoint {
 }
 
 impl TileSource {
-    /// Wall and CPU time of all runs that rendered its tiles, in nanoseconds.
+    /// Returns the wall and CPU time of all runs that rendered these tiles, in nanoseconds.
     pub fn spent_ns(&self) -> [u64; 2] {
         let sessions = &self.file.sessions;
         let sum = |ns: fn(&RunSpan) -> u64| sessions.iter().map(ns).sum();
@@ -288,7 +288,7 @@ impl TileSource {
         ]
     }
 
-    /// Number of threads that rendered its tiles.
+    /// Returns the number of threads that rendered these tiles.
     pub fn n_threads(&self) -> u32 {
         n_threads_of(&self.file)
     }
@@ -311,7 +311,7 @@ impl Sink {
         })
     }
 
-    /// What this run has done so far; `None` before it begins.
+    /// Returns the progress of this run; `None` before it starts.
     fn session(&self) -> Option<RunSpan> {
         let (wall, cpu, n_threads) = self.begin.get()?;
         Some(RunSpan {

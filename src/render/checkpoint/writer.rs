@@ -19,7 +19,7 @@ pub(super) struct TileWriter {
 }
 
 impl TileWriter {
-    /// Creates a file with this header, which replaces an older one.
+    /// Creates a file with this header, replacing an older file.
     pub(super) fn create(path: &Path, header: &Header) -> io::Result<Self> {
         // Not truncated before it is locked: another run may be writing it.
         let mut options = OpenOptions::new();
@@ -35,7 +35,7 @@ impl TileWriter {
         Ok(this)
     }
 
-    /// Continues behind the last whole block of a file.
+    /// Continues after the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
         let mut file = files::open_with(OpenOptions::new().write(true), &found.path)?;
         lock(&file)?;
@@ -53,7 +53,7 @@ impl TileWriter {
         }
     }
 
-    /// Appends a tile, and returns where it is.
+    /// Appends a tile. Returns its location.
     pub(super) fn tile(&mut self, record: &TileRecord) -> io::Result<StoredTile> {
         let (block, position) = (self.n_blocks, self.n_bytes);
         self.append(BlockKind::Tile, |bytes| record.append_to(bytes))?;
@@ -67,7 +67,7 @@ impl TileWriter {
         })
     }
 
-    /// Appends what the run with this number has done so far.
+    /// Appends the progress of the run with this number.
     pub(super) fn session(&mut self, number: u32, session: RunSpan) -> io::Result<()> {
         self.append(BlockKind::Run, |bytes| {
             bytes.extend(number.to_le_bytes());
@@ -77,7 +77,7 @@ impl TileWriter {
         })
     }
 
-    /// Appends the end, and gives everything to the system; to the disk, if `sync`.
+    /// Appends the end block and flushes to the system; to the disk if `sync`.
     pub(super) fn finish(&mut self, sync: bool) -> io::Result<()> {
         self.append(BlockKind::End, |_| {})?;
         self.flush()?;
@@ -88,7 +88,7 @@ impl TileWriter {
         }
     }
 
-    /// Gives all blocks to the system, so that they survive the end of the process.
+    /// Flushes all blocks to the system, so that they survive the end of the process.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }

@@ -10,18 +10,18 @@ use tracer::cost::{Metric, MetricSource};
 /// An array of the film as in files.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// Its name in files.
+    /// Name of the array in files.
     pub name: &'static str,
-    /// The type of its numbers.
+    /// Type of the numbers.
     pub scalar: ScalarType,
     /// Numbers per pixel.
     pub n_components: usize,
-    /// The unit of its numbers; `None` for colors, ids and flags.
+    /// Unit of the numbers; `None` for colors, IDs and flags.
     pub unit: Option<&'static str>,
     origin: Origin,
 }
 
-/// Where the numbers of a column come from.
+/// Source of the numbers of a column.
 #[derive(Debug, Clone, Copy)]
 enum Origin {
     /// A field of [`Strip`].
@@ -82,8 +82,8 @@ const GEOMETRY: [Column; 6] = [
     column!("material", material, I32 x 1),
 ];
 
-// Thread time without the overhead of the clock, at least 1: that of the pixel, or its share
-// of that of its group.
+// Thread time without the overhead of the clock, at least 1: the pixel's time, or its share of the
+// time of its group.
 const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME.unit_label());
 
 // The spread of repeated times, and the number of rejected ones.
@@ -101,14 +101,14 @@ const WORK: [Column; 2] = [
     computed("thread", ScalarType::I32, Origin::Thread),
 ];
 
-/// The arrays of a film with this cost mode with this number of repeats,
-/// in the order of the files: geometry, time and its spread, counters, tiles; those that
-/// a film has with any settings of samples.
+/// Returns the arrays of a film with this cost mode and this number of repeats, in the order of the
+/// files: geometry, time and its spread, counters, tiles. Only arrays that exist with any settings
+/// of samples.
 pub fn columns(cost: CostMode, repeats: Repeats) -> impl Iterator<Item = Column> {
     all_columns(cost, repeats, false)
 }
 
-/// The arrays that the files of a rendering with this config have for each pixel.
+/// Returns the arrays that the files of a rendering with this config have for each pixel.
 pub fn written_columns(config: &Config) -> impl Iterator<Item = Column> + use<> {
     let extra = config.extra_arrays();
     let counts_samples = config.image.adaptive.is_some();
@@ -116,8 +116,8 @@ pub fn written_columns(config: &Config) -> impl Iterator<Item = Column> + use<> 
         .filter(move |column| extra.written.has(column.name))
 }
 
-/// [`columns`], with the numbers of samples if they are counted, and what a film keeps on
-/// request.
+/// Returns [`columns`], with the numbers of samples if they are counted, and the arrays that a film
+/// keeps on request.
 pub(super) fn kept_columns(
     cost: CostMode,
     repeats: Repeats,
@@ -135,7 +135,7 @@ pub(super) fn kept_columns(
         .chain(groups)
 }
 
-/// [`columns`], with the numbers of samples if they are counted.
+/// Returns [`columns`], with the numbers of samples if they are counted.
 fn all_columns(
     cost: CostMode,
     repeats: Repeats,
@@ -161,8 +161,8 @@ impl Column {
         ..computed("Points", ScalarType::F32, Origin::Position)
     };
 
-    /// The hit points in a file of points: numbers of 64 bits where the scene is so far from
-    /// the origin of world space that 32 have too few digits.
+    /// Returns the hit points in a file of points: numbers of 64 bits where the scene is so far
+    /// from the origin of world space that 32 bits have too few digits.
     pub fn points(film: &Film) -> Self {
         if film.space.is_centered() {
             return Self::POSITION;
@@ -180,7 +180,7 @@ impl Column {
     pub const BOUNCES: Self =
         column!("rays_by_bounce", bounces, U32 x 8 in Metric::RAYS.unit_label());
 
-    /// The index of the instance; -1 without a hit, and on what is none. In scenes with
+    /// Index of the instance; -1 without a hit, and on surfaces without an instance. In scenes with
     /// instances.
     pub const INSTANCE: Self = column!("instance", instance, I32 x 1);
 
@@ -190,7 +190,7 @@ impl Column {
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
 
-    /// Bytes per pixel.
+    /// Returns the bytes per pixel.
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
             ScalarType::U8 => 1,
@@ -200,7 +200,7 @@ impl Column {
         scalar * self.n_components
     }
 
-    /// Whether the film stores it; others are computed from what the film stores.
+    /// Returns true if the film stores the array; others are computed from stored ones.
     pub fn is_stored(&self) -> bool {
         match self.origin {
             Origin::Stored(_) => true,
@@ -209,13 +209,13 @@ impl Column {
         }
     }
 
-    /// Whether it is a field of [`Strip`].
+    /// Returns true if the array is a field of [`Strip`].
     pub fn is_in_strips(&self) -> bool {
         matches!(self.origin, Origin::Stored(_))
     }
 
-    /// Returns its bytes in a strip of the film, in native order: a slice of the
-    /// film, or of `buffer`, which is overwritten.
+    /// Returns the array's bytes in a strip of the film, in native order: a slice of the film, or
+    /// of `buffer`, which is overwritten.
     pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {
         match self.origin {
             Origin::Stored(bytes) => return bytes(strip),

@@ -1,4 +1,4 @@
-//! Which pixels cost most.
+//! The pixels that cost most.
 
 use super::Film;
 use tracer::cost::Metric;
@@ -8,29 +8,29 @@ use tracer::cost::Metric;
 pub struct HotPixel {
     /// Column and row, row 0 on top.
     pub place: (u32, u32),
-    /// Its cost: nanoseconds, or a count.
+    /// The pixel's cost: nanoseconds, or a count.
     pub value: f64,
 }
 
-/// The repeats of a pixel agree if their median absolute deviation is no more than
-/// this part of their median.
+/// The repeats of a pixel agree if their median absolute deviation is at most this part of their
+/// median.
 const AGREEMENT: f32 = 0.1;
 
-/// After a single rendering, a time counts if a neighbor's is at least this part
-/// of it: a disturbance seldom meets two neighbors.
+/// After a single rendering, a time counts if a neighbor's time is at least this part of it: a
+/// disturbance seldom meets two neighbors.
 const LIKE_A_NEIGHBOR: f32 = 0.5;
 
-/// Pixels of a row that are looked at together.
+/// Pixels of a row that are examined together.
 const BLOCK: usize = 64;
 
 impl Film {
-    /// The `n` pixels that cost most, the most expensive first; of equal ones the
-    /// upper one, then the left one, comes first. There are fewer where too few
-    /// cost anything, or have a time that can be trusted.
+    /// Returns the `n` pixels that cost most, the most expensive first; among equal ones the upper
+    /// one, then the left one, comes first. Returns fewer where too few cost anything or have a
+    /// trustworthy time.
     ///
-    /// A time can be trusted where the repeats agree and one of them was kept at
-    /// least. After a single rendering it can where the pixel was not rejected and
-    /// one beside it took at least half as long.
+    /// A time is trustworthy where the repeats agree and at least one of them was accepted. After a
+    /// single rendering, it is trustworthy where the pixel was not rejected and a neighbor took at
+    /// least half as long.
     pub fn hottest(&self, metric: Metric, n: usize) -> Vec<HotPixel> {
         if metric.is_timed() {
             let first_row = self.row_range().start;
@@ -51,8 +51,8 @@ impl Film {
         list.pixels
     }
 
-    /// The most expensive pixel by time, if times can be trusted, and by node visits, or by
-    /// primitive tests if there is no hierarchy.
+    /// Returns the most expensive pixel by time, if times are trustworthy, and by node visits, or
+    /// by primitive tests if there is no hierarchy.
     pub fn hottest_by_metrics(&self) -> [Option<(Metric, HotPixel)>; 2] {
         let by = |metric| Some((metric, self.hottest(metric, 1).into_iter().next()?));
         let mut counted = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS].into_iter();
@@ -87,27 +87,26 @@ impl Film {
     }
 }
 
-/// The times of a picture, row by row, row 0 on top, and what is known of them.
+/// The times of a picture, row by row, row 0 on top, and their reliability.
 #[derive(Debug, Clone)]
 pub struct Times<'a> {
     /// The times in nanoseconds.
     pub ns: Vec<&'a [f32]>,
-    /// Their median absolute deviations; empty where there are none.
+    /// The median absolute deviations of the times; empty if not measured.
     pub mad_ns: Vec<&'a [f32]>,
-    /// How many samples were rejected; empty where that is not known.
+    /// Numbers of rejected samples; empty if unknown.
     pub n_rejected: Vec<&'a [u8]>,
-    /// How many samples there were.
+    /// Number of samples.
     pub n_repeats: u8,
 }
 
 impl Times<'_> {
-    /// The `n` pixels that took longest, of those whose times can be trusted, as
-    /// [`Film::hottest`] has them.
+    /// Returns the `n` pixels with the longest trustworthy times, as [`Film::hottest`] does.
     pub fn hottest(&self, n: usize) -> Vec<HotPixel> {
         let mut list = HottestList::new(n);
         for (y, row) in self.ns.iter().enumerate() {
             for (first, block) in (0..).step_by(BLOCK).zip(row.chunks(BLOCK)) {
-                // Most blocks have none: the compiler makes vectors of this loop.
+                // Most blocks have none: the compiler vectorizes this loop.
                 let most = block.iter().copied().fold(0.0, f32::max);
                 if f64::from(most) <= list.least() {
                     continue;
@@ -129,8 +128,7 @@ impl Times<'_> {
         self.n_rejected_at((x, y)) < self.n_repeats && mad_ns <= AGREEMENT * self.ns[y][x]
     }
 
-    /// Whether a pixel beside this one, that was not rejected, took at least half
-    /// as long.
+    /// Returns true if a neighbor of this pixel that was not rejected took at least half as long.
     fn has_like_neighbor(&self, (x, y): (usize, usize)) -> bool {
         let around = |at: usize, n: usize| at.saturating_sub(1)..n.min(at + 2);
         let mut places = around(y, self.ns.len())
@@ -145,8 +143,8 @@ impl Times<'_> {
     }
 }
 
-/// The `n` pixels of the highest counts, given row by row, row 0 on top, as
-/// [`Film::hottest`] has them.
+/// Returns the `n` pixels of the highest counts, given row by row, row 0 on top, as
+/// [`Film::hottest`] does.
 pub fn highest_counts<'a>(rows: impl Iterator<Item = &'a [u32]>, n: usize) -> Vec<HotPixel> {
     let mut list = HottestList::new(n);
     for (row, y) in rows.zip(0..) {
@@ -176,7 +174,7 @@ impl HottestList {
         }
     }
 
-    /// The cost that a pixel has to exceed.
+    /// Returns the cost that a pixel has to exceed.
     fn least(&self) -> f64 {
         match self.pixels.last() {
             Some(last) if self.pixels.len() == self.most => last.value,
@@ -184,8 +182,8 @@ impl HottestList {
         }
     }
 
-    /// Adds a pixel if it costs more than one of the list and `is_trusted`, which
-    /// is asked last. Pixels come row by row.
+    /// Adds a pixel if it costs more than one of the list and `is_trusted`, which is called last.
+    /// Pixels come row by row.
     fn add(&mut self, place: (u32, u32), value: f64, is_trusted: impl FnOnce() -> bool) {
         if value <= self.least() || self.most == 0 || !is_trusted() {
             return;
@@ -206,7 +204,7 @@ mod tests {
 
     const WIDTH: u32 = 9;
 
-    /// A film of 9 x 7 pixels of 100 ns, but for these.
+    /// Returns a film of 9 x 7 pixels of 100 ns, except for these.
     fn film(n_repeats: u8, times: &[((u32, u32), f32)]) -> Film {
         let mut film = Film::new(TileGrid::new(WIDTH, 7, 4), 1, CostMode::Time);
         film.n_repeats = n_repeats;
@@ -220,7 +218,7 @@ mod tests {
         film
     }
 
-    /// The time, the deviation and the number of rejected samples of a pixel.
+    /// Returns the time, the deviation and the number of rejected samples of a pixel.
     fn at(film: &mut Film, (x, y): (u32, u32)) -> (&mut f32, &mut f32, &mut u8) {
         let mut strips = film.strips.iter_mut();
         let strip = strips.rfind(|strip| strip.first_row <= y).unwrap();

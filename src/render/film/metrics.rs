@@ -32,8 +32,7 @@ impl Film {
         self.clear_missing(strip, counts);
     }
 
-    /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24
-    /// are rounded.
+    /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24 are rounded.
     pub fn metric(&self, metric: Metric) -> Vec<f32> {
         if metric.is_timed() {
             return self
@@ -50,9 +49,8 @@ impl Film {
         all
     }
 
-    /// Returns the first two metrics of [`Metric::ALL`] that are not zero in the
-    /// film: without a hierarchy, for example, there are no node visits. `None`
-    /// for a film without cost.
+    /// Returns the first two metrics of [`Metric::ALL`] that are not zero in the film: without a
+    /// hierarchy, for example, there are no node visits. `None` for a film without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
             return None;
@@ -63,8 +61,7 @@ impl Film {
         Some([shown.next()?, shown.next()?])
     }
 
-    /// Returns what [`heatmap_metrics`](Self::heatmap_metrics) does, by the totals of the
-    /// picture.
+    /// Computes [`heatmap_metrics`](Self::heatmap_metrics) from the totals of the picture.
     pub fn metrics_of_totals(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
             return None;
@@ -75,13 +72,13 @@ impl Film {
         Some([shown.next()?, shown.next()?])
     }
 
-    /// The metrics that are shown of its VTK files, two if they have two: those that are not
-    /// zero first.
+    /// Returns the metrics that are shown of the film's VTK files, two if they have two; metrics
+    /// that are not zero come first.
     pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
         self.first_in_files(|metric| self.has_any(metric))
     }
 
-    /// The same, by the totals of the picture.
+    /// Computes [`metrics_in_files`](Self::metrics_in_files) from the totals of the picture.
     pub fn metrics_in_files_of_totals(&self) -> [Option<Metric>; 2] {
         self.first_in_files(|metric| self.has_total(metric))
     }

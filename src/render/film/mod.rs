@@ -1,12 +1,11 @@
 //! The film: the rendered image and the cost of each pixel.
 //!
-//! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a
-//! structure of arrays. A film may have only some rows of its picture, or none, if it
-//! does not fit into memory. A thread renders a tile into buffers of its own, then
-//! copies them to the strips that the tile crosses, with one strip locked at a
-//! time. File writers read the strips in order. Counters stay with their tile
-//! ([`RenderedTile`]), packed by the thread that counted. [`columns`] lists the
-//! arrays of the output files, for all writers.
+//! A [`Film`] is a stack of [`Strip`]s of a few rows each, and a strip is a structure of arrays. A
+//! film may have only some rows of its picture, or none, if it does not fit into memory. A thread
+//! renders a tile into separate buffers, then copies them to the strips that the tile crosses, with
+//! one strip locked at a time. File writers read the strips in order. Counters stay with their tile
+//! ([`RenderedTile`]), packed by the thread that counted. [`columns`] lists the arrays of the
+//! output files, for all writers.
 
 mod column;
 mod metrics;
@@ -38,47 +37,46 @@ use scene::config::{CostMode, ExtraArrays, Repeats};
 use scene::geometry::RenderSpace;
 use tracer::cost::{Cost, RaysByBounce};
 
-/// Rows of a strip, except for the last one: fewer than a tile has by default, so
-/// that threads with tiles side by side wait for each other only briefly, and
-/// enough for a large write to a file.
+/// Rows of a strip, except for the last one: fewer than a tile has by default, so that threads with
+/// tiles side by side wait for each other only briefly, and enough for a large write to a file.
 pub const STRIP_ROWS: u32 = 4;
 
-/// Strips that a thread makes at a time: a film of one tile has fewer.
+/// Strips that a thread allocates at a time: a film of one tile has fewer.
 const STRIPS_PER_TASK: usize = 64;
 
 /// A rendered image: the color, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    /// Its tiles, its width and its height.
+    /// The tiles, the width and the height.
     pub grid: TileGrid,
-    /// Samples of every pixel, each with its own camera ray; 0 if they are counted by
-    /// pixel, as [`Counter::Samples`](tracer::cost::Counter::Samples).
+    /// Samples of every pixel, each with a camera ray; 0 if they are counted by pixel, as
+    /// [`Counter::Samples`](tracer::cost::Counter::Samples).
     pub n_samples: u32,
-    /// The space of the positions of its hits.
+    /// The space of the hit positions.
     pub space: RenderSpace,
-    /// How the colors of its pixels become those of the picture.
+    /// The conversion of radiance to the colors of the picture.
     pub development: Development,
-    /// The arrays that it keeps and not every film has.
+    /// The optional arrays that this film keeps.
     pub extra: ExtraArrays,
-    /// Which cost arrays it has.
+    /// The cost arrays of the film.
     pub cost: CostMode,
-    /// How often it was to be rendered.
+    /// Number of renderings requested.
     pub repeats: Repeats,
-    /// Number of times that it was rendered.
+    /// Number of renderings made.
     pub n_repeats: u8,
     /// The sum of the counters of all pixels; zero if nothing was counted.
     pub totals: Cost,
-    /// Its rows, from top to bottom: those of the grid, some of them, or none.
+    /// The rows, from top to bottom: all rows of the grid, some of them, or none.
     pub strips: Vec<Strip>,
     /// Threads and counters by tile, in the order of the grid.
     pub tiles: Vec<RenderedTile>,
 }
 
-/// Upper bound of a film's bytes per tile besides its counters: a list with a
-/// capacity of at least four, a lock, and the overhead of the allocator for both.
+/// Upper bound of a film's bytes per tile besides its counters: a list with a capacity of at least
+/// four, a lock, and the overhead of the allocator for both.
 pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
 
-/// Upper bound of a film's bytes per pixel.
+/// Returns an upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
     let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
@@ -93,24 +91,24 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 
-/// Bytes of a pixel in all arrays that a rendering writes to a film.
+/// Returns the bytes of a pixel in all arrays that a rendering writes to a film.
 pub fn stored_bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     Strip::new([0, 1, 1], cost, extra).stored_bytes_per_pixel()
 }
 
 impl Film {
-    /// A film for the pixels of the grid, not rendered yet. `n_samples` are those of every
-    /// pixel; 0 if they will be counted.
+    /// Creates a film for the pixels of the grid, not rendered yet. `n_samples` is the number of
+    /// samples of every pixel; 0 if they will be counted.
     pub fn new(grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
         Self::with_extra(ExtraArrays::default(), grid, n_samples, cost)
     }
 
-    /// The same, with extra arrays.
+    /// Creates a film with extra arrays.
     pub fn with_extra(extra: ExtraArrays, grid: TileGrid, n_samples: u32, cost: CostMode) -> Self {
         Self::without_rows(extra, grid, n_samples, cost).with_rows(0..grid.height)
     }
 
-    /// The same without pixels: what a rendering knows of the whole picture.
+    /// Creates a film without pixels, which keeps only totals of the whole picture.
     pub fn without_rows(
         extra: ExtraArrays,
         grid: TileGrid,
@@ -132,7 +130,7 @@ impl Film {
         }
     }
 
-    /// The same with these rows of the grid, not rendered yet, instead of its own.
+    /// Returns the film with these rows of the grid, not rendered yet, instead of its rows.
     pub fn with_rows(self, rows: Range<u32>) -> Self {
         let strip = |first_row| {
             let n_rows = STRIP_ROWS.min(rows.end - first_row);
@@ -148,7 +146,7 @@ impl Film {
         }
     }
 
-    /// An empty film of one tile of the grid, at its top left.
+    /// Creates an empty film of one tile of the grid, at its top left.
     pub(crate) fn of_one_tile(&self) -> Self {
         let side = self.grid.tile_size;
         let grid = TileGrid::new(side, side, side);
@@ -158,36 +156,36 @@ impl Film {
         }
     }
 
-    /// Its first row, and the one after its last.
+    /// Returns the first row, and the row after the last.
     pub fn row_range(&self) -> Range<u32> {
         let first = self.strips.first().map_or(0, |strip| strip.first_row);
         let end = |strip: &Strip| strip.first_row + strip.n_rows;
         first..self.strips.last().map_or(first, end)
     }
 
-    /// Whether it has any pixels.
+    /// Returns true if there are any pixels.
     pub fn has_rows(&self) -> bool {
         !self.strips.is_empty()
     }
 
-    /// Whether the samples of its pixels were counted.
+    /// Returns true if the samples of the pixels were counted.
     pub fn counts_samples(&self) -> bool {
         self.n_samples == 0
     }
 
-    /// The arrays of its VTK files, in their order.
+    /// Returns the arrays of the film's VTK files, in their order.
     pub fn columns(&self) -> impl Iterator<Item = Column> + use<> {
         let written = self.extra.written;
         self.kept_columns()
             .filter(move |column| written.has(column.name))
     }
 
-    /// The same, with the arrays that its VTK files leave out.
+    /// Returns the same arrays, and the arrays that VTK files leave out.
     pub fn kept_columns(&self) -> impl Iterator<Item = Column> + use<> {
         kept_columns(self.cost, self.repeats, self.counts_samples(), self.extra)
     }
 
-    /// Overwrites `words` by the positions of a strip's hits in world space, as numbers of 64
+    /// Overwrites `words` with the positions of a strip's hits in world space, as numbers of 64
     /// bits or of 32.
     fn world_positions(&self, strip: &Strip, scalar: ScalarType, words: &mut Vec<u32>) {
         words.clear();
@@ -202,30 +200,30 @@ impl Film {
         }
     }
 
-    /// Number of pixels with a hit.
+    /// Returns the number of pixels with a hit.
     pub fn n_hits(&self) -> usize {
         let hits = |strip: &Strip| strip.object.iter().filter(|&&object| object >= 0).count();
         self.strips.iter().map(hits).sum()
     }
 
-    /// The sum of `time_ns` over all pixels; 0 if no time was measured.
+    /// Returns the sum of `time_ns` over all pixels; 0 if no time was measured.
     pub fn total_time_ns(&self) -> f64 {
         self.values(|strip| &strip.time_ns).map(f64::from).sum()
     }
 
-    /// The sum of `time_mad_ns` over all pixels; 0 where there are none.
+    /// Returns the sum of `time_mad_ns` over all pixels; 0 if not measured.
     pub fn total_time_mad_ns(&self) -> f64 {
         let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
         deviations.map(|&ns| f64::from(ns)).sum()
     }
 
-    /// Number of rejected times of all pixels, which were interrupted whenever they were
-    /// measured.
+    /// Returns the number of rejected times of all pixels, which were interrupted whenever they
+    /// were measured.
     pub fn n_rejected(&self) -> u64 {
         self.values(|strip| &strip.n_rejected).map(u64::from).sum()
     }
 
-    /// The rows of an array, from top to bottom, each as a slice of its strip.
+    /// Returns the rows of an array, from top to bottom, each as a slice of its strip.
     pub fn rows<'a, T: 'a>(
         &'a self,
         array: fn(&Strip) -> &Vec<T>,
@@ -236,7 +234,7 @@ impl Film {
             .flat_map(move |strip| array(strip).chunks_exact(width))
     }
 
-    /// An array, row-major, `width * height`; row 0 is on top.
+    /// Returns an array, row-major, `width * height`; row 0 is on top.
     pub fn values<'a, T: Copy + 'a>(
         &'a self,
         array: fn(&Strip) -> &Vec<T>,

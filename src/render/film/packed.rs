@@ -6,10 +6,9 @@ use tracer::cost::{Counter, Counters};
 
 /// The counters of some pixels. Counts saturate at 2^32 - 1.
 ///
-/// Each counter is stored as byte planes: one plane for the lowest bytes of all
-/// pixels, one for the next bytes and so on. Planes of zeros are omitted: counts
-/// up to 255, which are common, take one byte, and counts of 0 none. Writing all
-/// bytes would take as long as counting.
+/// Each counter is stored as byte planes: one plane for the lowest bytes of all pixels, one for the
+/// next bytes and so on. Planes of zeros are omitted: counts up to 255, which are common, take one
+/// byte, and counts of 0 none. Writing all bytes would take as long as counting.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PackedCounters {
     n_pixels: usize,
@@ -55,33 +54,34 @@ impl PackedCounters {
         }
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub fn n_pixels(&self) -> usize {
         self.n_pixels
     }
 
-    /// The packed counters as bytes, in parts: equal for equal counters of as many
-    /// pixels.
+    /// Returns the packed counters as bytes, in parts: equal for equal counters of the same number
+    /// of pixels.
     pub fn bytes(&self) -> [&[u8]; 2] {
         [bytemuck::bytes_of(&self.present), &self.planes]
     }
 
-    /// Upper bound of the bytes that `append_to` appends for `n_pixels`
-    /// pixels in any number of parts.
+    /// Returns an upper bound of the bytes that `append_to` appends for `n_pixels` pixels in any
+    /// number of parts.
     pub fn max_bytes(n_pixels: usize) -> usize {
         let per_pixel = Counter::ALL.len() * N_PLANES as usize;
         n_pixels * (per_pixel + 2 * size_of::<u32>())
     }
 
-    /// Appends the counters as bytes: the number of pixels, the present planes, and these.
+    /// Appends the counters as bytes: the number of pixels, the bits of the present planes, and the
+    /// planes.
     pub(crate) fn append_to(&self, bytes: &mut Vec<u8>) {
         bytes.extend((self.n_pixels as u32).to_le_bytes());
         bytes.extend(self.present.to_le_bytes());
         bytes.extend(&self.planes);
     }
 
-    /// Reads counters of at most `n_pixels` pixels, at least one, from the start of bytes
-    /// that [`append_to`](Self::append_to) wrote; returns them and the bytes behind them.
+    /// Reads counters of at most `n_pixels` pixels, at least one, from the start of bytes that
+    /// [`append_to`](Self::append_to) wrote. Returns them and the bytes after them.
     pub(crate) fn split_from(bytes: &[u8], n_pixels: usize) -> Option<(Self, &[u8])> {
         let (stored, bytes) = bytes.split_first_chunk()?;
         let (present, bytes) = bytes.split_first_chunk()?;
@@ -100,8 +100,8 @@ impl PackedCounters {
         Some((packed, rest))
     }
 
-    /// Adds one counter of these pixels, which are rows of `width` pixels, to rows of
-    /// `sums` that begin `stride` apart. Sums saturate at 2^32 - 1.
+    /// Adds one counter of these pixels, which are rows of `width` pixels, to rows of `sums` that
+    /// start `stride` apart. Sums saturate at 2^32 - 1.
     pub fn add_to(
         &self,
         counter: Counter,
@@ -147,7 +147,7 @@ fn add_row(sums: &mut [u32], bytes: &[u8], shift: u32) {
     }
 }
 
-/// Does the same with sums that saturate.
+/// Adds a plane of a row to sums that saturate.
 fn add_row_saturating(sums: &mut [u32], bytes: &[u8], shift: u32) {
     for (sum, &byte) in sums.iter_mut().zip(bytes) {
         *sum = sum.saturating_add(u32::from(byte) << shift);
@@ -168,20 +168,20 @@ fn write_plane(bytes: &mut [u8], counts: &[u64], plane: u32) {
     }
 }
 
-/// The counts, saturated at 2^32 - 1.
+/// Returns the counts, saturated at 2^32 - 1.
 #[cold]
 fn saturated(counts: &[u64]) -> Vec<u64> {
     let saturated = counts.iter().map(|&count| count.min(u32::MAX.into()));
     saturated.collect()
 }
 
-/// The planes of all counters, in the order in which they are stored.
+/// Returns the planes of all counters, in the order in which they are stored.
 fn all_planes() -> impl Iterator<Item = (Counter, u32)> {
     let planes = |counter| (0..N_PLANES).map(move |plane| (counter, plane));
     Counter::ALL.into_iter().flat_map(planes)
 }
 
-/// The bit of a plane in `present`.
+/// Returns the bit of a plane in `present`.
 fn bit((counter, plane): (Counter, u32)) -> u32 {
     1 << (N_PLANES * counter as u32 + plane)
 }
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use tracer::cost::Cost;
 
-    /// Pixels with these numbers of visits, tests, shadow rays and bounces.
+    /// Returns pixels with these numbers of visits, tests, shadow rays and bounces.
     fn counters(pixels: &[[u64; 4]]) -> Counters {
         let mut counters = Counters::default();
         counters.reset(pixels.len(), 1);

@@ -19,31 +19,30 @@ pub struct Rendered<'a> {
     pub time_ns: &'a [f32],
     /// 1 for each pixel whose time is rejected, 0 for the others.
     pub n_rejected: &'a [u8],
-    /// Time in which pixels were rendered that count for nothing, in nanoseconds.
+    /// Time spent on discarded renderings of pixels, in nanoseconds.
     pub warm_up_ns: f64,
 }
 
 /// The color and the surface of one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Pixel {
-    /// The mean radiance of the samples: linear, and as bright as it may be.
+    /// The mean radiance of the samples: linear and not clamped.
     pub color: Vec3,
-    /// The point that the camera ray of the center sample hit, in render space; NaN without a
-    /// hit.
+    /// The point that the camera ray of the center sample hit, in render space; NaN without a hit.
     pub position: Vec3,
-    /// The shading normal there; NaN without a hit.
+    /// The shading normal at the point; NaN without a hit.
     pub normal: Vec3,
-    /// The color of the surface there; black without a hit.
+    /// The color of the surface at the point; black without a hit.
     pub albedo: Vec3,
-    /// Distance along that ray, in world units; NaN without a hit.
+    /// Distance along the ray, in world units; NaN without a hit.
     pub distance: f32,
-    /// The size of the pixel there, in world units; NaN without a hit.
+    /// Size of the pixel at this distance, in world units; NaN without a hit.
     pub footprint: f32,
-    /// The index of the object that was hit; -1 without a hit.
+    /// Index of the object that was hit; -1 without a hit.
     pub object: i32,
-    /// The index of its material; -1 without a hit.
+    /// Index of its material; -1 without a hit.
     pub material: i32,
-    /// The index of the instance that was hit; -1 for none.
+    /// Index of the instance that was hit; -1 for none.
     pub instance: i32,
 }
 
@@ -71,7 +70,7 @@ impl Pixel {
         self.instance = instance.map_or(-1, |id| id.0 as i32);
     }
 
-    /// Sets what the camera ray of the center sample hit.
+    /// Sets the fields of the surface that the camera ray of the center sample hit.
     #[inline]
     pub fn set_surface(&mut self, point: &SurfacePoint) {
         self.position = point.position;
@@ -84,8 +83,8 @@ impl Pixel {
     }
 }
 
-/// The colors and the surfaces of pixels as a structure of arrays, as a strip of the film
-/// has them: rows of pixels are copied, not converted.
+/// The colors and the surfaces of pixels as a structure of arrays, as in a strip of the film: rows
+/// of pixels are copied, not converted.
 #[derive(Debug, Clone, Default)]
 #[expect(missing_docs, reason = "`Pixel` documents each array")]
 pub struct PixelColumns {
@@ -101,7 +100,7 @@ pub struct PixelColumns {
 }
 
 impl PixelColumns {
-    /// Black pixels without a hit.
+    /// Returns black pixels without a hit.
     pub fn none(n: usize) -> Self {
         let mut pixels = Self::default();
         pixels.resize(n);
@@ -140,9 +139,9 @@ impl PixelColumns {
 /// One measured time of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PixelTime {
-    /// The time in nanoseconds, without those in which the thread waited for a CPU.
+    /// The time in nanoseconds, without waiting for a CPU.
     pub ns: f32,
-    /// Whether the thread lost its CPU meanwhile or in the pixel before, as far as
-    /// the system reports it: then the time includes cold caches.
+    /// True if the thread lost its CPU meanwhile or in the pixel before, as far as the system
+    /// reports it: then the time includes cold caches.
     pub is_rejected: bool,
 }

@@ -8,8 +8,8 @@ use crate::schedule::Tile;
 /// Number of arrays that a rendering writes.
 const N_ARRAYS: usize = 13;
 
-/// The arrays of a strip that a rendering writes, as bytes, shared or for writing. The
-/// spread of repeated times is none of them: it is computed after all renderings.
+/// The arrays of a strip that a rendering writes, as bytes, shared or for writing. The spread of
+/// repeated times is not among them: it is computed after all renderings.
 macro_rules! arrays {
     ($cast:ident, $strip:ident, $($reference:tt)+) => {
         [
@@ -33,9 +33,9 @@ macro_rules! arrays {
 /// The rows that a strip shares with a tile.
 #[derive(Clone, Copy)]
 struct TileRows {
-    /// The first and the one after the last, counted from the strip's uppermost.
+    /// The first row and the one after the last, counted from the strip's uppermost.
     rows: [usize; 2],
-    /// The first, counted from the tile's uppermost.
+    /// The first row, counted from the tile's uppermost.
     first_in_tile: usize,
     /// The tile's first column.
     left: usize,
@@ -44,13 +44,13 @@ struct TileRows {
 }
 
 impl Strip {
-    /// Bytes of a pixel in all arrays that a rendering writes.
+    /// Returns the bytes of a pixel in all arrays that a rendering writes.
     pub fn stored_bytes_per_pixel(&self) -> usize {
         self.arrays().map(|array| self.stride(array)).iter().sum()
     }
 
-    /// Writes the strip's pixels in a tile to the bytes of the tile, which are in native order:
-    /// all pixels of one array after the other, row by row.
+    /// Writes the strip's pixels in a tile to the bytes of the tile, which are in native order: all
+    /// pixels of one array after the other, row by row.
     pub(crate) fn store_pixels(&self, tile: &Tile, bytes: &mut [u8]) {
         let mut rest = bytes;
         for array in self.arrays() {
@@ -63,8 +63,8 @@ impl Strip {
         }
     }
 
-    /// Overwrites the strip's pixels in a tile with bytes of
-    /// [`store_pixels`](Self::store_pixels), of which there are as many.
+    /// Overwrites the strip's pixels in a tile with the bytes from
+    /// [`store_pixels`](Self::store_pixels).
     pub(crate) fn restore_pixels(&mut self, tile: &Tile, bytes: &[u8]) {
         let strides = self.arrays().map(|array| self.stride(array));
         let rows = self.rows_in(tile);
@@ -78,7 +78,7 @@ impl Strip {
         }
     }
 
-    /// Bytes of a pixel in an array of the strip.
+    /// Returns the bytes of a pixel in an array of the strip.
     fn stride(&self, array: &[u8]) -> usize {
         array.len() / self.rgb.len().max(1)
     }
@@ -94,7 +94,8 @@ impl Strip {
         }
     }
 
-    /// Whether all pixels of a tile show one of so many objects and materials, or none.
+    /// Returns true if all pixels of a tile show one of these numbers of objects and materials, or
+    /// none.
     pub(crate) fn has_only(&self, tile: &Tile, [n_objects, n_materials]: [usize; 2]) -> bool {
         let width = self.width();
         let in_range = |ids: &[i32], n: usize| ids.iter().all(|&id| id >= -1 && id < n as i32);
@@ -106,7 +107,7 @@ impl Strip {
         })
     }
 
-    /// The rows of the strip that a tile crosses, counted from the uppermost.
+    /// Returns the rows of the strip that a tile crosses, counted from the uppermost.
     fn rows_of(&self, tile: &Tile) -> Range<usize> {
         let end = self.first_row + self.n_rows;
         let [top, bottom] = tile
@@ -129,8 +130,8 @@ impl Strip {
 }
 
 impl TileRows {
-    /// The bytes of each row in an array of the strip, and in one of the tile, whose pixels have
-    /// so many bytes.
+    /// Returns the bytes of each row in an array of the strip and in an array of the tile, with
+    /// `stride` bytes per pixel.
     fn bytes(self, stride: usize) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let ([first, end], [width, in_tile]) = (self.rows, self.widths);
         let n_bytes = in_tile * stride;

@@ -9,12 +9,12 @@ use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays};
 use tracer::cost::RaysByBounce;
 
-/// Some rows of a film. Every array is row-major, `width * n_rows` long, with the
-/// uppermost row first. Arrays of times are empty without times.
+/// Some rows of a film. Every array is row-major, `width * n_rows` long, with the uppermost row
+/// first. Arrays of times are empty without times.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[expect(missing_docs, reason = "`columns` documents each array")]
 pub struct Strip {
-    /// The index of the uppermost row; row 0 is at the top of the film.
+    /// Index of the uppermost row; row 0 is at the top of the film.
     pub first_row: u32,
     /// Number of rows.
     pub n_rows: u32,
@@ -35,7 +35,7 @@ pub struct Strip {
     pub object: Vec<i32>,
     pub material: Vec<i32>,
     pub time_ns: Vec<f32>,
-    /// Empty where no spread was asked for.
+    /// Empty if no spread was requested.
     pub time_mad_ns: Vec<f32>,
     pub n_rejected: Vec<u8>,
 }
@@ -69,8 +69,8 @@ impl Strip {
         }
     }
 
-    /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the
-    /// indices from `first` on of every array; their colors are developed.
+    /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the indices from
+    /// `first` on of every array; their colors are developed.
     pub fn put(
         &mut self,
         first: usize,

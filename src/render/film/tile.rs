@@ -9,12 +9,12 @@ use tracer::cost::Counter;
 /// The thread that rendered a tile, and the tile's counters.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RenderedTile {
-    /// Whether it was not rendered: its pixels are black and hit nothing.
+    /// True if the tile was not rendered: its pixels are black and hit nothing.
     pub is_missing: bool,
-    /// The thread that rendered it, from 0.
+    /// The thread that rendered the tile, from 0.
     pub thread: u32,
-    /// The counters of its pixels, in parts of whole rows from top to bottom; empty
-    /// if nothing was counted.
+    /// The counters of the pixels, in parts of whole rows from top to bottom; empty if nothing was
+    /// counted.
     pub counters: Vec<PackedCounters>,
 }
 
@@ -24,8 +24,8 @@ impl Film {
         self.by_tile(strip, numbers, |number| number);
     }
 
-    /// Overwrites `threads` with the threads that rendered the pixels of a strip; -1, as
-    /// 32 bits, for those that were not rendered.
+    /// Overwrites `threads` with the threads that rendered the pixels of a strip; -1, as 32 bits,
+    /// for pixels that were not rendered.
     pub fn threads(&self, strip: &Strip, threads: &mut Vec<u32>) {
         self.by_tile(strip, threads, |number| {
             match &self.tiles[number as usize] {
@@ -57,12 +57,12 @@ impl Film {
         }
     }
 
-    /// The tiles of its rows.
+    /// Returns the tiles of the film's rows.
     pub fn tiles_of_rows(&self) -> &[RenderedTile] {
         self.tiles_at(self.row_range())
     }
 
-    /// The tiles that have pixels in these rows of the grid.
+    /// Returns the tiles that have pixels in these rows of the grid.
     fn tiles_at(&self, rows: Range<u32>) -> &[RenderedTile] {
         let TileGrid {
             tile_size,
@@ -73,12 +73,12 @@ impl Film {
         &self.tiles[(first * n_columns) as usize..(end * n_columns) as usize]
     }
 
-    /// Number of tiles that were not rendered.
+    /// Returns the number of tiles that were not rendered.
     pub fn n_missing_tiles(&self) -> usize {
         self.tiles.iter().filter(|tile| tile.is_missing).count()
     }
 
-    /// Whether a pixel, by column and row, was rendered.
+    /// Returns true if a pixel, by column and row, was rendered.
     pub(crate) fn is_rendered(&self, (x, y): (u32, u32)) -> bool {
         let TileGrid {
             tile_size,
@@ -153,7 +153,7 @@ impl Film {
 
 /// Some rows of a tile, and of the pixels that they belong to.
 struct SharedRows {
-    /// The first one in the tile.
+    /// The first row in the tile.
     first: usize,
     /// Number of rows.
     n: usize,

@@ -4,8 +4,8 @@ use std::io::{self, ErrorKind};
 
 use indexmap::IndexMap;
 
-/// The counters of this thread and of all threads that start later, or the reason
-/// why there are none.
+/// The counters of this thread and of all threads that start later, or the reason why there are
+/// none.
 #[derive(Debug)]
 pub struct HardwareCounters {
     counters: Result<Vec<Open>, String>,
@@ -46,9 +46,9 @@ mod open {
             Ok(Self { name, counter })
         }
 
-        /// Returns the number of events so far. If the processor has fewer
-        /// counters than requested, the kernel multiplexes them and the number is
-        /// that of the time in which the counter ran.
+        /// Returns the number of events so far. If the processor has fewer counters than requested,
+        /// the kernel multiplexes them and the number covers only the time in which the counter
+        /// ran.
         pub(super) fn read(&mut self) -> Option<u64> {
             self.counter.read().ok()
         }
@@ -71,7 +71,7 @@ mod open {
 
 #[cfg(not(target_os = "linux"))]
 mod open {
-    /// A counter, of which this system has none.
+    /// A counter; this system has none.
     #[derive(Debug)]
     pub(super) struct Open {
         pub(super) name: &'static str,
@@ -141,9 +141,10 @@ mod tests {
 
     use super::*;
 
-    /// Counts the CPU time of a thread that starts later, which all machines can, and which does
-    /// not depend on what memory the process has used before. The thread lives until its count is
-    /// read: the kernel may add the last microseconds of one that has ended after it is joined.
+    /// Counts the CPU time of a thread that starts later, which all machines can count, and which
+    /// does not depend on the memory that the process has used before. The thread lives until its
+    /// count is read: if it ended first, the kernel may add its last microseconds after it is
+    /// joined.
     #[test]
     fn other_threads_count_too() {
         let Ok(clock) = Open::new("cpu_ns", Software::TASK_CLOCK) else {

@@ -1,23 +1,23 @@
-//! The limits of the machine for the roofline model: latency and bandwidth of memory, and
-//! the peak rate of instructions.
+//! The limits of the machine for the roofline model: latency and bandwidth of memory, and the peak
+//! rate of instructions.
 
 use serde::{Deserialize, Serialize};
 
 /// Number of block sizes over which [`MachineLimits::tree`] averages.
 const N_STEPS: i32 = 256;
 
-/// The limits per thread: latency and bandwidth of memory over the size of the block that
-/// is read, and the peak rate of instructions.
+/// The limits per thread: latency and bandwidth of memory over the size of the block that is read,
+/// and the peak rate of instructions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineLimits {
     /// The data caches that the system reports, the nearest one first; may be empty.
     pub caches: Vec<DataCache>,
     /// Number of threads that share the bandwidth in [`MemoryBlock::bandwidth_shared`].
     pub n_threads: usize,
-    /// The measured blocks: at least one, by ascending size, each twice the one before.
+    /// The measured blocks: at least one, by ascending size, each twice the size of the one before.
     pub blocks: Vec<MemoryBlock>,
-    /// Instructions per second that one thread executes in a simple loop; `None` if the
-    /// system cannot count them.
+    /// Instructions per second that one thread executes in a simple loop; `None` if the system
+    /// cannot count them.
     pub instructions_per_second: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ pub struct MemoryBlock {
     pub bytes: f64,
     /// Latency of a random access to a cache line in nanoseconds.
     pub latency_ns: f64,
-    /// Sequential bandwidth of one thread alone in GB/s.
+    /// Sequential bandwidth of a single thread in GB/s.
     pub bandwidth_alone: f64,
     /// Sequential bandwidth of each thread in GB/s if all read the block.
     pub bandwidth_shared: f64,
@@ -46,15 +46,15 @@ pub struct MemoryBlock {
 /// A level of the memory hierarchy: a cache or main memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MemoryLevel {
-    /// Name, such as "L1" or "DRAM"; a block size, such as "64 KiB", if the system does not
-    /// report its caches.
+    /// Name, such as "L1" or "DRAM"; a block size, such as "64 KiB", if the system does not report
+    /// its caches.
     pub name: String,
     /// A block that fits in it.
     pub block: MemoryBlock,
 }
 
 impl MemoryBlock {
-    /// Sequential bandwidth per thread in GB/s with this number of threads at work.
+    /// Returns the sequential bandwidth per thread in GB/s with this number of threads at work.
     pub fn bandwidth(&self, n_threads: f64) -> f64 {
         if n_threads > 1.0 {
             self.bandwidth_shared
@@ -65,8 +65,8 @@ impl MemoryBlock {
 }
 
 impl MachineLimits {
-    /// The limits for a block of this size: interpolated on logarithmic scales between two
-    /// measured blocks; beyond them, those of the nearest one.
+    /// Returns the limits for a block of this size: interpolated on logarithmic scales between two
+    /// measured blocks; beyond them, the limits of the nearest one.
     pub fn block(&self, bytes: f64) -> MemoryBlock {
         let after = self.blocks.partition_point(|block| block.bytes < bytes);
         let last = self.blocks.len() - 1;
@@ -84,11 +84,10 @@ impl MachineLimits {
         }
     }
 
-    /// The mean limits for rays that descend a tree of this size with nodes of
-    /// `node_bytes`. Each level of the tree is larger than the one above by a constant
-    /// factor, and a ray fetches the same amount from each, so that the time per fetch, and
-    /// per byte, is the mean over block sizes from a node to the tree that are equidistant
-    /// on a logarithmic scale.
+    /// Returns the mean limits for rays that descend a tree of this size with nodes of
+    /// `node_bytes`. Each level of the tree is larger than the one above by a constant factor, and
+    /// a ray fetches the same amount from each, so the time per fetch, and per byte, is the mean
+    /// over block sizes from a node to the tree that are equidistant on a logarithmic scale.
     pub fn tree(&self, bytes: f64, node_bytes: f64) -> MemoryBlock {
         let ratio = (bytes / node_bytes).max(1.0);
         let middle = |step: i32| (f64::from(step) + 0.5) / f64::from(N_STEPS);
@@ -105,10 +104,9 @@ impl MachineLimits {
         }
     }
 
-    /// The levels of the memory hierarchy, the nearest one first. Each is represented by a
-    /// block whose size is the geometric mean of its own and the previous cache's, since
-    /// other processes may use part of a shared cache. If the caches are unknown, every
-    /// fourth block.
+    /// Returns the levels of the memory hierarchy, the nearest one first. Each is represented by a
+    /// block whose size is the geometric mean of this cache and the previous one, since other
+    /// processes may use part of a shared cache. If the caches are unknown, every fourth block.
     pub fn levels(&self) -> Vec<MemoryLevel> {
         let level = |name: String, block: &MemoryBlock| MemoryLevel {
             name,
@@ -128,7 +126,7 @@ impl MachineLimits {
             let mut fitting = self.blocks.iter().rev().filter(|block| block.bytes <= most);
             Some(level(cache.name.clone(), fitting.next()?))
         };
-        // A block that the last cache holds half of does not measure main memory.
+        // A block half of which fits in the last cache does not measure main memory.
         let behind = self.blocks.last();
         let behind = behind.filter(|block| block.bytes >= 2.0 * last.bytes as f64);
         let caches = self.caches.iter().zip(before).filter_map(of_cache);
@@ -137,7 +135,7 @@ impl MachineLimits {
     }
 }
 
-/// A size with its unit, such as "64 KiB".
+/// Returns a size with its unit, such as "64 KiB".
 fn size_name(bytes: f64) -> String {
     let units = [(30, "GiB"), (20, "MiB"), (10, "KiB"), (0, "bytes")];
     let unit = |power: i32| 2_f64.powi(power);
@@ -183,8 +181,8 @@ mod tests {
 
     #[test]
     fn a_tree_is_the_mean_of_its_levels() {
-        // Up to the first block all latencies are equal; then they double with the
-        // size: the mean of 2^x over x from 0 to 4, half of the levels.
+        // Up to the first block all latencies are equal; then they double with the size: the mean
+        // of 2^x over x from 0 to 4, half of the levels.
         let tree = limits(&[]).tree(2_f64.powi(18), 2_f64.powi(10));
         let of_rest = (2_f64.powi(4) - 1.0) / 4.0 / 2_f64.ln();
         let expected = 0.5 * (1.0 + of_rest);

@@ -1,10 +1,10 @@
-//! Benchmark of memory bandwidth and latency over the size of a block, and of the peak
-//! rate of instructions.
+//! Benchmark of memory bandwidth and latency over the size of a block, and of the peak rate of
+//! instructions.
 //!
-//! For the bandwidth one thread, then all threads together, read the block sequentially
-//! with the SIMD instructions of the kernels. For the latency one thread follows a chain of
-//! cache lines through the block in pseudo-random order. The best of several tries counts,
-//! since other processes can only slow down a try.
+//! For the bandwidth one thread, then all threads together, read the block sequentially with the
+//! SIMD instructions of the kernels. For the latency one thread follows a chain of cache lines
+//! through the block in pseudo-random order. The best of several tries counts, since other
+//! processes can only slow down a try.
 
 use std::fs;
 use std::hint::black_box;
@@ -26,8 +26,8 @@ const MAX_BYTES: u64 = 1 << 30;
 const DEFAULT_MAX_BYTES: u64 = 1 << 28;
 /// Number of words in a cache line.
 const N_LINE_WORDS: usize = size_of::<Line>() / 4;
-/// Minimum and maximum number of words that a try reads: 16 MiB and 64 MiB. Only the
-/// first try, which is not timed, reads more.
+/// Minimum and maximum number of words that a try reads: 16 MiB and 64 MiB. Only the first try,
+/// which is not timed, reads more.
 const N_TRY_WORDS: [usize; 2] = [1 << 22, 1 << 24];
 /// Number of tries; the best one counts.
 const N_TRIES: usize = 4;
@@ -44,7 +44,7 @@ impl MachineLimits {
     pub fn measure() -> Self {
         let caches = caches(Path::new("/sys/devices/system/cpu/cpu0/cache"));
         let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
-        // All words are 1.0, so that no sum is subnormal.
+        // All words are 1.0, so no sum is subnormal.
         let line = Line([1_f32.to_bits(); N_LINE_WORDS]);
         let mut lines =
             vec![line; max_block_bytes(&caches, host::available_memory()) / size_of::<Line>()];
@@ -74,7 +74,7 @@ impl MachineLimits {
     }
 }
 
-/// Size of the largest block in bytes, a power of two: four times the largest cache, at
+/// Returns the size of the largest block in bytes, a power of two: four times the largest cache, at
 /// most a fourth of the available memory.
 fn max_block_bytes(caches: &[DataCache], available_bytes: u64) -> usize {
     let four_times = caches.iter().map(|cache| 4 * cache.bytes).max();
@@ -83,7 +83,7 @@ fn max_block_bytes(caches: &[DataCache], available_bytes: u64) -> usize {
     wanted.min(1 << most.ilog2()) as usize
 }
 
-/// The data caches of the first CPU as Linux reports them in `folder`, by ascending size.
+/// Returns the data caches of the first CPU as Linux reports them in `folder`, by ascending size.
 fn caches(folder: &Path) -> Vec<DataCache> {
     let cache = |index: usize| {
         let read = |name: &str| fs::read_to_string(folder.join(format!("index{index}/{name}")));
@@ -100,8 +100,8 @@ fn caches(folder: &Path) -> Vec<DataCache> {
     caches
 }
 
-/// The bandwidth in GB/s of each of `n_threads` threads that read the same block from
-/// different offsets: that of the slowest thread in the best try.
+/// Returns the bandwidth in GB/s of each of `n_threads` threads that read the same block from
+/// different offsets: the bandwidth of the slowest thread in the best try.
 fn bandwidth(words: &[u32], n_threads: usize) -> f64 {
     let barrier = Barrier::new(n_threads);
     let (numbers, barrier) = (bytemuck::cast_slice::<u32, f32>(words), &barrier);
@@ -141,13 +141,13 @@ fn bandwidth(words: &[u32], n_threads: usize) -> f64 {
     4.0 * n_words_per_try(numbers.len()) as f64 / ns
 }
 
-/// Number of words that a try reads: a small block many times, a large one in part.
+/// Returns the number of words that a try reads: a small block many times, a large one in part.
 fn n_words_per_try(n_words: usize) -> usize {
     let [least, most] = N_TRY_WORDS;
     n_words.max(least).min(most)
 }
 
-/// The latency in nanoseconds of following one link, in the best try. Overwrites the words.
+/// Returns the latency in nanoseconds of following one link, in the best try. Overwrites the words.
 fn latency_ns(words: &mut [u32]) -> f64 {
     link(words);
     let mut at = 0;
@@ -164,10 +164,10 @@ fn latency_ns(words: &mut [u32]) -> f64 {
     best.as_nanos().max(1) as f64 / N_LINKS as f64
 }
 
-/// Stores in the first word of each cache line the index of the next one, such that the
-/// links form one cycle through all lines. The number of lines must be a power of two: the
-/// order is that of a linear congruential generator of full period (Hull and Dobell,
-/// "Random Number Generators", SIAM Review, 1962).
+/// Stores in the first word of each cache line the index of the next one, such that the links form
+/// one cycle through all lines. The number of lines must be a power of two: the order comes from a
+/// linear congruential generator of full period (Hull and Dobell, "Random Number Generators", SIAM
+/// Review, 1962).
 fn link(words: &mut [u32]) {
     let n_lines = words.len() / N_LINE_WORDS;
     for line in 0..n_lines {
@@ -176,8 +176,8 @@ fn link(words: &mut [u32]) {
     }
 }
 
-/// Instructions per second in a loop of independent additions; `None` if the system cannot
-/// count instructions.
+/// Returns the instructions per second in a loop of independent additions, or `None` if the system
+/// cannot count instructions.
 fn instructions_per_second() -> Option<f64> {
     let mut counters = HardwareCounters::start();
     let mut tries = (0..N_TRIES).map(|_| {

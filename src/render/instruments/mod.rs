@@ -1,6 +1,6 @@
-//! Instruments that watch the whole process: stages and their times, resources
-//! of the operating system, hardware counters, a sampling profiler, and
-//! the limits of the machine for the roofline model.
+//! Instruments that watch the whole process: stages and their times, resources of the operating
+//! system, hardware counters, a sampling profiler, and the limits of the machine for the roofline
+//! model.
 
 mod hardware;
 mod machine_limits;

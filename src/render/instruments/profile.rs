@@ -1,4 +1,5 @@
-//! The sampling profiler behind `profile.svg`, a flame graph (Gregg, "The Flame Graph", CACM 59(6), 2016).
+//! The sampling profiler behind `profile.svg`, a flame graph (Gregg, "The Flame Graph", CACM 59(6),
+//! 2016).
 
 use std::io::{self, Write};
 
@@ -12,14 +13,14 @@ pub struct Profiler {
     sampler: Sampler,
 }
 
-/// Why there is no profiler.
+/// Reasons why there is no profiler.
 #[derive(Debug)]
 pub enum NoProfiler {
-    /// The program was built without one.
+    /// The program was built without a profiler.
     NotBuilt,
     /// The operating system is not supported.
     Unknown,
-    /// The system refused it.
+    /// The system refused the profiler.
     Refused(String),
 }
 
@@ -27,7 +28,7 @@ impl Profiler {
     /// Starts sampling.
     ///
     /// # Errors
-    /// The reason why it cannot.
+    /// The reason why sampling cannot start.
     pub fn start() -> Result<Self, NoProfiler> {
         Sampler::start().map(|sampler| Self { sampler })
     }
@@ -49,8 +50,8 @@ mod sampler {
     use super::NoProfiler;
     use base::text::numbers::counted;
 
-    /// Samples per second of CPU time: a prime, to avoid synchrony with the tiles.
-    /// Systems with a slower clock take fewer.
+    /// Samples per second of CPU time: a prime, to avoid synchrony with the tiles. Systems with a
+    /// slower clock take fewer.
     const FREQUENCY_HZ: i32 = 997;
 
     /// Samples until it is dropped.
@@ -103,22 +104,22 @@ mod sampler {
 </svg>
 "#;
 
-    /// Removes all functions except the program's own and those that they call, and of
-    /// these the scheduler's.
+    /// Removes all functions except the program's and the functions they call, and the scheduler's
+    /// among the latter.
     fn tidy(frames: &mut Frames) {
         // All threads of a pool do the same work.
         "raycost".clone_into(&mut frames.thread_name);
         let stack = &mut frames.frames;
         for symbols in stack.iter_mut() {
-            // Samples of a stack are merged under the address of the first one, so
-            // that inlined calls are known for that address only.
+            // Samples of a stack are merged under the address of the first one, so inlined calls
+            // are known only for that address.
             symbols.drain(..symbols.len().saturating_sub(1));
         }
-        // The handler of the signal, which takes the sample.
+        // The signal handler that takes the sample.
         let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
         stack.retain(|symbols| !is("pprof::", symbols));
-        // A waiting thread steals work on top of its own stack: functions below a
-        // task of rayon are not its callers.
+        // A waiting thread steals work on top of its stack: functions below a task of rayon are not
+        // its callers.
         let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
             return;
         };
@@ -130,7 +131,7 @@ mod sampler {
         stack.append(&mut callers);
     }
 
-    /// Whether a function belongs to a crate, perhaps as a method of a trait.
+    /// Returns true if a function belongs to a crate, perhaps as a method of a trait.
     fn is_of(krate: &str, symbol: &Symbol) -> bool {
         symbol.name().trim_start_matches('<').starts_with(krate)
     }
@@ -142,7 +143,7 @@ mod sampler {
 
     use super::NoProfiler;
 
-    /// There is none.
+    /// No sampler exists on this system.
     #[derive(Debug)]
     pub(super) enum Sampler {}
 

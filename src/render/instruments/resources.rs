@@ -23,7 +23,7 @@ impl SystemWork {
         })
     }
 
-    /// Returns `None`: this system does not report it.
+    /// Returns `None`: not reported by this system.
     #[cfg(not(unix))]
     pub(super) fn so_far() -> Option<Self> {
         None
@@ -38,18 +38,18 @@ impl SystemWork {
     }
 }
 
-/// Returns the peak resident memory of this process in bytes; `None` if the
-/// system does not report it.
+/// Returns the peak resident memory of this process in bytes; `None` if the system does not report
+/// it.
 ///
-/// `getrusage` is unsuitable: on Linux its `ru_maxrss` survives `exec`, and so
-/// includes the peak of the program that started this one.
+/// `getrusage` is unsuitable: on Linux its `ru_maxrss` survives `exec`, and so includes the peak of
+/// the program that started this one.
 #[cfg(target_os = "linux")]
 pub fn peak_memory_bytes() -> Option<u64> {
     peak_of_status(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-/// Returns the peak resident memory of this process in bytes; `None` if the
-/// system does not report it. On macOS `exec` resets `ru_maxrss`.
+/// Returns the peak resident memory of this process in bytes; `None` if the system does not report
+/// it. On macOS `exec` resets `ru_maxrss`.
 #[cfg(target_os = "macos")]
 pub fn peak_memory_bytes() -> Option<u64> {
     u64::try_from(usage()?.max_rss()).ok()
@@ -61,8 +61,8 @@ pub fn peak_memory_bytes() -> Option<u64> {
     None
 }
 
-/// Parses the peak resident set size in bytes from the text of
-/// `/proc/PID/status`: proc_pid_status(5).
+/// Parses the peak resident set size in bytes from the text of `/proc/PID/status`:
+/// proc_pid_status(5).
 #[cfg(target_os = "linux")]
 fn peak_of_status(status: &str) -> Option<u64> {
     let peak = status

@@ -9,8 +9,8 @@ use super::hardware::{Counts, HardwareCounters};
 use super::resources::SystemWork;
 use base::text::numbers::milliseconds;
 
-/// The names of the stages that a rendering of a still may have, in their order, with the work
-/// of each.
+/// The names of the stages that a rendering of a still may have, in order, each with a description
+/// of its work.
 pub const STAGES: [(&str, &str); 11] = [
     ("start", "loading the program"),
     ("read", "reading the scene and its files"),
@@ -28,15 +28,15 @@ pub const STAGES: [(&str, &str); 11] = [
 /// A stage of a run.
 #[derive(Debug, Clone)]
 pub struct Stage {
-    /// Its name.
+    /// Name of the stage.
     pub name: &'static str,
-    /// Its start and end.
+    /// Start and end of the stage.
     pub span: Range<Instant>,
     /// Wall time in milliseconds.
     pub wall_ms: f64,
     /// CPU time of all threads in milliseconds.
     pub cpu_ms: f64,
-    /// The work of the operating system, if it is known.
+    /// The work of the operating system, if known.
     pub system: Option<SystemWork>,
     /// Hardware counters; empty if there are none.
     pub events: Counts,
@@ -78,9 +78,9 @@ impl Stages {
         }
     }
 
-    /// Begins with a stage `start`, from the start of the process until now: loading
-    /// the program and reading the command line. The system reports its CPU time alone,
-    /// which stands for its wall time, too.
+    /// Starts with a stage `start`, from the start of the process until now: loading the program
+    /// and reading the command line. The system reports only its CPU time, which stands for its
+    /// wall time, too.
     pub fn with_start(hardware: HardwareCounters) -> Self {
         let mut stages = Self::start(hardware);
         let elapsed = stages.cpu.as_duration();

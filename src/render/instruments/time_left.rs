@@ -1,12 +1,12 @@
-//! The time that a stage will still take.
+//! Estimate of the time that a stage will still take.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How many times the first work has to be done before its time can be left out early.
+/// Multiple of the first work that must be done before its time can be left out early.
 const MANY: f64 = 16.0;
 
-/// Estimates the time left of a stage by the work that is done.
+/// Estimates the time left of a stage from the work done so far.
 #[derive(Debug)]
 pub struct TimeLeft {
     begin: Instant,
@@ -17,9 +17,9 @@ pub struct TimeLeft {
 /// The work that is done.
 #[derive(Debug, Clone, Copy, Default)]
 struct WorkDone {
-    /// By this run.
+    /// Work done by this run.
     here: f64,
-    /// By earlier ones.
+    /// Work done by earlier runs.
     before: f64,
     /// The first work of this run, and when it was done.
     first: Option<(f64, Duration)>,
@@ -35,8 +35,8 @@ impl TimeLeft {
         }
     }
 
-    /// Some work is done; if `is_restored`, an earlier run did it, and it took no time.
-    /// Returns the part of the work that is done, from 0 to 1.
+    /// Records that some work is done; if `is_restored`, by an earlier run, which took no time.
+    /// Returns the fraction of the work that is done, from 0 to 1.
     pub fn advance(&self, work: f64, is_restored: bool) -> f64 {
         let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
         if is_restored {
@@ -48,8 +48,9 @@ impl TimeLeft {
         ((done.here + done.before) / self.work).min(1.0)
     }
 
-    /// The time left, if the rest takes as long for its work as what this run has done, but for
-    /// the first, before which threads and memory were made; `None` before the first.
+    /// Returns the time left if the rest takes as long per unit of work as this run has taken so
+    /// far, without the first work, before which threads and memory were created; `None` before the
+    /// first.
     pub fn left(&self) -> Option<Duration> {
         let done = *self.done.lock().unwrap_or_else(PoisonError::into_inner);
         done.left(self.work, self.begin.elapsed())

@@ -8,18 +8,18 @@ use base::text::one_line;
 /// The text of a scene that rank 0 has read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SceneText {
-    /// Its name in messages: the path of its file.
+    /// Name of the scene in messages: the path of its file.
     pub name: String,
     /// The text.
     pub text: String,
 }
 
-/// Who a rank is, and what it is about to render, before the scene is read.
+/// Identity of a rank and of its rendering, before the scene is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Hello {
-    /// The name of its machine.
+    /// The name of the rank's machine.
     pub host: String,
-    /// Its number of threads.
+    /// Number of threads.
     pub n_threads: u32,
     /// The scene on its command line.
     pub scene: String,
@@ -30,7 +30,8 @@ pub struct Hello {
 }
 
 impl Hello {
-    /// Why this rank cannot help one that has said `leader`; `None` if it can.
+    /// Returns the reason why this rank cannot help one that has sent `leader`, or `None` if it
+    /// can.
     pub(super) fn fault(&self, leader: &Self) -> Option<RankFailure> {
         let differ = |what: &str, [here, there]: [&str; 2]| {
             let [here, there] = [one_line(here), one_line(there)];

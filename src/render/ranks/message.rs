@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 /// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
-    /// From a worker: who it is and what it is about to render.
+    /// From a worker: its identity and what it is about to render.
     Hello,
     /// From rank 0: the text of the scene.
     Scene,
-    /// From a worker: what it renders now that it has read the scene.
+    /// From a worker: what it renders, now that it has read the scene.
     Header,
     /// From rank 0: a request for the time on the worker's clock.
     Clock,
-    /// From a worker: that time.
+    /// From a worker: the time on its clock.
     Time,
     /// From a worker: its threads are waiting for tiles.
     Ready,
@@ -25,7 +25,7 @@ pub enum MessageKind {
     Failure,
     /// From rank 0: there are no further tiles.
     End,
-    /// From a worker: what it has done; its last message.
+    /// From a worker: its work; its last message.
     Work,
 }
 
@@ -34,23 +34,23 @@ pub enum MessageKind {
 pub struct Message {
     /// The rank that has sent it.
     pub from: u32,
-    /// Its kind.
+    /// Kind of the message.
     pub kind: MessageKind,
-    /// Its bytes.
+    /// Content of the message.
     pub bytes: Vec<u8>,
 }
 
-/// Why a rank cannot render.
+/// Reason why a rank cannot render.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RankFailure {
     /// The exit code of its process.
     pub exit_code: u8,
-    /// Its message.
+    /// The message to the user.
     pub message: String,
 }
 
 impl RankFailure {
-    /// A rank that cannot help rank 0 with what it renders.
+    /// Returns the failure of a rank whose input does not fit rank 0's.
     pub(super) fn input(message: impl Into<String>) -> Self {
         Self {
             exit_code: 2,
@@ -83,7 +83,7 @@ impl MessageKind {
     }
 }
 
-/// A value as the bytes of a message.
+/// Returns a value as the bytes of a message.
 pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
     serde_json::to_vec(value).unwrap_or_default()
 }

@@ -1,14 +1,13 @@
 //! The processes that render one picture together: the ranks of MPI.
 //!
-//! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker
-//! answers it. Rank 0 compares versions and flags before it reads the scene, of which it
-//! broadcasts the text and the files. What the other messages do is in [`crate::tiles`]. MPI
-//! is the system's library, behind the cargo feature `mpi`; without it, no process can join, and
-//! several processes of one launch are refused.
+//! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker answers
+//! it. Rank 0 compares versions and flags before it reads the scene, whose text and files it
+//! broadcasts. The other messages are handled in [`crate::tiles`]. MPI is the system's library,
+//! behind the cargo feature `mpi`; without it, no process can join, and several processes of one
+//! launch are refused.
 //!
-//! One thread of a process sends and receives at a time (`MPI_THREAD_SERIALIZED`): the main
-//! thread until the rendering begins and after it has ended, and a thread of its own in
-//! between.
+//! One thread of a process sends and receives at a time (`MPI_THREAD_SERIALIZED`): the main thread
+//! until the rendering starts and after it has ended, and a dedicated thread in between.
 
 mod pauses;
 mod launch;
@@ -42,22 +41,23 @@ pub use team::{Member, RankWork, Team};
 #[cfg(feature = "mpi")]
 pub use world::abort;
 
-/// Whether this program can be one of several ranks.
+/// True if this program can be one of several ranks.
 pub const IS_BUILT: bool = cfg!(feature = "mpi");
 
 /// This process among all that were launched together.
 #[derive(Debug)]
 pub struct Ranks {
     world: MpiWorld,
-    /// When its clock was 0.
+    /// The moment when this process's clock was 0.
     pub epoch: Instant,
 }
 
 impl Ranks {
-    /// Joins the other processes of the launch; `None` if this one was launched alone.
+    /// Joins the other processes of the launch. Returns `None` if this process was launched by
+    /// itself.
     ///
     /// # Errors
-    /// This program was built without MPI, or the library has no threads.
+    /// If this program was built without MPI, or the library has no threads.
     pub fn join() -> Result<Option<Self>, Diagnostic> {
         if n_launched().is_none_or(|n| n == 1) {
             return Ok(None);
@@ -67,22 +67,22 @@ impl Ranks {
         Ok(Some(Self { world, epoch }).filter(|ranks| ranks.n() > 1))
     }
 
-    /// The number of this process, from 0.
+    /// Returns the number of this process, from 0.
     pub fn rank(&self) -> u32 {
         self.world.rank()
     }
 
-    /// The number of processes.
+    /// Returns the number of processes.
     pub fn n(&self) -> u32 {
         self.world.n()
     }
 
-    /// The name of this machine.
+    /// Returns the name of this machine.
     pub fn host(&self) -> String {
         self.world.host()
     }
 
-    /// Nanoseconds on this process's clock.
+    /// Returns the nanoseconds on this process's clock.
     pub fn now_ns(&self) -> u64 {
         self.epoch.elapsed().as_nanos() as u64
     }
@@ -92,12 +92,12 @@ impl Ranks {
         self.world.send(to, kind.tag(), bytes);
     }
 
-    /// The next message, if one has arrived.
+    /// Returns the next message, if one has arrived.
     pub fn receive(&self) -> Option<Message> {
         self.receive_into(&mut Vec::new())
     }
 
-    /// The same with its bytes in the memory of this buffer, which is empty then.
+    /// Returns the next message, reusing the memory of this buffer, which is left empty.
     pub fn receive_into(&self, buffer: &mut Vec<u8>) -> Option<Message> {
         let (from, tag) = self.world.receive(buffer)?;
         let kind = MessageKind::of_tag(tag)?;
@@ -105,7 +105,7 @@ impl Ranks {
         Some(Message { from, kind, bytes })
     }
 
-    /// Waits for the next message; `None` if the program is asked to end.
+    /// Waits for the next message. Returns `None` if the program is asked to end.
     pub fn wait(&self) -> Option<Message> {
         let mut pauses = Pauses::new();
         while !stop::is_requested() {
@@ -117,24 +117,23 @@ impl Ranks {
         None
     }
 
-    /// Leaves the others, who all have to leave, too, and can send nothing any more.
+    /// Leaves the other processes, which all have to leave, too; no message can be sent afterwards.
     pub fn leave(self) {
         self.world.leave();
     }
 
-    /// Reports to rank 0 that this worker cannot render, and waits for the end of the job,
-    /// which rank 0 ends.
+    /// Reports to rank 0 that this worker cannot render, and waits until rank 0 ends the job.
     pub fn fail(&self, failure: &RankFailure) {
         self.send(0, MessageKind::Failure, &message::to_json(failure));
         while self.wait().is_some() {}
     }
 
-    /// The way of the scene's files from rank 0 to all others.
+    /// Returns the broadcast of the scene's files from rank 0 to all others.
     pub fn broadcast(&self) -> Box<dyn Broadcast> {
         self.world.broadcast()
     }
 
-    /// Waits until all others have introduced themselves; returns them, after rank 0 itself.
+    /// Waits until all others have introduced themselves. Returns them, after rank 0 itself.
     ///
     /// # Errors
     /// The first rank that fails or differs, with its number and its machine.
@@ -147,7 +146,7 @@ impl Ranks {
         self.send(0, MessageKind::Hello, &message::to_json(hello));
     }
 
-    /// Waits for the text of the scene from rank 0; `None` if the program is asked to end.
+    /// Waits for the text of the scene from rank 0. Returns `None` if the program is asked to end.
     pub fn receive_scene(&self) -> Option<SceneText> {
         let message = self.wait()?;
         serde_json::from_slice(&message.bytes).ok()
@@ -159,12 +158,12 @@ impl Ranks {
         (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Scene, &bytes));
     }
 
-    /// Reports to rank 0 what this worker has sent: its last message.
+    /// Reports this worker's work to rank 0: its last message.
     pub fn send_work(&self, work: &RankWork) {
         self.send(0, MessageKind::Work, &message::to_json(work));
     }
 
-    /// Reports to rank 0 what this worker is to render, and lets it read this worker's clock.
+    /// Reports to rank 0 what this worker is about to render, and lets it read this worker's clock.
     pub fn report(&self, header: &Header) {
         self.send(0, MessageKind::Header, &message::to_json(header));
         let Some(mut message) = self.wait() else {
@@ -176,7 +175,7 @@ impl Ranks {
             if n_read == team::N_CLOCK_READINGS {
                 return;
             }
-            // Without sleeping: the time between two readings is that of the messages.
+            // Without sleeping: the time between two readings is only the time of the messages.
             message = loop {
                 match self.receive() {
                     Some(message) => break message,

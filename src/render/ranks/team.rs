@@ -1,4 +1,4 @@
-//! Rank 0 and those that it leads.
+//! Rank 0 and the workers that it leads.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -10,14 +10,14 @@ use super::{Hello, Message, MessageKind, RankFailure, Ranks};
 use crate::checkpoint::{Header, RecordLayout};
 use base::stop;
 
-/// How often rank 0 reads the clock of a worker: the reading that took the shortest time is
-/// the most accurate one.
+/// Number of times that rank 0 reads the clock of a worker: the reading that took the shortest time
+/// is the most accurate one.
 pub(super) const N_CLOCK_READINGS: usize = 16;
 
 /// All ranks of a rendering, as rank 0 leads them.
 #[derive(Debug)]
 pub struct Team {
-    /// The way to the others.
+    /// The connection to the other ranks.
     pub ranks: Ranks,
     /// All ranks by their numbers.
     pub members: Vec<Member>,
@@ -33,30 +33,29 @@ pub struct Team {
 /// A rank.
 #[derive(Debug)]
 pub struct Member {
-    /// The name of its machine.
+    /// The name of the rank's machine.
     pub host: String,
-    /// Its number of threads.
+    /// Number of threads.
     pub n_threads: u32,
-    /// The number of its first thread among those of all ranks.
+    /// Number of the first thread among the threads of all ranks.
     pub first_thread: u32,
-    /// Its clock minus that of rank 0, in nanoseconds.
+    /// The rank's clock minus the clock of rank 0, in nanoseconds.
     pub clock_ns: i64,
-    /// Whether its threads wait for tiles.
+    /// True if its threads wait for tiles.
     pub is_ready: AtomicBool,
 }
 
-/// What a rank has sent.
+/// A rank's communication while it rendered.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RankWork {
-    /// Bytes of its messages while it rendered.
+    /// Bytes of the messages that it sent.
     pub sent_bytes: u64,
-    /// Time in which it has sent, received and packed or stored tiles, in nanoseconds.
+    /// Time in which it sent, received and packed or stored tiles, in nanoseconds.
     pub communication_ns: u64,
 }
 
 impl Team {
-    /// Waits until all others have read the scene, and compares what they are about to render
-    /// with what rank 0 is.
+    /// Waits until all others have read the scene, and compares their renderings with rank 0's.
     ///
     /// # Errors
     /// The first rank that fails or differs, with its number and its machine.
@@ -92,7 +91,7 @@ impl Team {
         Ok(team)
     }
 
-    /// Reads how far a worker's clock is ahead of that of rank 0, in nanoseconds.
+    /// Measures how far a worker's clock is ahead of the clock of rank 0, in nanoseconds.
     fn clock_of(&self, rank: u32) -> i64 {
         let mut best = (u64::MAX, 0);
         for _ in 0..N_CLOCK_READINGS {
@@ -108,7 +107,7 @@ impl Team {
         best.1
     }
 
-    /// Waits for the time on a worker's clock without sleeping; `None` if the program is
+    /// Waits for the time on a worker's clock without sleeping. Returns `None` if the program is
     /// asked to end, or a rank has failed.
     fn time(&self) -> Option<u64> {
         while !stop::is_requested() && !self.has_failed() {
@@ -123,12 +122,12 @@ impl Team {
         None
     }
 
-    /// Number of threads of all ranks.
+    /// Returns the number of threads of all ranks.
     pub fn n_threads(&self) -> u32 {
         self.members.iter().map(|member| member.n_threads).sum()
     }
 
-    /// Takes note of a message that is not a tile: a worker is ready, or has failed.
+    /// Handles a message other than a tile: a worker is ready, or has failed.
     pub fn note(&self, message: &Message) {
         match message.kind {
             MessageKind::Ready => {
@@ -145,19 +144,19 @@ impl Team {
         let _ = self.failure.set((rank, failure));
     }
 
-    /// Why a rank has failed, and its name; `None` if none has.
+    /// Returns the reason why a rank has failed, and its name, or `None` if none has failed.
     pub fn failure(&self) -> Option<(String, RankFailure)> {
         let (rank, failure) = self.failure.get()?;
         let host = &self.members[*rank as usize].host;
         Some((named(*rank, Some(host)), failure.clone()))
     }
 
-    /// Whether a rank has failed.
+    /// Returns true if a rank has failed.
     pub fn has_failed(&self) -> bool {
         self.failure.get().is_some()
     }
 
-    /// Dismisses the workers; returns what each rank has sent.
+    /// Dismisses the workers. Returns the work of each rank.
     pub fn dismiss(&self) -> Vec<RankWork> {
         let mut work = vec![None; self.members.len()];
         work[0] = Some(RankWork {
@@ -181,7 +180,7 @@ impl Team {
     }
 }
 
-/// Waits until all others have introduced themselves to a rank 0 that would say `leader`.
+/// Waits until all others have introduced themselves to a rank 0 that would send `leader`.
 pub(super) fn meet(ranks: &Ranks, leader: Hello) -> Result<Vec<Hello>, (String, RankFailure)> {
     let fault = |other: &Hello| other.fault(&leader);
     let name = |rank: u32, other: Option<&Hello>| named(rank, other.map(|other| &*other.host));
@@ -189,7 +188,7 @@ pub(super) fn meet(ranks: &Ranks, leader: Hello) -> Result<Vec<Hello>, (String, 
     Ok([leader].into_iter().chain(others).collect())
 }
 
-/// Waits until all others have read the scene, and compares what they render.
+/// Waits until all others have read the scene, and compares their renderings.
 fn compare(ranks: &Ranks, hellos: &[Hello], header: &Header) -> Result<(), (String, RankFailure)> {
     let fault = |other: &Header| {
         let message = "the files of the scene differ from those of rank 0";
@@ -200,7 +199,7 @@ fn compare(ranks: &Ranks, hellos: &[Hello], header: &Header) -> Result<(), (Stri
     from_each(ranks, fault, name).map(drop)
 }
 
-/// Waits for one value of each other rank, in their order.
+/// Waits for one value from each other rank, in order.
 ///
 /// # Errors
 /// The first rank that sends a failure instead, or whose value has a fault.
@@ -227,13 +226,13 @@ fn from_each<T: Clone + DeserializeOwned>(
     Ok(found.into_iter().flatten().collect())
 }
 
-/// The failure in a message.
+/// Returns the failure in a message.
 fn failure_of(message: &Message) -> RankFailure {
     let failure = serde_json::from_slice(&message.bytes);
     failure.unwrap_or_else(|_| RankFailure::input("it is another version of raycost"))
 }
 
-/// "rank 3 on node7".
+/// Returns a name such as "rank 3 on node7".
 fn named(rank: u32, host: Option<&str>) -> String {
     match host {
         Some(host) => format!("rank {rank} on {host}"),

@@ -15,15 +15,15 @@ use super::pauses::Pauses;
 use base::files::Broadcast;
 use base::text::Diagnostic;
 
-/// Bytes from which on a broadcast waits within the library.
+/// Number of bytes from which a broadcast waits within the library.
 const LONG: usize = 1 << 16;
 
-/// When the launcher has forwarded a message.
+/// Time in which the launcher forwards a message.
 const FORWARDED_AFTER: Duration = Duration::from_millis(100);
 
 /// The processes of a launch.
 pub(super) struct MpiWorld {
-    /// A failing process does not wait for the others: it does not leave.
+    /// A failing process does not leave, since it does not wait for the others.
     universe: ManuallyDrop<Universe>,
 }
 
@@ -31,7 +31,7 @@ impl MpiWorld {
     /// Joins the others of the launch.
     ///
     /// # Errors
-    /// The library of MPI does not let several threads take turns.
+    /// If the MPI library does not let several threads take turns.
     pub(super) fn join() -> Result<Self, Diagnostic> {
         let joined = environment::initialize_with_threading(Threading::Serialized);
         match joined {
@@ -67,8 +67,7 @@ impl MpiWorld {
         });
     }
 
-    /// Receives the next message, if one has arrived, instead of other bytes; returns the
-    /// sender and the tag.
+    /// Receives the next message, if one has arrived, into `bytes`. Returns the sender and the tag.
     pub(super) fn receive(&self, bytes: &mut Vec<u8>) -> Option<(u32, i32)> {
         let world = self.universe.world();
         let (message, status) = world.any_process().immediate_matched_probe()?;
@@ -78,7 +77,7 @@ impl MpiWorld {
         Some((status.source_rank() as u32, status.tag()))
     }
 
-    /// The way of bytes from rank 0 to all others.
+    /// Returns the broadcast of bytes from rank 0 to all others.
     pub(super) fn broadcast(&self) -> Box<dyn Broadcast> {
         let is_leader = self.rank() == 0;
         Box::new(WorldBroadcast { is_leader })
@@ -89,7 +88,7 @@ impl MpiWorld {
     }
 }
 
-/// Waits until a request is done, and sleeps meanwhile.
+/// Waits until a request is done, sleeping meanwhile.
 fn finish<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
     let mut pauses = Pauses::new();
     while let Err(pending) = request.test() {
@@ -98,7 +97,7 @@ fn finish<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
     }
 }
 
-/// From rank 0 to all others.
+/// Broadcast from rank 0 to all others.
 struct WorldBroadcast {
     is_leader: bool,
 }
@@ -111,8 +110,8 @@ impl Broadcast for WorldBroadcast {
     fn broadcast(&self, bytes: &mut [u8]) {
         let world = SimpleCommunicator::world();
         let root = world.process_at_rank(0);
-        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and
-        // the library is fastest where it waits itself.
+        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and the
+        // library is fastest when it does the waiting.
         if bytes.len() > LONG {
             root.broadcast_into(bytes);
         } else {

@@ -2,23 +2,22 @@
 
 use std::ops::Range;
 
-/// Pixels along the side of a block within a tile: a block has 16 pixels, as many
-/// as a packet has rays.
+/// Pixels along the side of a block within a tile: a block has 16 pixels, one for each ray of a
+/// packet.
 const BLOCK_SIDE: u32 = 4;
 
-/// Most pixels rendered at a time: a larger tile is rendered in groups of rows,
-/// whose pixels stay in the cache until they are written to the film.
+/// Greatest number of pixels rendered at a time: a larger tile is rendered in groups of rows, whose
+/// pixels stay in the cache until they are written to the film.
 pub const MAX_PIXELS: usize = 2048;
 
-/// Paths of a group of pixels that are traced and timed together: enough to keep the kernel
-/// busy.
+/// Paths of a group of pixels that are traced and timed together: enough to keep the kernel busy.
 const GROUP_PATHS: u32 = 1024;
 
-/// Most pixels of a group.
+/// Greatest number of pixels of a group.
 const GROUP_PIXELS: u32 = 256;
 
-/// An image divided into square tiles, numbered along rows from the top left. The
-/// tiles at the right and the bottom edge may be smaller.
+/// An image divided into square tiles, numbered along rows from the top left. The tiles at the
+/// right and the bottom edge may be smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileGrid {
     /// Pixels along a tile's side.
@@ -36,17 +35,17 @@ pub struct TileGrid {
 /// A rectangle of pixels that one thread renders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tile {
-    /// Its number in the grid.
+    /// Number of the tile in the grid.
     pub number: u32,
-    /// Its first column of pixels, and the one after its last.
+    /// The first column of pixels, and the one after the last.
     pub columns: [u32; 2],
-    /// Its first row of pixels, and the one after its last; row 0 is on top.
+    /// The first row of pixels, and the one after the last; row 0 is on top.
     pub rows: [u32; 2],
 }
 
 impl TileGrid {
-    /// Divides an image of `width * height` pixels into tiles with sides of
-    /// `tile_size` pixels; none of the three is 0.
+    /// Divides an image of `width * height` pixels into tiles with sides of `tile_size` pixels;
+    /// none of the three is 0.
     pub fn new(width: u32, height: u32, tile_size: u32) -> Self {
         Self {
             tile_size,
@@ -57,24 +56,24 @@ impl TileGrid {
         }
     }
 
-    /// Number of tiles.
+    /// Returns the number of tiles.
     pub fn n_tiles(&self) -> u32 {
         self.n_columns * self.n_rows
     }
 
-    /// The numbers of the tiles at these columns and rows of the grid.
+    /// Returns the numbers of the tiles at these columns and rows of the grid.
     pub fn numbers(&self, cells: Vec<(u32, u32)>) -> Vec<u32> {
         let number = |(column, row)| row * self.n_columns + column;
         cells.into_iter().map(number).collect()
     }
 
-    /// The tiles that contain a row of pixels, from left to right.
+    /// Returns the tiles that contain a row of pixels, from left to right.
     pub fn tiles_of_row(&self, y: u32) -> impl Iterator<Item = Tile> {
         let first = y / self.tile_size * self.n_columns;
         (first..first + self.n_columns).map(|number| self.tile(number))
     }
 
-    /// The tile with this number, less than [`n_tiles`](Self::n_tiles).
+    /// Returns the tile with this number, less than [`n_tiles`](Self::n_tiles).
     pub fn tile(&self, number: u32) -> Tile {
         let span = |index: u32, end: u32| {
             let first = index * self.tile_size;
@@ -89,7 +88,7 @@ impl TileGrid {
 }
 
 impl Tile {
-    /// Its pixels (x, y), block by block: consecutive rays are coherent, so that the
+    /// Returns the tile's pixels (x, y), block by block: consecutive rays are coherent, so the
     /// kernel can trace them as packets.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let columns = self.columns;
@@ -101,18 +100,18 @@ impl Tile {
         })
     }
 
-    /// The row-major index of a pixel in the tile, from 0 at the top left.
+    /// Returns the row-major index of a pixel in the tile, from 0 at the top left.
     pub fn index(&self, (x, y): (u32, u32)) -> u32 {
         let [left, right] = self.columns;
         (y - self.rows[0]) * (right - left) + x - left
     }
 
-    /// The index in the tile of the first pixel of a part of it.
+    /// Returns the index in the tile of the first pixel of a part of it.
     pub fn first_index(&self, part: &Tile) -> u32 {
         self.index((part.columns[0], part.rows[0]))
     }
 
-    /// The indices in the tile of each row of a part of it.
+    /// Returns the indices in the tile of each row of a part of it.
     pub fn rows_of(&self, part: &Tile) -> impl Iterator<Item = Range<usize>> + use<> {
         let [top, bottom] = part.rows;
         let (tile, left, width) = (*self, part.columns[0], part.width());
@@ -122,8 +121,8 @@ impl Tile {
         })
     }
 
-    /// Divides the tile into parts of whole rows, with at most `n_pixels` pixels or
-    /// one row each. If a part can have whole rows of blocks, it has no others.
+    /// Divides the tile into parts of whole rows, with at most `n_pixels` pixels or one row each.
+    /// If a part can consist of whole rows of blocks, it does.
     pub fn parts(&self, n_pixels: usize) -> impl Iterator<Item = Tile> + use<> {
         let tile = *self;
         let [top, bottom] = tile.rows;
@@ -143,8 +142,8 @@ impl Tile {
     }
 
     /// Divides a part of the tile into the groups of pixels whose paths are traced and timed
-    /// together, if each pixel has so many samples (0 if that differs): of 256 pixels at one
-    /// sample, and of one at 1024.
+    /// together, if each pixel has `n_samples` samples (0 if that differs): groups of 256 pixels at
+    /// one sample, of one pixel at 1024.
     pub fn groups(&self, n_samples: u32) -> impl Iterator<Item = Tile> + use<> {
         let part = *self;
         let n_pixels = (GROUP_PATHS / n_samples.max(1)).clamp(1, GROUP_PIXELS);
@@ -163,32 +162,32 @@ impl Tile {
         })
     }
 
-    /// Whether it has this pixel.
+    /// Returns true if the tile has this pixel.
     pub fn has(&self, (x, y): (u32, u32)) -> bool {
         let [left, right] = self.columns;
         let [top, bottom] = self.rows;
         (left..right).contains(&x) && (top..bottom).contains(&y)
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub fn n_pixels(&self) -> usize {
         let [top, bottom] = self.rows;
         self.width() * (bottom - top) as usize
     }
 
-    /// Whether both have as many columns, and as many rows.
+    /// Returns true if both have the same numbers of columns and rows.
     pub fn has_size_of(&self, other: &Tile) -> bool {
         self.width() == other.width() && self.n_pixels() == other.n_pixels()
     }
 
-    /// Number of columns of pixels.
+    /// Returns the number of columns of pixels.
     pub fn width(&self) -> usize {
         let [left, right] = self.columns;
         (right - left) as usize
     }
 }
 
-/// The rows (or columns) of each block between the first one and the end.
+/// Returns the rows (or columns) of each block between the first one and the end.
 fn blocks([first, end]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
     let starts = (first..end).step_by(BLOCK_SIDE as usize);
     starts.map(move |start| start..(start + BLOCK_SIDE).min(end))

@@ -1,14 +1,13 @@
 //! A Hilbert curve for rectangles of any size.
 //!
-//! After Jakub Červený's `gilbert`, "a generalized Hilbert space-filling curve
-//! for rectangular domains of arbitrary sizes" (github.com/jakubcerveny/gilbert):
-//! a rectangle is divided into two or three, each with a curve of its own that
-//! ends where the next one begins.
+//! After Jakub Červený's `gilbert`, "a generalized Hilbert space-filling curve for rectangular
+//! domains of arbitrary sizes" (github.com/jakubcerveny/gilbert): a rectangle is divided into two
+//! or three, each with a curve that ends where the next one starts.
 
 use glam::IVec2;
 
-/// Each cell (column, row) of a grid once, each adjacent to the one before. At
-/// most one step is diagonal, if the longer side is odd and the shorter one even.
+/// Returns each cell (column, row) of a grid once, each adjacent to the one before. At most one
+/// step is diagonal, if the longer side is odd and the shorter one even.
 pub fn hilbert_curve(n_columns: u32, n_rows: u32) -> Vec<(u32, u32)> {
     let mut cells = Vec::with_capacity(n_columns as usize * n_rows as usize);
     let along_x = IVec2::new(n_columns as i32, 0);
@@ -21,8 +20,8 @@ pub fn hilbert_curve(n_columns: u32, n_rows: u32) -> Vec<(u32, u32)> {
     cells
 }
 
-/// Adds the curve over the rectangle from the corner `from`, spanned by two
-/// vectors along the axes. The curve ends at the far end of `major`.
+/// Adds the curve over the rectangle from the corner `from`, spanned by two vectors along the axes.
+/// The curve ends at the far end of `major`.
 fn walk(from: IVec2, major: IVec2, minor: IVec2, cells: &mut Vec<(u32, u32)>) {
     let [length, breadth] = [major, minor].map(|side| side.abs().element_sum());
     let [major_step, minor_step] = [major.signum(), minor.signum()];
@@ -53,8 +52,8 @@ fn walk(from: IVec2, major: IVec2, minor: IVec2, cells: &mut Vec<(u32, u32)>) {
     walk(corner, -up, along - major, cells);
 }
 
-/// About half of a side, an even number of steps if possible: the curve along an
-/// even side ends where the next one begins.
+/// Returns about half of a side, an even number of steps if possible: the curve along an even side
+/// ends where the next one starts.
 fn half(side: IVec2, step: IVec2) -> IVec2 {
     let half = side.div_euclid(IVec2::splat(2));
     let is_odd = half.element_sum() % 2 != 0;

@@ -2,25 +2,25 @@
 
 use super::TileRun;
 
-/// How evenly the work was distributed. A thread is busy while it renders a tile.
-/// The rendering lasts from the start of the first tile to the end of the last.
+/// Balance of the work among threads. A thread is busy while it renders a tile. The rendering lasts
+/// from the start of the first tile to the end of the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
-    /// The longest busy time of a thread over the mean of all threads, minus 1: how
-    /// much longer the slowest thread was busy than in a balanced rendering.
+    /// The longest busy time of a thread over the mean of all threads, minus 1: how much longer the
+    /// slowest thread was busy than in a balanced rendering.
     ///
-    /// Pearce, Gamblin et al., "Quantifying the Effectiveness of Load Balance
-    /// Algorithms", ICS 2012.
+    /// Pearce, Gamblin et al., "Quantifying the Effectiveness of Load Balance Algorithms", ICS
+    /// 2012.
     pub load_imbalance: f64,
-    /// The fraction of the threads' time without a tile: 1 minus the sum of the busy
-    /// times over the number of threads times the duration of the rendering. 1
-    /// minus this is the parallel efficiency of the POP metrics (pop-coe.eu).
+    /// The fraction of the threads' time without a tile: 1 minus the sum of the busy times over the
+    /// number of threads times the duration of the rendering. 1 minus this is the parallel
+    /// efficiency of the POP metrics (pop-coe.eu).
     pub idle_share: f64,
 }
 
 impl Load {
-    /// The load of `n_threads` threads that rendered these tiles; both numbers are 0
-    /// if the tiles took no time.
+    /// Computes the load of `n_threads` threads that rendered these tiles; both numbers are 0 if
+    /// the tiles took no time.
     pub fn of(runs: &[TileRun], n_threads: u32) -> Self {
         let mut busy_ns = vec![0_u64; n_threads as usize];
         for run in runs {

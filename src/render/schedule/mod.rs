@@ -1,8 +1,7 @@
-//! The image as tiles: their grid, their order, and the record of who rendered
-//! them when.
+//! The image as tiles: their grid, their order, and the record of their rendering.
 //!
-//! A [`TileGrid`] divides the image into tiles. A [`Schedule`] is the record of a
-//! rendering: the thread, the start and the end of each tile.
+//! A [`TileGrid`] divides the image into tiles. A [`Schedule`] is the record of a rendering: the
+//! thread, the start and the end of each tile.
 
 mod grid;
 mod hilbert;
@@ -19,11 +18,11 @@ pub use worker_share::{WorkerShare, pause};
 use scene::config::TileOrder;
 use tracer::cost::Cost;
 
-/// Upper bound of the bytes per tile in the order of tiles and in the schedule:
-/// the lists of the threads grow by doubling, and exist until it is complete.
+/// Upper bound of the bytes per tile in the order of tiles and in the schedule: the lists of the
+/// threads grow by doubling, and exist until it is complete.
 pub const BYTES_PER_TILE: usize = 4 + 3 * size_of::<(u32, TileRun)>();
 
-/// When each tile of an image was rendered, and by which thread.
+/// The time span and the thread of each tile of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// The tiles.
@@ -32,62 +31,61 @@ pub struct Schedule {
     pub order: TileOrder,
     /// Number of threads, including those without a tile.
     pub n_threads: u32,
-    /// When the first tile began.
+    /// The moment when the first tile started.
     pub begin: Instant,
-    /// One per tile, in the order of the grid.
+    /// One entry per tile, in the order of the grid.
     pub runs: Vec<TileRun>,
 }
 
 /// The rendering of one tile.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TileRun {
-    /// Whether the tile was not rendered: then everything else is 0.
+    /// True if the tile was not rendered: then everything else is 0.
     pub is_missing: bool,
-    /// The rank that rendered it, from 0; 0 where one process renders.
+    /// The rank that rendered the tile, from 0; 0 where one process renders.
     pub rank: u32,
-    /// The thread that rendered it, from 0 among those of all ranks.
+    /// The thread that rendered the tile, from 0 among the threads of all ranks.
     pub thread: u32,
-    /// Number of tiles that were taken before it.
+    /// Number of tiles that were taken before this one.
     pub position: u32,
-    /// When it began, in nanoseconds since the start of the first tile.
+    /// Start in nanoseconds since the start of the first tile.
     pub start_ns: u64,
-    /// When all of its pixels were in the film, in nanoseconds since the start of
-    /// the first tile.
+    /// The moment when all of its pixels were in the film, in nanoseconds since the start of the
+    /// first tile.
     pub end_ns: u64,
-    /// The part of its duration that the write to the film took, in nanoseconds:
-    /// first touches of memory, and contention with other threads for its rows.
+    /// The part of the duration that the write to the film took, in nanoseconds: first touches of
+    /// memory, and contention with other threads for its rows.
     pub film_ns: u64,
-    /// The part of its duration in which pixels were rendered that count for nothing: the
-    /// warm-up, and pixels that were timed again. In nanoseconds.
+    /// The part of the duration spent on discarded renderings of pixels, in nanoseconds: the
+    /// warm-up, and pixels that were timed again.
     pub warm_up_ns: u64,
-    /// The part of its duration in which the thread was without a CPU, as far as the system
-    /// reports it, in nanoseconds: it is in no other part.
+    /// The part of the duration in which the thread was without a CPU, as far as the system reports
+    /// it, in nanoseconds: it is in no other part.
     pub waiting_ns: u64,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
 }
 
 impl TileRun {
-    /// Its duration in nanoseconds.
+    /// Returns the duration in nanoseconds.
     pub fn duration_ns(&self) -> u64 {
         self.end_ns - self.start_ns
     }
 
-    /// The part of its duration in which the thread had a CPU, in nanoseconds.
+    /// Returns the part of the duration in which the thread had a CPU, in nanoseconds.
     pub fn busy_ns(&self) -> u64 {
         self.duration_ns().saturating_sub(self.waiting_ns)
     }
 
-    /// Whether the thread lost its CPU meanwhile, as far as the system reports it.
+    /// Returns true if the thread lost its CPU meanwhile, as far as the system reports it.
     pub fn is_interrupted(&self) -> bool {
         self.waiting_ns > 0
     }
 }
 
 impl Schedule {
-    /// The schedule of `runs`: for each thread a list of its tiles with their
-    /// numbers, in nanoseconds since `begin`. Tiles of the grid that are in no list are
-    /// missing.
+    /// Creates the schedule of `runs`: for each thread a list of its tiles with their numbers, in
+    /// nanoseconds since `begin`. Tiles of the grid that are in no list are missing.
     pub fn new(
         grid: TileGrid,
         order: TileOrder,
@@ -118,35 +116,35 @@ impl Schedule {
         }
     }
 
-    /// The tiles that were rendered, with their numbers.
+    /// Returns the tiles that were rendered, with their numbers.
     pub fn rendered(&self) -> impl Iterator<Item = (u32, &TileRun)> {
         (0..).zip(&self.runs).filter(|(_, run)| !run.is_missing)
     }
 
-    /// Whether no tile is missing.
+    /// Returns true if no tile is missing.
     pub fn is_whole(&self) -> bool {
         self.rendered().count() == self.runs.len()
     }
 
-    /// From the start of the first tile to the end of the last one.
+    /// Returns the time from the start of the first tile to the end of the last one.
     pub fn span(&self) -> Duration {
         let end_ns = self.runs.iter().map(|run| run.end_ns).max();
         Duration::from_nanos(end_ns.unwrap_or(0))
     }
 
-    /// The sum of the counters of all tiles.
+    /// Returns the sum of the counters of all tiles.
     pub fn counted(&self) -> Cost {
         let counted = self.runs.iter().map(|run| run.counted);
         counted.fold(Cost::default(), Cost::with)
     }
 
-    /// Number of ranks that have rendered tiles, and of all before them.
+    /// Returns the number of ranks up to the last one that rendered tiles.
     pub fn n_ranks(&self) -> u32 {
         let last = self.rendered().map(|(_, run)| run.rank).max();
         last.map_or(1, |last| last + 1)
     }
 
-    /// How evenly the threads were busy.
+    /// Returns the load balance of the threads.
     pub fn load(&self) -> Load {
         Load::of(&self.runs, self.n_threads)
     }

@@ -2,41 +2,41 @@
 
 use std::time::Duration;
 
-/// How long a worker's threads should be able to render while they wait for the next tiles:
-/// several times as long as either side sleeps between two looks for messages.
+/// Time that a worker's threads should be able to render while they wait for the next tiles:
+/// several times the sleep of either side between two polls for messages.
 const AHEAD: Duration = Duration::from_millis(20);
-/// Most tiles for each thread of a worker in that time.
+/// Greatest number of tiles for each thread of a worker in that time.
 const MAX_AHEAD: u64 = 1024;
-/// The part of its share of the tiles that a worker has ahead before their duration is known.
+/// The fraction of its share of the tiles that a worker has ahead before their duration is known.
 const FIRST_PART: u64 = 32;
-/// The expected duration of a tile is the mean of the last ones, with a weight of one in so many
-/// for the last: with the most expensive tiles first, later ones are shorter.
+/// The last duration has a weight of one in this many in the expected duration of a tile, a moving
+/// average: with the most expensive tiles first, later ones are shorter.
 const WEIGHT: u64 = 8;
 
-/// How long a rank without any message sleeps before it looks for the next one: each time takes
-/// some microseconds from a thread that renders.
+/// Sleep of a rank between two polls for messages: each poll takes some microseconds from a thread
+/// that renders.
 const PAUSE: Duration = Duration::from_millis(2);
-/// The same while its threads wait for tiles, or rank 0 waits for the last ones.
+/// Sleep while the threads wait for tiles, or rank 0 waits for the last ones.
 const SHORT_PAUSE: Duration = Duration::from_micros(200);
 
-/// How long a rank without any message sleeps before it looks for the next one, if tiles wait
-/// for its threads or not.
+/// Returns how long a rank without messages sleeps before it polls again; `has_tiles` is true if
+/// there are tiles for its threads.
 pub fn pause(has_tiles: bool) -> Duration {
     if has_tiles { PAUSE } else { SHORT_PAUSE }
 }
 
-/// What a worker was given.
+/// The tiles given to a worker.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct WorkerShare {
     /// Number of tiles that it has been dealt and has not returned.
     pub n_dealt: u64,
-    /// How long its threads take for a tile, in nanoseconds, of which those that it returned
-    /// last count the most; 0 before the first one.
+    /// Time that its threads take for a tile, in nanoseconds, where recently returned tiles count
+    /// the most; 0 before the first one.
     tile_ns: u64,
 }
 
 impl WorkerShare {
-    /// Takes note of a returned tile that took so many nanoseconds.
+    /// Records a returned tile that took `duration_ns` nanoseconds.
     pub fn returned(&mut self, duration_ns: u64) {
         self.n_dealt -= 1;
         let before = match self.tile_ns {
@@ -48,9 +48,9 @@ impl WorkerShare {
             .max(1);
     }
 
-    /// How many further tiles a worker with so many threads is given, if so many tiles are
-    /// left for so many ranks: those that its threads render, and some ahead, at most its
-    /// share of those left, so that no other rank waits for it in the end.
+    /// Returns the number of further tiles for a worker with `n_threads` threads, if `n_left` tiles
+    /// are left for `n_ranks` ranks: tiles that its threads render now and some ahead, at most its
+    /// share of the tiles left, so that no other rank waits for it at the end.
     pub fn n_wanted(&self, n_threads: u64, n_left: u64, n_ranks: u64) -> u64 {
         let share = n_left / n_ranks;
         let per_thread = match self.tile_ns {

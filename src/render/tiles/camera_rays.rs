@@ -9,24 +9,23 @@ use math::simd::{
 };
 use tracer::shade::{PathWave, SampleIds};
 
-/// The pixels that are rendered together, as a structure of arrays, in the order in
-/// which their camera rays are traced.
+/// The pixels that are rendered together, as a structure of arrays, in the order in which their
+/// camera rays are traced.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Places {
     /// Number of pixels.
     n: usize,
-    /// The columns and rows in the picture; behind the last pixel it is repeated to
-    /// whole lanes.
+    /// Columns and rows in the picture; after the last pixel, copies of it fill whole lanes.
     x: Vec<u32>,
     y: Vec<u32>,
-    /// The index of each pixel among those that are rendered together.
+    /// The index of each pixel among the pixels that are rendered together.
     pixels: Vec<u32>,
-    /// The tile and the part of it whose pixels these are, if they are all of one.
+    /// The tile and the part of it whose pixels these are, if all belong to one tile.
     group: Option<[Tile; 2]>,
 }
 
 impl Places {
-    /// Overwrites the pixels by the pixels of a part of a tile, by their indices in the tile.
+    /// Overwrites the pixels with the pixels of a part of a tile, by their indices in the tile.
     pub(super) fn fill_group(&mut self, tile: &Tile, group: &Tile) {
         match self.group {
             Some([tile_before, before])
@@ -40,8 +39,8 @@ impl Places {
         self.group = Some([*tile, *group]);
     }
 
-    /// Moves the pixels of a group to another one of the same size, whose first pixel has
-    /// another index.
+    /// Moves the pixels of a group to another group of the same size, whose first pixel has another
+    /// index.
     fn shift(&mut self, from: &Tile, to: &Tile, [from_index, to_index]: [u32; 2]) {
         let moves = [
             (&mut self.x, from.columns[0], to.columns[0]),
@@ -76,29 +75,29 @@ impl Places {
         }
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub(super) fn len(&self) -> usize {
         self.n
     }
 
-    /// Number of blocks of eight pixels; the last one may have fewer.
+    /// Returns the number of blocks of eight pixels; the last one may have fewer.
     pub(super) fn n_blocks(&self) -> usize {
         self.n.div_ceil(N_LANES)
     }
 
-    /// Number of pixels in a block.
+    /// Returns the number of pixels in a block.
     #[inline(always)]
     pub(super) fn in_block(&self, block: usize) -> usize {
         N_LANES.min(self.n - N_LANES * block)
     }
 
-    /// The index of a pixel, and its column and row.
+    /// Returns the index of a pixel, and its column and row.
     #[inline(always)]
     pub(super) fn get(&self, i: usize) -> (usize, (u32, u32)) {
         (self.pixels[i] as usize, (self.x[i], self.y[i]))
     }
 
-    /// The column and row of each pixel of a block.
+    /// Returns the column and row of each pixel of a block.
     #[inline(always)]
     fn coordinates<I: InstructionSet>(&self, set: I, block: usize) -> [I::Lanes; 2] {
         let [x, y] = [&self.x, &self.y].map(|values| lanes(values, N_LANES * block));
@@ -110,16 +109,15 @@ impl Places {
     }
 }
 
-/// Starts a path for each of these samples of all pixels: for each block of eight
-/// pixels its first samples, then its second ones and so on, so that consecutive rays
-/// are coherent. The slot of sample `s` in lane `l` of block `b` is
-/// `8 * (b * n_samples + s) + l`.
+/// Starts a path for each of these samples of all pixels: for each block of eight pixels its first
+/// samples, then its second ones and so on, so that consecutive rays are coherent. The slot of
+/// sample `s` in lane `l` of block `b` is `8 * (b * n_samples + s) + l`.
 pub(super) struct StartPaths<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) places: &'a Places,
     pub(super) samples: Range<u32>,
     pub(super) wave: &'a mut PathWave,
-    /// Where the scene needs random numbers: the samples by slot.
+    /// The samples by slot, in a scene that needs random numbers.
     pub(super) ids: Option<&'a mut SampleIds>,
 }
 
@@ -148,7 +146,7 @@ impl SimdKernel for StartPaths<'_> {
 }
 
 impl StartPaths<'_> {
-    /// The numbers of a block's pixels in the picture.
+    /// Returns the numbers of a block's pixels in the picture.
     #[inline(always)]
     fn numbers(&self, block: usize) -> [u32; N_LANES] {
         std::array::from_fn(|lane| {
@@ -158,7 +156,7 @@ impl StartPaths<'_> {
     }
 }
 
-/// Adds the colors of the paths that [`StartPaths`] started to those of their pixels.
+/// Adds the colors of the paths that [`StartPaths`] started to the colors of their pixels.
 pub(super) struct AddSamples<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) places: &'a Places,
@@ -185,15 +183,14 @@ impl SimdKernel for AddSamples<'_> {
     }
 }
 
-/// Divides sums of colors by the number of samples, and computes the footprints of
-/// pixels at their distances; NaN without a hit.
+/// Divides sums of colors by the number of samples, and computes the footprints of pixels at their
+/// distances; NaN without a hit.
 pub(super) struct FinishPixels<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) places: &'a Places,
-    /// The number of samples of each pixel, with room for whole lanes; `None` if all have
-    /// the same.
+    /// Number of samples of each pixel, padded to whole lanes; `None` if all have the same.
     pub(super) n_samples: Option<&'a [f32]>,
-    /// Sums of colors, which become their means.
+    /// Sums of colors, replaced by their means.
     pub(super) colors: &'a mut VectorColumn,
     pub(super) distances: &'a [f32],
     pub(super) footprints: &'a mut Vec<f32>,

@@ -12,7 +12,7 @@ use scene::color::Development;
 pub(super) struct Canvas<'a> {
     strips: Vec<Mutex<&'a mut Strip>>,
     tiles: Vec<Mutex<&'a mut RenderedTile>>,
-    /// Whether the film has room for one tile of the picture at a time.
+    /// True if the film has room for only one tile of the picture at a time.
     has_one_tile: bool,
     /// The first row of the film.
     first_row: u32,
@@ -26,7 +26,7 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Writes to a film, which may hold an earlier rendering.
+    /// Creates a canvas that writes to a film, which may hold an earlier rendering.
     pub(super) fn of(film: &'a mut Film) -> Self {
         Self {
             has_one_tile: false,
@@ -40,7 +40,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Writes one tile of a picture after the other to a film of one tile.
+    /// Creates a canvas that writes one tile of a picture after the other to a film of one tile.
     pub(super) fn of_one_tile(film: &'a mut Film) -> Self {
         Self {
             has_one_tile: true,
@@ -48,7 +48,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Where the film has a tile of the picture, or its next rows.
+    /// Returns the position of a tile of the picture, or of its next rows, in the film.
     fn placed(&self, tile: &Tile) -> Tile {
         if !self.has_one_tile {
             return *tile;
@@ -64,7 +64,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// The numbers of the strips that a tile crosses.
+    /// Returns the numbers of the strips that a tile crosses.
     fn strips_of(&self, tile: &Tile) -> RangeInclusive<usize> {
         let [top, bottom] = tile.rows.map(|y| y - self.first_row);
         (top / STRIP_ROWS) as usize..=((bottom - 1) / STRIP_ROWS) as usize
@@ -77,7 +77,7 @@ impl<'a> Canvas<'a> {
             let packed = PackedCounters::new(counters);
             let mut stored = lock(&self.tiles[tile.number as usize]);
             if tile.rows[0].is_multiple_of(self.tile_size) {
-                // Those of an earlier rendering.
+                // Counters of an earlier rendering.
                 stored.counters.clear();
             }
             stored.counters.push(packed);
@@ -113,8 +113,8 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Writes the pixels and counters of a record of this tile; false, with any pixels, if
-    /// it shows none of so many objects and materials, or its size is wrong.
+    /// Writes the pixels and counters of a record of this tile. Returns false, with arbitrary
+    /// pixels, if it shows none of `n_ids` objects and materials, or its size is wrong.
     pub(super) fn restore(&self, tile: &Tile, record: TileRecord, n_ids: [usize; 2]) -> bool {
         let tile = &self.placed(tile);
         if record.pixels.len() != tile.n_pixels() * self.bytes_per_pixel {

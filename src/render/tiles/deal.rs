@@ -1,4 +1,4 @@
-//! Rank 0 deals tiles to the other ranks, while its own threads render.
+//! Rank 0 deals tiles to the other ranks while its threads render.
 
 use std::collections::HashMap;
 use std::sync::atomic::Ordering;
@@ -25,8 +25,8 @@ struct Dealer<'a, 'f, F> {
     buffer: Vec<u8>,
 }
 
-/// Deals tiles of the queue to the workers of a team until all have returned theirs and
-/// none is left; returns the tiles that they have rendered.
+/// Deals tiles of the queue to the workers of a team until all have returned theirs and none is
+/// left. Returns the tiles that they have rendered.
 pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) -> TileRuns {
     let mut dealer = Dealer {
         team,
@@ -53,7 +53,8 @@ pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) ->
 }
 
 impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
-    /// Takes what has arrived and gives workers what they need; sleeps if that was nothing.
+    /// Takes the messages that have arrived and gives workers tiles; sleeps if there was nothing to
+    /// do.
     fn carry(&mut self, canvas: Option<&Canvas>) {
         let begin = Instant::now();
         let mut is_idle = true;
@@ -74,20 +75,20 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         }
     }
 
-    /// Whether a tile is left, or has not been returned.
+    /// Returns true if a tile is left, or has not been returned.
     fn is_needed(&self) -> bool {
         let is_dealt = self.shares.iter().any(|share| share.n_dealt > 0);
         (is_dealt || self.queue.n_left() > 0) && !self.queue.pass.is_canceled()
     }
 
-    /// Whether all threads have tiles to render, as far as rank 0 knows.
+    /// Returns true if all threads have tiles to render, as far as rank 0 knows.
     fn has_tiles(&self) -> bool {
         let others = &self.team.members[1..];
         let are_ready = |member: &Member| member.is_ready.load(Ordering::Relaxed);
         self.queue.n_left() > 0 && others.iter().all(are_ready)
     }
 
-    /// Gives a worker as many tiles as it needs; false if it needs none.
+    /// Gives a worker the tiles that it needs. Returns false if it needs none.
     fn deal_to(&mut self, rank: u32, canvas: Option<&Canvas>) -> bool {
         let member = &self.team.members[rank as usize];
         if !member.is_ready.load(Ordering::Relaxed) {
@@ -119,7 +120,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         self.team.sent_bytes.fetch_add(n_bytes, Ordering::Relaxed);
     }
 
-    /// Takes a message: tiles into the film, and note of everything else.
+    /// Handles a message: writes tiles to the film, and records everything else.
     fn take(&mut self, message: &Message, canvas: Option<&Canvas>) {
         self.team.note(message);
         if message.kind != MessageKind::Records {
@@ -141,7 +142,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         }
     }
 
-    /// Takes a tile that a worker has rendered; `None` if it does not fit.
+    /// Takes a tile that a worker has rendered. Returns `None` if it does not fit.
     fn accept(&mut self, rank: u32, record: TileRecord, canvas: Option<&Canvas>) -> Option<()> {
         let tile = self.queue.plan.grid.tile(record.tile);
         let (_, position) = self.dealt.remove(&record.tile).filter(|to| to.0 == rank)?;
@@ -165,7 +166,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         }
     }
 
-    /// Writes a tile to the film; `None` if it does not fit.
+    /// Writes a tile to the film. Returns `None` if it does not fit.
     fn store(
         &mut self,
         tile: Tile,
@@ -188,7 +189,7 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         }
     }
 
-    /// Ends the rendering because of what a worker has sent.
+    /// Ends the rendering because of a message from a worker.
     fn fail(&self, rank: u32) {
         let failure = RankFailure {
             exit_code: 1,
@@ -197,8 +198,8 @@ impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
         self.team.fail(rank, failure);
     }
 
-    /// A worker's run with the rank, the number of its thread among those of all ranks, and
-    /// times since this rendering began.
+    /// Returns a worker's run with the rank, the number of its thread among the threads of all
+    /// ranks, and times since this rendering started.
     fn on_our_clock(&self, rank: u32, run: TileRun) -> TileRun {
         let member = &self.team.members[rank as usize];
         let begin_ns = self.queue.begin - self.team.ranks.epoch;

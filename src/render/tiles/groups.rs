@@ -1,5 +1,5 @@
-//! Renders groups of neighboring pixels, whose paths are traced together, and times each:
-//! pixels get their shares of its time.
+//! Renders groups of neighboring pixels, whose paths are traced together, and times each: pixels
+//! get their shares of its time.
 
 use super::TileRenderer;
 use super::stopwatch::{SPIKE, Stopwatch, ThreadTimer};
@@ -24,27 +24,27 @@ pub(super) struct GroupRenderer<'a> {
     /// Samples of every pixel; 0 if they are counted.
     n_samples: u32,
     groups: Vec<Tile>,
-    /// The times of the groups, and those of their stages.
+    /// The times of the groups, and the times of their stages.
     times: Vec<PixelTime>,
     stages_ns: Vec<ByStage>,
-    /// What the stages counted of each pixel, and of each group.
+    /// The counts of the stages for each pixel and for each group.
     counts: StageColumns,
     sums: Vec<ByStage>,
     /// The nanoseconds per count in the last group that was not disturbed and counted any.
     usual: ByStage,
-    /// The times of the pixels, row by row, and 1 for those that are rejected.
+    /// The times of the pixels, row by row, and 1 for each rejected pixel.
     time_ns: Vec<f32>,
     n_rejected: Vec<u8>,
-    /// The counters of what is rendered again, which count for nothing.
+    /// The counters of discarded renderings of pixels.
     uncounted: (Counters, BounceCounts),
-    /// Whether the thread has rendered a group.
+    /// True if the thread has rendered a group.
     is_warm: bool,
-    /// The nanoseconds in which groups were rendered, and those in which some were again.
+    /// The nanoseconds in which groups were rendered, and in which some were rendered again.
     total_ns: f64,
     again_ns: f64,
     /// The nanoseconds of each pixel of the last tile outside of groups: buffers are cleared.
     rest_ns: f32,
-    /// The number of pixels that the thread has stored in the film, and in how many nanoseconds.
+    /// Number of pixels that the thread has stored in the film, and the nanoseconds that this took.
     stored: (f64, f64),
 }
 
@@ -71,8 +71,8 @@ impl<'a> GroupRenderer<'a> {
         }
     }
 
-    /// Renders the groups of these pixels of a part of a tile twice; returns the nanoseconds
-    /// that each pixel took the second time.
+    /// Renders the groups of these pixels of a part of a tile twice. Returns the nanoseconds that
+    /// each pixel took the second time.
     pub(super) fn time_pixels<'p>(
         &'p mut self,
         part: &'p Tile,
@@ -87,7 +87,7 @@ impl<'a> GroupRenderer<'a> {
         pixels.iter().map(|&at| time_ns[part.index(at) as usize])
     }
 
-    /// Begins with those groups of a tile that are wanted.
+    /// Starts with the groups of a tile that are wanted.
     fn begin(&mut self, tile: &Tile, is_wanted: impl FnMut(&Tile) -> bool) {
         self.groups.clear();
         self.groups
@@ -99,8 +99,8 @@ impl<'a> GroupRenderer<'a> {
         self.n_rejected.resize(tile.n_pixels(), 0);
     }
 
-    /// Renders the groups of a tile, and those again whose times are disturbed or doubtful.
-    /// Returns the nanoseconds in which pixels were rendered that count for nothing.
+    /// Renders the groups of a tile, and those with disturbed or doubtful times again. Returns the
+    /// nanoseconds spent on discarded renderings of pixels.
     fn render_groups(&mut self, tile: &Tile, wait: &mut CpuWait) -> f64 {
         let Self {
             clock,
@@ -151,9 +151,9 @@ impl<'a> GroupRenderer<'a> {
         warm_up_ns + again_ns
     }
 
-    /// Gives each pixel its share of its group's time, and of what the thread does outside of
-    /// groups: it clears buffers, and stores pixels in the film. The stages of a group that was
-    /// disturbed include the wait for a CPU: they count as in the group before.
+    /// Gives each pixel its share of its group's time, and of the thread's work outside of groups:
+    /// clearing buffers, and storing pixels in the film. The stages of a group that was disturbed
+    /// include the wait for a CPU: they count as in the group before.
     fn split(&mut self, tile: &Tile) {
         let (n_stored, storing_ns) = self.stored;
         let other_ns = self.rest_ns + (storing_ns / n_stored.max(1.0)) as f32;
@@ -184,7 +184,7 @@ impl<'a> GroupRenderer<'a> {
     }
 }
 
-/// The nanoseconds of these counts.
+/// Returns the nanoseconds of these counts.
 fn dot(counts: &ByStage, ns_per_count: &ByStage) -> f32 {
     counts.iter().zip(ns_per_count).map(|(n, ns)| n * ns).sum()
 }

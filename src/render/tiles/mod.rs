@@ -1,9 +1,9 @@
 //! The tile loop: scene → film, on all threads.
 //!
-//! Each thread takes one tile after the other and renders it in one of two ways:
-//! `stream` traces many rays together, which hides the latency of memory, and times
-//! their waves; `timed` traces rays one by one, so that each pixel can be timed alone.
-//! Both give the same pixels and the same counters.
+//! Each thread takes one tile after the other and renders it in one of two ways: `stream` traces
+//! many rays together, which hides the latency of memory, and times their waves; `timed` traces
+//! rays one by one, so that each pixel can be timed separately. Both give the same pixels and the
+//! same counters.
 
 mod canvas;
 mod pass;
@@ -67,15 +67,15 @@ pub struct Progress {
     pub n_pixels: u64,
     /// Rays; 0 if they are not counted.
     pub n_rays: u64,
-    /// The work as estimated before the rendering, in pixels of average cost: that of all
-    /// reports adds up to the number of pixels.
+    /// The work as estimated before the rendering, in pixels of average cost: over all reports, it
+    /// adds up to the number of pixels.
     pub work: f64,
-    /// Whether an earlier run did it.
+    /// True if an earlier run did it.
     pub is_restored: bool,
 }
 
 impl Progress {
-    /// Pixels of average cost, and so many rays.
+    /// Creates the progress of pixels of average cost, with `n_rays` rays.
     pub fn of_pixels(n_pixels: u64, n_rays: u64) -> Self {
         Self {
             n_pixels,
@@ -86,10 +86,9 @@ impl Progress {
     }
 }
 
-/// Renders the plan on all threads of the current rayon pool and measures
-/// every pixel with the `meter`. Any thread calls `report` after each tile. The
-/// schedule holds the time span of each tile. After a request to stop ([`base::stop`])
-/// the remaining tiles are skipped.
+/// Renders the plan on all threads of the current rayon pool and measures every pixel with the
+/// `meter`. Any thread calls `report` after each tile. The schedule holds the time span of each
+/// tile. After a request to stop ([`base::stop`]) the remaining tiles are skipped.
 pub fn render(
     scene: &Scene,
     accel: &Accel,
@@ -131,18 +130,18 @@ fn render_onto(
     }
 }
 
-/// Renders tiles, with buffers for one tile. Each thread has its own.
+/// Renders tiles, with buffers for one tile, one per thread.
 trait TileRenderer {
-    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` is that of the
-    /// calling thread.
+    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` measures the calling
+    /// thread.
     fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
 
-    /// The film has stored this number of pixels in this number of nanoseconds.
+    /// Records that the film has stored this number of pixels in this number of nanoseconds.
     fn has_stored(&mut self, _n_pixels: usize, _ns: u64) {}
 }
 
-/// Renders the tiles of the plan, but for those that the pass takes over. Each thread
-/// takes the next tile in the plan's order until there is none, or the pass is over.
+/// Renders the tiles of the plan, except for those that the pass takes over. Each thread takes the
+/// next tile in the plan's order until there is none, or the pass is over.
 fn render_tiles<R: TileRenderer>(
     mut film: Film,
     plan: &TilePlan,
@@ -153,6 +152,7 @@ fn render_tiles<R: TileRenderer>(
     let target = OnceLock::new();
     let film_to_fill = &mut film;
     let (begin, runs) = pass.keeping(|| {
+        // Render: rank 0 deals tiles to the other ranks meanwhile.
         let queue = TileQueue::new(plan, pass, &target, &report);
         let render_some =
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
@@ -172,6 +172,7 @@ fn render_tiles<R: TileRenderer>(
         };
         (queue.begin, runs)
     });
+    // Record the rendering in the schedule and in the film.
     let mut schedule = Schedule::new(plan.grid, plan.order, begin, runs);
     schedule.n_threads = pass.n_threads();
     let is_first = pass.number == 0;
@@ -186,7 +187,7 @@ fn render_tiles<R: TileRenderer>(
     (film, schedule)
 }
 
-/// Makes the pixels of those of these tiles that are missing black without a hit.
+/// Makes the pixels of missing tiles among `tiles` black without a hit.
 fn clear_missing(schedule: &Schedule, tiles: Range<u32>, canvas: &Canvas) {
     let is_missing = |&number: &u32| schedule.runs[number as usize].is_missing;
     let missing = tiles.into_par_iter().filter(is_missing);
@@ -204,8 +205,8 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
     }
 }
 
-/// Renders a tile into the film; returns its times since `begin` and its
-/// counters. `wait` is that of the calling thread.
+/// Renders a tile into the film. Returns its times since `begin` and its counters. `wait` measures
+/// the calling thread.
 fn render_tile(
     renderer: &mut impl TileRenderer,
     (plan, tile): (&TilePlan, &Tile),
@@ -221,14 +222,15 @@ fn render_tile(
         end_ns: start_ns,
         ..TileRun::default()
     };
+    // Render a part of whole rows.
     for part in tile.parts(MAX_PIXELS) {
         let rendered = renderer.render(&plan.in_picture(&part), wait);
         run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }
-        // Page faults at the first write would show in the map of any one pixel: groups get
-        // the mean of all stores.
+        // Store it in the film, timed separately: page faults at the first write would show in the
+        // map of a single pixel, so groups get the mean of all stores.
         let rendered_ns = now_ns();
         wait.is_interrupted();
         let waited_ns = wait.waited_ns();

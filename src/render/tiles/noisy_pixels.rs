@@ -7,12 +7,12 @@ use math::simd::{
     InstructionSet, N_LANES, SimdKernel, Vector, VectorColumn, lane_of, set_lane, to_arrays,
 };
 
-/// The pixels that get more samples, and what is known of all pixels. Columns have the
-/// order in which the pixels began.
+/// The pixels that get more samples, and statistics of all pixels. Columns have the order in which
+/// the pixels started.
 #[derive(Debug, Default)]
 pub(super) struct NoisyPixels {
     all: Places,
-    /// The position among all pixels of each that gets more samples.
+    /// Position among all pixels of each pixel that gets more samples.
     positions: Vec<u32>,
     /// The sums of the squares of each pixel's samples.
     squares: VectorColumn,
@@ -21,7 +21,7 @@ pub(super) struct NoisyPixels {
 }
 
 impl NoisyPixels {
-    /// Begins with all of these pixels.
+    /// Starts with all of these pixels.
     pub(super) fn begin(&mut self, places: &Places) {
         let n = places.len();
         self.all.clone_from(places);
@@ -29,12 +29,12 @@ impl NoisyPixels {
         self.positions.extend(0..n as u32);
         self.squares.reset(n);
         self.n_samples.clear();
-        // Behind the last pixel a number by which nothing becomes infinite.
+        // After the last pixel, a number that makes no quotient infinite.
         self.n_samples.resize(n + N_LANES, 1.0);
     }
 
-    /// Ends a round, after which the pixels of `places` have `n` samples with these sums
-    /// of colors: removes those from `places` that need no more.
+    /// Ends a round, after which the pixels of `places` have `n` samples with these sums of colors:
+    /// removes finished pixels from `places`.
     pub(super) fn end_round(
         &mut self,
         places: &mut Places,
@@ -68,13 +68,13 @@ impl NoisyPixels {
         std::mem::swap(&mut self.all, places);
     }
 
-    /// The number of samples of each pixel, with room for whole lanes.
+    /// Returns the number of samples of each pixel, padded to whole lanes.
     pub(super) fn n_samples(&self) -> &[f32] {
         &self.n_samples
     }
 
-    /// Adds samples, of which each pixel of `places` has `n_samples`, to the sums of their
-    /// `colors`, by slot, and to those of their squares.
+    /// Adds `n_samples` samples of each pixel of `places` to the sums of their `colors`, by slot,
+    /// and to the sums of the squares.
     pub(super) fn add<'a>(
         &'a mut self,
         view: &'a View<'a>,
@@ -126,7 +126,7 @@ impl SimdKernel for AddToPositions<'_> {
     }
 }
 
-/// The vectors at these positions, one per lane; zero in the other lanes.
+/// Returns the vectors at these positions, one per lane; zero in the other lanes.
 #[inline(always)]
 fn gathered<I: InstructionSet>(
     set: I,
@@ -140,7 +140,7 @@ fn gathered<I: InstructionSet>(
     set.load_vector(&numbers)
 }
 
-/// Overwrites the vectors at these positions with those of the first lanes.
+/// Overwrites the vectors at these positions with the vectors of the first lanes.
 #[inline(always)]
 fn scatter<I: InstructionSet>(
     vectors: Vector<I::Lanes>,

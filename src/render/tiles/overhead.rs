@@ -1,12 +1,12 @@
 //! The overhead of cost measurement.
 //!
-//! The same picture is rendered by four variants in turn, so that a drift of the
-//! machine affects all of them equally. Each variant adds one thing: first rays in
-//! streams without measurement, then counters, then the clock of waves. The last one
-//! traces rays one by one, and reads the clock for each pixel.
+//! The same picture is rendered by four variants in turn, so that a drift of the machine affects
+//! all of them equally. Each variant adds one thing: first rays in streams without measurement,
+//! then counters, then the clock of waves. The last one traces rays one by one, and reads the clock
+//! for each pixel.
 //!
-//! CPU times are compared: other running programs may double the wall time, but
-//! hardly change the CPU time.
+//! CPU times are compared: other running programs may double the wall time, but hardly change the
+//! CPU time.
 
 use std::hint::black_box;
 
@@ -25,8 +25,8 @@ pub const N_ROUNDS: usize = 8;
 /// The number of renderings in [`Overhead::measure`].
 pub const N_RENDERINGS: usize = 4 * N_ROUNDS;
 
-/// CPU time of one rendering in milliseconds, summed over all threads, with the
-/// allocation of the film: medians of [`N_ROUNDS`] renderings.
+/// CPU time of one rendering in milliseconds, summed over all threads, with the allocation of the
+/// film: medians of [`N_ROUNDS`] renderings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overhead {
     /// Rays in streams, nothing measured.
@@ -70,7 +70,7 @@ impl Overhead {
         Self::of(times_ms)
     }
 
-    /// Computes the medians; `times_ms` has one entry per field, in their order.
+    /// Computes the medians; `times_ms` has one entry per field, in order.
     fn of(times_ms: [Vec<f64>; 4]) -> Self {
         let [none_ms, counters_ms, time_ms, single_ray_ms] =
             times_ms.map(|mut times_ms| median(&mut times_ms).unwrap_or_default());
@@ -82,22 +82,22 @@ impl Overhead {
         }
     }
 
-    /// The overhead of counters in streams, in percent.
+    /// Returns the overhead of counters in streams, in percent.
     pub fn counters_percent(&self) -> f64 {
         percent_more(self.counters_ms, self.none_ms)
     }
 
-    /// The overhead of the clock of waves on top of that, in percent.
+    /// Returns the overhead of the clock of waves on top of counters, in percent.
     pub fn clock_percent(&self) -> f64 {
         percent_more(self.time_ms, self.counters_ms)
     }
 
-    /// The overhead of both, in percent of streams without measurement.
+    /// Returns the overhead of both, in percent of streams without measurement.
     pub fn time_percent(&self) -> f64 {
         percent_more(self.time_ms, self.none_ms)
     }
 
-    /// The overhead of tracing and timing rays one by one instead of in counted streams, in
+    /// Returns the overhead of tracing and timing rays one by one instead of in counted streams, in
     /// percent; negative if streams are slower.
     pub fn single_ray_percent(&self) -> f64 {
         percent_more(self.single_ray_ms, self.counters_ms)

@@ -10,36 +10,36 @@ use crate::schedule::{Tile, TileRun};
 use base::stop;
 use scene::world::Scene;
 
-/// How often finished tiles are given to the system.
+/// Interval at which finished tiles are flushed to the system.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
-/// What renderings of a picture take over and keep, and when they end.
+/// The tiles that renderings of a picture take over and keep, and when they end.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits<'a> {
-    /// Finished tiles, which are not rendered again, and where new ones are kept.
+    /// Finished tiles, which are not rendered again, and the sink of new ones.
     pub checkpoint: Option<&'a Checkpoint>,
-    /// When no further tile is begun.
+    /// The moment after which no further tile is started.
     pub deadline: Option<Instant>,
     /// The other ranks that render, if this is rank 0 of several.
     pub team: Option<&'a Team>,
-    /// Whether pixels are kept in the files of the checkpoint alone: the film has none.
+    /// True if pixels are kept only in the files of the checkpoint: the film has none.
     pub is_stored: bool,
 }
 
 /// One of several renderings of a picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pass<'a> {
-    /// Its number, from 0.
+    /// Number of the rendering, from 0.
     pub(super) number: u8,
     pub(super) limits: Limits<'a>,
-    /// The number of the scene's objects, and of its materials.
+    /// Numbers of the scene's objects and of its materials.
     n_ids: [usize; 2],
-    /// When its new tiles begin, in nanoseconds after the first of those taken over.
+    /// The moment when its new tiles start, in nanoseconds after the first tile taken over.
     elapsed_ns: u64,
 }
 
 impl<'a> Pass<'a> {
-    /// The rendering with this number.
+    /// Creates the rendering with this number.
     pub(super) fn new(number: u8, scene: &Scene, limits: Limits<'a>) -> Self {
         let elapsed_ns = limits.checkpoint.map(|kept| kept.elapsed_ns(number));
         Self {
@@ -50,7 +50,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Whether the result counts for nothing.
+    /// Returns true if the result is discarded.
     pub(super) fn is_canceled(&self) -> bool {
         let Limits {
             checkpoint, team, ..
@@ -60,13 +60,13 @@ impl<'a> Pass<'a> {
             || team.is_some_and(Team::has_failed)
     }
 
-    /// Whether no further tile is begun.
+    /// Returns true if no further tile is started.
     pub(super) fn is_over(&self) -> bool {
         let deadline = self.limits.deadline;
         self.is_canceled() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// Takes over a finished tile; `None` if it has to be rendered.
+    /// Takes over a finished tile. Returns `None` if it has to be rendered.
     pub(super) fn restored(&self, tile: &Tile, canvas: &Canvas) -> Option<TileRun> {
         let checkpoint = self.limits.checkpoint?;
         let record = checkpoint.restore(self.number, tile.number)?;
@@ -78,20 +78,20 @@ impl<'a> Pass<'a> {
         None
     }
 
-    /// Writes a tile that another run or another rank has rendered to the film; false if it
+    /// Writes a tile that another run or another rank has rendered to the film. Returns false if it
     /// does not fit the scene.
     pub(super) fn store(&self, tile: &Tile, record: TileRecord, canvas: &Canvas) -> bool {
         canvas.restore(tile, record, self.n_ids)
     }
 
-    /// Number of threads of all ranks and all tiles.
+    /// Returns the number of threads of all ranks and all tiles.
     pub(super) fn n_threads(&self) -> u32 {
         let n_threads = self.n_threads_now();
         let checkpoint = self.limits.checkpoint;
         checkpoint.map_or(n_threads, |kept| kept.n_threads(n_threads))
     }
 
-    /// Number of threads of all ranks.
+    /// Returns the number of threads of all ranks.
     fn n_threads_now(&self) -> u32 {
         match self.limits.team {
             Some(team) => team.n_threads(),
@@ -99,7 +99,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// The run of a new tile, after those that were taken over.
+    /// Returns the run of a new tile, moved after the tiles that were taken over.
     pub(super) fn after_restored(&self, run: TileRun) -> TileRun {
         TileRun {
             start_ns: run.start_ns + self.elapsed_ns,
@@ -108,7 +108,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Does `work`, while a thread of its own gives the tiles that are kept to the system.
+    /// Does `work` while a separate thread flushes the kept tiles to the system.
     pub(super) fn keeping<T>(&self, work: impl FnOnce() -> T) -> T {
         let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) else {
             return work();

@@ -12,12 +12,12 @@ use tracer::cost::{Cost, Counters, RayKind};
 
 /// Distance of probed pixels in columns and rows.
 const STEP: u32 = 8;
-/// Their distance where each gets as many samples as in the picture.
+/// Distance of probed pixels where each gets all samples of the picture.
 const WIDE_STEP: u32 = 32;
 
-/// Estimates the work of each tile in traversal steps: one sample of some of its
-/// pixels, at least one, extrapolated to all of them. It is counted, not timed,
-/// and so does not depend on the run or the number of threads.
+/// Estimates the work of each tile in traversal steps: one sample of some of its pixels, at least
+/// one, extrapolated to all of them. It is counted, not timed, and so does not depend on the run or
+/// the number of threads.
 pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid) -> Vec<u64> {
     let image = of_one_sample(image);
     let view = View::new(scene, accel, &image);
@@ -31,7 +31,7 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
 }
 
 /// Estimates the counts of the rays of each tile by about one camera ray in 64, from at least one
-/// pixel: with one sample, or with those that adaptive sampling gives it.
+/// pixel: with one sample, or with the samples that adaptive sampling gives it.
 pub(super) fn counts(
     scene: &Scene,
     accel: &Accel,
@@ -60,10 +60,11 @@ pub(super) fn counts(
     })
 }
 
-/// What takes time: camera rays, other rays, and the node visits and primitive tests of all.
+/// The counts that determine the time: camera rays, other rays, and the node visits and primitive
+/// tests of all.
 pub(super) type RayCounts = [f64; 4];
 
-/// The counts of a cost.
+/// Returns the counts of a cost.
 pub(super) fn ray_counts(cost: &Cost) -> RayCounts {
     let camera = cost.rays_of(RayKind::Camera);
     let others = cost.n_rays() - camera;
@@ -78,8 +79,8 @@ fn of_one_sample(image: &Image) -> Image {
     }
 }
 
-/// Calls `of_chunk` with the tiles of the grid, some at a time, on the current rayon pool;
-/// returns what it returns of each tile.
+/// Calls `of_chunk` with the tiles of the grid, some at a time, on the current rayon pool. Returns
+/// the results of all tiles.
 fn chunks<R, T: Send>(
     grid: &TileGrid,
     n_per_chunk: u32,
@@ -98,7 +99,7 @@ fn chunks<R, T: Send>(
         .collect()
 }
 
-/// Traces the probed pixels of tiles; returns the steps of each tile.
+/// Traces the probed pixels of tiles. Returns the steps of each tile.
 fn steps_of_tiles(renderer: &mut StreamRenderer<Counters>, tiles: &[Tile], step: u32) -> Vec<u64> {
     let costs = costs_of_tiles(renderer, tiles, step);
     let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
@@ -107,7 +108,7 @@ fn steps_of_tiles(renderer: &mut StreamRenderer<Counters>, tiles: &[Tile], step:
     tiles.iter().zip(costs).map(of_tile).collect()
 }
 
-/// Traces the probed pixels of tiles; returns the cost of those of each tile, and their number.
+/// Traces the probed pixels of tiles. Returns their cost and their number for each tile.
 fn costs_of_tiles(
     renderer: &mut StreamRenderer<Counters>,
     tiles: &[Tile],

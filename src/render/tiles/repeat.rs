@@ -1,10 +1,9 @@
 //! Repeated renderings for reliable pixel times.
 //!
-//! A single time of a pixel includes random disturbances. The median of several
-//! times is a robust estimate of the pixel's cost, and their median absolute
-//! deviation (MAD) measures its uncertainty. The picture is rendered as a whole
-//! each time, so that the samples of a pixel are far apart in time and a
-//! disturbance affects few of them.
+//! A single time of a pixel includes random disturbances. The median of several times is a robust
+//! estimate of the pixel's cost, and their median absolute deviation (MAD) measures its
+//! uncertainty. The picture is rendered as a whole each time, so that the samples of a pixel are
+//! far apart in time and a disturbance affects few of them.
 
 use std::time::{Duration, Instant};
 
@@ -18,8 +17,7 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 
-/// Time limit of all renderings of [`Repeats::Auto`] together. The first one may
-/// exceed it.
+/// Time limit of all renderings of [`Repeats::Auto`] together. The first one may exceed it.
 const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 
 /// One of several renderings of a picture.
@@ -27,19 +25,19 @@ const TIME_OF_AUTO: Duration = Duration::from_millis(500);
 pub struct Repeat {
     /// Wall time.
     pub wall: Duration,
-    /// Time from the start to the end of each tile in which its thread had a CPU, in
-    /// nanoseconds summed over all threads.
+    /// Time from the start to the end of each tile in which its thread had a CPU, in nanoseconds
+    /// summed over all threads.
     pub busy_ns: u64,
     /// The rest of the time from the start to the end of each tile.
     pub waiting_ns: u64,
-    /// The part of it that wrote pixels to the film.
+    /// The part of the busy time that wrote pixels to the film.
     pub film_ns: u64,
-    /// The part of it that rendered pixels that count for nothing: warm-up, and those that
+    /// The part of the busy time spent on discarded renderings of pixels: warm-up, and pixels that
     /// were timed again.
     pub warm_up_ns: u64,
     /// The sum of the pixels' times in nanoseconds, if they were measured.
     pub pixels_ns: Option<f64>,
-    /// The number of rejected pixel times.
+    /// Number of rejected pixel times.
     pub n_rejected: u64,
 }
 
@@ -67,17 +65,14 @@ pub fn repeat_bytes_per_pixel(config: &Config) -> usize {
     usize::from(most_repeats(config)) * SAMPLE_BYTES + size_of::<f32>()
 }
 
-/// Renders the picture repeatedly, as [`render`](super::render) does.
-/// [`Repeats::Auto`] continues while one more rendering, as long as the last one,
-/// would end within half a second.
+/// Renders the picture repeatedly, as [`render`](super::render) does. [`Repeats::Auto`] continues
+/// while one more rendering, as long as the last one, would end within half a second.
 ///
-/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns`
-/// their median absolute deviation. `n_rejected` counts the rejected samples, of pixels
-/// that were interrupted whenever they were timed. If all samples were rejected, both are
-/// those of all samples. `thread` and the schedule are
-/// those of the last rendering. All other values are the same in each rendering.
-/// With [`Repeats::ONCE`], or without times, the film equals that of
-/// [`render`](super::render).
+/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns` their median
+/// absolute deviation. `n_rejected` counts the rejected samples, of pixels that were interrupted
+/// whenever they were timed. If all samples were rejected, both describe all samples. `thread` and
+/// the schedule describe the last rendering. All other values are the same in each rendering. With
+/// [`Repeats::ONCE`], or without times, the film equals the result of [`render`](super::render).
 pub fn repeat(
     repeats: Repeats,
     scene: &Scene,
@@ -90,12 +85,12 @@ pub fn repeat(
     repeat_within(&limits, repeats, (scene, accel), plan, meter, report)
 }
 
-/// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken
-/// over, kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering: how many fit into half a second
-/// differs from run to run.
+/// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken over,
+/// kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering, since the number that
+/// fits into half a second differs from run to run.
 ///
-/// At the deadline the first rendering leaves tiles out; a later one that is not whole
-/// counts for nothing. The schedule is that of the last one that counts.
+/// At the deadline the first rendering leaves tiles out; an incomplete later one is discarded. The
+/// schedule describes the last one that counts.
 pub fn repeat_within(
     limits: &Limits,
     repeats: Repeats,
@@ -104,6 +99,7 @@ pub fn repeat_within(
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {
+    // Make the film.
     let view = View::new(scene, accel, &plan.image);
     let begin = Instant::now();
     // Rank 0 of several makes its film while the others render.
@@ -117,14 +113,17 @@ pub fn repeat_within(
     let mut done: Vec<Repeat> = Vec::new();
     let mut last: Option<Schedule> = None;
     let schedule = loop {
+        // Render all tiles.
         let started = Instant::now();
         let pass = Pass::new(done.len() as u8, scene, *limits);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, &report);
+        // Drop a later rendering that a deadline cut off.
         let is_whole = schedule.rendered().count() as u32 == plan.n_tiles();
         if let Some(before) = last.take().filter(|_| !is_whole) {
             break before;
         }
+        // Keep the times.
         let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
         let wall = if is_spread {
             schedule.span()
@@ -137,6 +136,7 @@ pub fn repeat_within(
                 .get_or_insert_with(|| Samples::new(&film))
                 .take(&film);
         }
+        // Stop when the repeats are done.
         let is_once = is_spread && repeats == Repeats::Auto;
         let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
         if is_last || !is_whole || pass.is_over() {
@@ -144,6 +144,7 @@ pub fn repeat_within(
         }
         last = Some(schedule);
     };
+    // Summarize the times, and time the most expensive pixels again.
     film.n_repeats = done.len() as u8;
     if let Some(samples) = samples {
         samples.summarize(&mut film);
@@ -154,8 +155,8 @@ pub fn repeat_within(
     (film, schedule, done)
 }
 
-/// Whether the film is rendered again after the renderings `done`, which took
-/// `elapsed` together.
+/// Returns true if the film is rendered again after the renderings `done`, which took `elapsed`
+/// together.
 fn needs_another(repeats: Repeats, film: &Film, done: &[Repeat], elapsed: Duration) -> bool {
     let is_auto = repeats == Repeats::Auto;
     if is_auto && !film.cost.has_time() {

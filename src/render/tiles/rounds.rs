@@ -15,7 +15,7 @@ const DARK: f32 = 0.0015;
 pub struct Rounds {
     /// Samples of the first round.
     n_first: u32,
-    /// Most samples.
+    /// Greatest number of samples.
     n_most: u32,
     limit: Option<NoiseLimit>,
 }
@@ -23,8 +23,8 @@ pub struct Rounds {
 /// The noise of a pixel that needs no more samples.
 #[derive(Debug, Clone, Copy)]
 struct NoiseLimit {
-    /// The greatest variance of the mean of a channel, over that mean: its root is twice
-    /// the standard error of the mean's square root.
+    /// The greatest variance of the mean of a channel, over that mean: its root is twice the
+    /// standard error of the mean's square root.
     variance: f32,
     /// The factor from radiance to the light of the picture.
     gain: f32,
@@ -34,12 +34,12 @@ struct NoiseLimit {
 #[derive(Debug, Clone, Copy)]
 pub struct SampleSums<R> {
     pub colors: Vector<R>,
-    /// Of the colors' squares.
+    /// Sum of the colors' squares.
     pub squares: Vector<R>,
 }
 
 impl Rounds {
-    /// The rounds of the pixels of an image, in whose picture light has this gain.
+    /// Creates the rounds of the pixels of an image, whose picture scales light by this gain.
     pub fn new(image: &Image, gain: f32) -> Self {
         let n_most = image.samples_per_pixel;
         let n_first = image
@@ -55,17 +55,17 @@ impl Rounds {
         }
     }
 
-    /// Whether pixels may have different numbers of samples.
+    /// Returns true if pixels may have different numbers of samples.
     pub(crate) fn are_adaptive(&self) -> bool {
         self.limit.is_some()
     }
 
-    /// The samples that each pixel gets.
+    /// Returns the samples that each pixel gets.
     pub fn first(&self) -> Range<u32> {
         0..self.n_first
     }
 
-    /// The samples of every pixel; 0 if pixels may have different numbers.
+    /// Returns the number of samples of every pixel; 0 if pixels may differ.
     pub(crate) fn n_uniform(&self) -> u32 {
         match self.limit {
             None => self.n_most,
@@ -73,12 +73,12 @@ impl Rounds {
         }
     }
 
-    /// Most samples of a pixel.
+    /// Returns the greatest number of samples of a pixel.
     pub fn n_most(&self) -> u32 {
         self.n_most
     }
 
-    /// The samples that a pixel with these sums of `n` samples gets next; empty if it needs
+    /// Returns the samples that a pixel with these sums of `n` samples gets next; empty if it needs
     /// no more.
     pub fn next(&self, sums: &SampleSums<f32>, n: u32) -> Range<u32> {
         let is_noisy = |limit: NoiseLimit| n < self.n_most && limit.is_exceeded(sums, n);
@@ -89,8 +89,8 @@ impl Rounds {
         }
     }
 
-    /// The samples that a noisy pixel gets after `n` ones: a quarter as many, so that there
-    /// are few rounds and few samples too many. Empty at the end.
+    /// Returns the samples that a noisy pixel gets after `n` samples: a quarter of that number, so
+    /// that there are few rounds and few superfluous samples. Empty at the end.
     pub fn after(&self, n: u32) -> Range<u32> {
         let n_more = self.n_first.max(n / 4);
         n..self.n_most.min(n + n_more)
@@ -98,10 +98,10 @@ impl Rounds {
 }
 
 impl NoiseLimit {
-    /// Whether a pixel with these sums of `n` samples, at least 2, is noisier.
+    /// Returns true if a pixel with these sums of `n` samples, at least 2, is noisier.
     ///
-    /// The variance is estimated as if samples were independent: that of evenly spread ones
-    /// is lower.
+    /// The variance is estimated as if samples were independent: evenly spread samples have a lower
+    /// variance.
     fn is_exceeded(&self, sums: &SampleSums<f32>, n: u32) -> bool {
         let n = n as f32;
         let exceeds = |sum: f32, square: f32| {
@@ -116,7 +116,7 @@ impl NoiseLimit {
 }
 
 impl<R: Real> SampleSums<R> {
-    /// The sums of no samples; `like` has as many numbers.
+    /// Returns the sums of no samples; `like` sets the number of lanes.
     pub fn zero(like: R) -> Self {
         let zero = Vector::splat(like, Vec3::ZERO);
         Self {

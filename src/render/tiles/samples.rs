@@ -8,8 +8,8 @@ use math::statistics::median;
 /// Bytes of one sample of a pixel.
 pub(super) const SAMPLE_BYTES: usize = size_of::<Sample>();
 
-/// A time in nanoseconds, at least 1. The sign bit marks a rejected sample, which
-/// takes no extra memory.
+/// A time in nanoseconds, at least 1. The sign bit marks a rejected sample, which takes no extra
+/// memory.
 #[derive(Debug, Clone, Copy)]
 struct Sample(f32);
 
@@ -104,7 +104,7 @@ fn summary(samples: &[Sample], kept: &mut Vec<f64>) -> SampleSummary {
     }
 }
 
-/// The median of times, and their median absolute deviation; the times are changed.
+/// Returns the median of times, and their median absolute deviation; reorders the times.
 pub(super) fn median_and_deviation(times_ns: &mut [f64]) -> [f32; 2] {
     let median_ns = median(times_ns).unwrap_or_default();
     times_ns
@@ -129,7 +129,7 @@ mod tests {
         summary(&samples, &mut Vec::new())
     }
 
-    /// The reference: the value with as many values below as above.
+    /// Returns the reference: the value with equal numbers of values below and above.
     fn plain_median(values: &[f64]) -> f64 {
         let rank = |value: f64| {
             let below = values.iter().filter(|other| **other < value).count();

@@ -15,16 +15,16 @@ use scene::world::Scene;
 /// A rendered picture whose pixels are read band by band.
 #[derive(Debug, Clone, Copy)]
 pub struct StoredPicture<'a> {
-    /// All but its pixels.
+    /// The film without its pixels.
     pub film: &'a Film,
     schedule: &'a Schedule,
     checkpoint: &'a Checkpoint,
-    /// The number of the scene's objects, and of its materials.
+    /// Numbers of the scene's objects and of its materials.
     n_ids: [usize; 2],
 }
 
 impl<'a> StoredPicture<'a> {
-    /// The picture of a scene whose tiles are in the files of the checkpoint.
+    /// Creates the picture of a scene whose tiles are in the files of the checkpoint.
     pub fn new(
         scene: &Scene,
         (film, schedule): (&'a Film, &'a Schedule),
@@ -38,8 +38,8 @@ impl<'a> StoredPicture<'a> {
         }
     }
 
-    /// Returns the least number of rows of a band: whole tiles, and whole strips as those
-    /// of a film with all rows. Bands have a multiple of it.
+    /// Returns the least number of rows of a band: whole tiles, and whole strips as in a film with
+    /// all rows. The rows of a band are a multiple of it.
     pub fn row_unit(grid: &TileGrid) -> u32 {
         let strips = [1, 2, STRIP_ROWS];
         let factor = strips
@@ -48,9 +48,9 @@ impl<'a> StoredPicture<'a> {
         grid.tile_size * factor.unwrap_or(STRIP_ROWS)
     }
 
-    /// Reads some rows on the current rayon pool, from a multiple of the
-    /// [unit](Self::row_unit) to another one or the last row; `None` if a file cannot be
-    /// read, which the checkpoint knows.
+    /// Reads some rows on the current rayon pool, from a multiple of the [unit](Self::row_unit) to
+    /// another one or the last row. Returns `None` if a file cannot be read, which the checkpoint
+    /// records.
     pub fn band(&self, rows: Range<u32>) -> Option<Film> {
         let mut film = self.film.clone().with_rows(rows.clone());
         let has_spread = film.cost.has_time() && film.repeats.has_spread();
@@ -67,7 +67,7 @@ impl<'a> StoredPicture<'a> {
         (!self.checkpoint.has_failed()).then_some(film)
     }
 
-    /// Writes the tiles of some rows to the film; those that are missing are black.
+    /// Writes the tiles of some rows to the film; missing ones are black.
     fn read_tiles(&self, rendering: u8, rows: &Range<u32>, film: &mut Film) {
         let grid = self.film.grid;
         let [first, end] = [

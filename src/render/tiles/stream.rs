@@ -1,9 +1,8 @@
-//! Wavefront rendering: all camera rays of a tile, then their shadow rays, then
-//! the reflected rays, and so on until all paths have ended. Each step is a loop
-//! over lanes.
+//! Wavefront rendering: all camera rays of a tile, then their shadow rays, then the reflected rays,
+//! and so on until all paths have ended. Each step is a loop over lanes.
 //!
-//! After Laine, Karras and Aila, "Megakernels Considered
-//! Harmful: Wavefront Path Tracing on GPUs", HPG 2013.
+//! After Laine, Karras and Aila, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs",
+//! HPG 2013.
 
 use std::ops::Range;
 
@@ -23,11 +22,11 @@ use tracer::cost::{BounceCounts, ByPixel, Clock, CpuWait, PixelProbe, RayKind};
 use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use tracer::trace::Points;
 
-/// Most paths in flight at a time, unless a tile has more pixels: enough to keep
-/// the kernel busy, few enough to stay in the cache between two steps.
+/// Greatest number of paths in flight at a time, unless a tile has more pixels: enough to keep the
+/// kernel busy, few enough to stay in the cache between two steps.
 pub(super) const WAVE_LEN: usize = 2048;
 
-/// Where the wave's paths started.
+/// The starts of the wave's paths.
 macro_rules! starts {
     ($renderer:expr) => {
         PathStarts {
@@ -40,8 +39,7 @@ macro_rules! starts {
     };
 }
 
-/// Renders tiles in waves of rays and counts with a `P`. All buffers are reused
-/// from tile to tile.
+/// Renders tiles in waves of rays and counts with a `P`. All buffers are reused from tile to tile.
 pub(super) struct StreamRenderer<'a, P> {
     view: View<'a>,
     simd: Simd,
@@ -99,7 +97,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Times the stages of its waves.
+    /// Creates a renderer that times the stages of its waves.
     pub(super) fn timed(view: View<'a>, clock: &'a Clock) -> Self {
         Self {
             times: Some(WaveTimes::new(clock, view.rounds.n_uniform())),
@@ -107,15 +105,15 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Traces all paths of these pixels, whose numbers are 0, 1, … in any order: the
-    /// number, the column and the row of each.
+    /// Traces all paths of these pixels. Each has a number (0, 1, … in any order), a column and a
+    /// row.
     pub(super) fn follow(&mut self, places: impl Iterator<Item = (u32, (u32, u32))>) {
         self.places.fill(places);
         self.begin(self.places.len());
         self.follow_places();
     }
 
-    /// Begins with so many pixels of which nothing is counted.
+    /// Starts with `n_pixels` pixels and empty counters.
     pub(super) fn begin(&mut self, n_pixels: usize) {
         self.pixels.resize(n_pixels);
         self.probe.reset(n_pixels, self.view.rounds.n_uniform());
@@ -125,7 +123,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Traces all paths of the pixels of its places.
+    /// Traces all paths of the pixels in `places`.
     fn follow_places(&mut self) {
         let n_pixels = self.places.len();
         self.means.reset(n_pixels);
@@ -143,11 +141,13 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     fn render_adaptively(&mut self, mut round: Range<u32>) {
         self.noisy.begin(&self.places);
         while self.places.len() > 0 && !round.is_empty() && !stop::is_requested() {
+            // Render one round of the noisy pixels, and count its samples.
             self.render_round(round.clone());
             for i in 0..self.places.len() {
                 let (number, _) = self.places.get(i);
                 self.probe.rays(RayKind::Camera, number, round.len());
             }
+            // Remove the pixels that are no longer noisy.
             let rounds = &self.view.rounds;
             self.noisy
                 .end_round(&mut self.places, &self.means, rounds, round.end);
@@ -167,7 +167,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// The counters of the pixels last followed.
+    /// Returns the counters of the pixels last followed.
     pub(super) fn probe(&self) -> &P {
         &self.probe
     }
@@ -182,17 +182,21 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Renders these samples of all pixels.
     fn render_samples(&mut self, samples: Range<u32>) {
+        // Start a path for each sample.
         self.start(samples.clone());
         self.count_samples(samples.len() as u32);
         self.lap(WaveStage::Paths);
+        // Trace and shade the camera rays; the middle sample stores the visible surfaces.
         let middle = samples.contains(&self.view.middle);
         let stored = middle.then(|| (self.view.middle - samples.start) as usize);
         self.trace(stored.map(|sample| (sample, samples.len())));
         self.shade();
+        // Trace and shade the rays that continue the paths, until all have ended.
         while !self.wave.rays.is_empty() {
             self.trace(None);
             self.shade();
         }
+        // Add the colors of the paths to their pixels.
         if self.view.rounds.are_adaptive() {
             let sums = [&mut self.colors, &mut self.means];
             let add = self
@@ -221,6 +225,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Starts a path for each of these samples of all pixels.
     fn start(&mut self, samples: Range<u32>) {
+        // Make room for the paths.
         let n_slots = N_LANES * self.places.n_blocks() * samples.len();
         self.colors.reset(n_slots);
         self.wave.restart(0);
@@ -228,6 +233,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         if is_random {
             self.ids.resize(n_slots);
         }
+        // Generate the camera rays.
         self.simd.run(StartPaths {
             view: &self.view,
             places: &self.places,
@@ -235,6 +241,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             wave: &mut self.wave,
             ids: is_random.then_some(&mut self.ids),
         });
+        // Initialize the data that only some scenes need.
         if self.shader.has_branches() {
             self.wave.start_in_vacuum();
         }
@@ -249,13 +256,15 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Finds the points that the wave's rays meet; first stores the surfaces that the camera
-    /// rays of a sample hit, if one of so many is given.
+    /// Finds the points that the wave's rays meet. If `stored` is a sample's index and the number
+    /// of samples, first stores the surfaces that the camera rays of this sample hit.
     fn trace(&mut self, stored: Option<(usize, usize)>) {
+        // Find the nearest hits.
         let probe = ByPixel::new(&mut self.probe, self.wave.pixels());
         let tracer = &self.view.tracer;
         tracer.nearest_stream(&self.wave.rays, &mut self.hits, probe);
         self.lap(WaveStage::Hierarchy);
+        // Compute their surface points, which the film stores without fog.
         let has_particles = self.shader.has_particles();
         if stored.is_some() || !has_particles {
             self.find_points();
@@ -263,6 +272,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         if let Some(sample) = stored {
             self.store_surfaces(sample);
         }
+        // Replace hits by particles of fog that lie before them.
         if has_particles {
             self.shader
                 .meet_particles(&self.ids, &self.wave, &mut self.hits);
@@ -306,20 +316,24 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Shades the points; the reflected rays become the wave.
     fn shade(&mut self) {
+        // Weaken the light on the way to the hits; add the background to the rays without a hit.
         self.shader.weaken(&mut self.wave, &self.hits);
         let (wave, points) = (&self.wave, &self.points);
         self.shader.add_background(wave, points, &mut self.colors);
         self.lap(WaveStage::Paths);
+        // Light the points: ambient and emitted light, then one light sample after the other.
         self.shader.begin(&self.wave, &self.points);
         self.count_shadow_steps();
         for sample in 0..self.shader.n_light_samples(self.wave.depth) {
             self.light(sample);
         }
         self.count_shadow_steps();
+        // End the paths' steps: add the radiance of the points, and collect the rays that continue.
         let starts = starts!(self);
         let (wave, points) = (&self.wave, &self.points);
         self.shader
             .end(starts, wave, points, &mut self.next, &mut self.colors);
+        // Count the next wave.
         for (i, &pixel) in self.next.pixels().iter().enumerate() {
             self.probe.rays(self.next.kind(i), pixel as usize, 1);
             self.probe.bounce(pixel as usize, self.next.depth);
@@ -331,9 +345,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Adds the light of one sample of the lights at all points.
     fn light(&mut self, sample: usize) {
+        // Cast the shadow rays toward the light.
         let (wave, points) = (&self.wave, &self.points);
         self.shader.cast(sample, starts!(self), wave, points);
         self.lap(WaveStage::Surfaces);
+        // Trace them.
         let shadows = &self.shader.shadows;
         if self.shader.casts_shadows() {
             for &pixel in shadows.pixels() {
@@ -348,6 +364,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.occluded.clear();
             self.occluded.resize(shadows.pixels().len(), false);
         }
+        // Add the light of the unoccluded ones.
         let (wave, points) = (&self.wave, &self.points);
         let occluded = &self.occluded;
         self.shader
@@ -355,14 +372,14 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.lap(WaveStage::Surfaces);
     }
 
-    /// Counts the steps of shadow rays if waves are timed; called before and after them.
+    /// Counts the steps of shadow rays if waves are timed; called before and after they are traced.
     fn count_shadow_steps(&mut self) {
         if let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted()) {
             times.count_shadow_steps(counters);
         }
     }
 
-    /// Renders a group of a tile's pixels; returns the nanoseconds of each stage if waves are
+    /// Renders a group of a tile's pixels. Returns the nanoseconds of each stage if waves are
     /// timed.
     pub(super) fn render_group(&mut self, tile: &Tile, group: &Tile) -> ByStage {
         self.places.fill_group(tile, group);
@@ -375,8 +392,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             .map_or(ByStage::default(), WaveTimes::ns)
     }
 
-    /// Writes what the stages of waves have counted of the pixels and the groups of a tile, if
-    /// waves are timed.
+    /// Writes the counts of the stages of waves, for the pixels and the groups of a tile, if waves
+    /// are timed.
     pub(super) fn count_stages(
         &self,
         tile: &Tile,
@@ -396,8 +413,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Exchanges the counters of the pixels by those of pixels that count for nothing, or the
-    /// other way round.
+    /// Swaps the counters of the pixels with the counters of discarded renderings, and back.
     pub(super) fn exchange_counters(
         &mut self,
         (probe, bounces): &mut (P, BounceCounts),
@@ -410,7 +426,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// The pixels that were last rendered.
+    /// Returns the pixels that were last rendered.
     pub(super) fn rendered(&self) -> Rendered<'_> {
         Rendered {
             pixels: &self.pixels,
@@ -422,10 +438,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Renders the pixels of its places.
+    /// Renders the pixels in `places`.
     fn render_places(&mut self) {
         self.follow_places();
         let rounds = &self.view.rounds;
+        // Divide the sums of colors by the numbers of samples, and compute footprints.
         self.simd.run(FinishPixels {
             view: &self.view,
             places: &self.places,
@@ -434,6 +451,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             distances: &self.distances,
             footprints: &mut self.footprints,
         });
+        // Copy the results to the pixels.
         for i in 0..self.places.len() {
             let (number, _) = self.places.get(i);
             self.pixels.color[number] = self.means.get(i);

@@ -16,25 +16,25 @@ use tracer::accel::Accel;
 pub struct TilePlan {
     /// The picture.
     pub image: Image,
-    /// Its tiles.
+    /// The tiles of the picture.
     pub grid: TileGrid,
     /// The order in which threads take them.
     pub order: TileOrder,
     /// The tiles' numbers in that order.
     sequence: Vec<u32>,
-    /// The first row in the picture of each row of tiles; `None` if the grid is that of the
-    /// whole picture.
+    /// The first row in the picture of each row of tiles; `None` if the grid covers the whole
+    /// picture.
     first_rows: Option<Vec<u32>>,
-    /// The estimated work of each tile of the grid; `None` if it is not known.
+    /// The estimated work of each tile of the grid; `None` if unknown.
     work: Option<Vec<u64>>,
-    /// The estimated time of each tile of the grid; `None` if it is not known.
+    /// The estimated time of each tile of the grid; `None` if unknown.
     times: Option<Vec<f64>>,
     pixels_per_ns: f64,
 }
 
 impl TilePlan {
-    /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces
-    /// a few rays through each tile on the current rayon pool.
+    /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces a few rays
+    /// through each tile on the current rayon pool.
     pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
         let grid = TileGrid::new(image.width, image.height, tiling.size);
         let mut work = None;
@@ -58,8 +58,8 @@ impl TilePlan {
         this.scaled()
     }
 
-    /// About so many rows of a picture, evenly spread and in whole tiles, as a picture of
-    /// their own; the whole picture if it has no more.
+    /// Plans about `n_rows` rows of a picture, evenly spread and in whole tiles, as a separate
+    /// picture; the whole picture if it has no more.
     pub fn of_some_rows(image: &Image, tile_size: u32, n_rows: u32) -> Self {
         let [n_all, n_rows_of_tiles] = [image.height, n_rows].map(|n| n / tile_size);
         let n_rows_of_tiles = n_rows_of_tiles.max(1);
@@ -86,7 +86,7 @@ impl TilePlan {
         }
     }
 
-    /// Where a tile of the grid, or some of its rows, are in the picture.
+    /// Returns the position of a tile of the grid, or of some of its rows, in the picture.
     pub(super) fn in_picture(&self, tile: &Tile) -> Tile {
         let Some(first_rows) = &self.first_rows else {
             return *tile;
@@ -100,35 +100,35 @@ impl TilePlan {
         }
     }
 
-    /// Leaves only the tiles of one part of the picture, in their order. All parts together
-    /// have each tile once, and about the same work, whatever the machine and the order.
-    /// Traces a few rays through each tile on the current rayon pool.
+    /// Keeps only the tiles of one part of the picture, in order. All parts together have each tile
+    /// once, and about the same work, whatever the machine and the order. Traces a few rays through
+    /// each tile on the current rayon pool.
     pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: PicturePart) -> Self {
         let parts = dealt(self.estimated(scene, accel), part.of);
         (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);
         self.scaled()
     }
 
-    /// Orders the tiles by their work, the most expensive first, as ranks take them.
-    /// Traces a few rays through each tile on the current rayon pool.
+    /// Orders the tiles by their work, the most expensive first, as ranks take them. Traces a few
+    /// rays through each tile on the current rayon pool.
     pub fn most_expensive_first(mut self, scene: &Scene, accel: &Accel) -> Self {
         self.sequence = most_work_first(self.estimated(scene, accel));
         self.order = TileOrder::Cost;
         self.scaled()
     }
 
-    /// The same plan with the estimated times of the grid's tiles.
+    /// Returns the plan with the estimated times of the grid's tiles.
     pub(super) fn with_times(mut self, times: Vec<f64>) -> Self {
         self.times = Some(times);
         self.scaled()
     }
 
-    /// The tiles' numbers in their order.
+    /// Returns the tiles' numbers in order.
     pub(super) fn sequence(&self) -> &[u32] {
         &self.sequence
     }
 
-    /// Whether the work or the time of each tile is known.
+    /// Returns true if the work or the time of each tile is known.
     pub fn is_estimated(&self) -> bool {
         self.work.is_some() || self.times.is_some()
     }
@@ -149,7 +149,7 @@ impl TilePlan {
         work.get_or_insert_with(|| prepass::work(scene, accel, image, grid))
     }
 
-    /// The work of a tile in pixels of average cost; that of all tiles of the plan adds up
+    /// Returns the work of a tile in pixels of average cost; over all tiles of the plan, it adds up
     /// to the number of their pixels.
     pub(super) fn work(&self, tile: &Tile) -> f64 {
         match &self.times {
@@ -158,12 +158,12 @@ impl TilePlan {
         }
     }
 
-    /// Number of tiles.
+    /// Returns the number of tiles.
     pub fn n_tiles(&self) -> u32 {
         self.sequence.len() as u32
     }
 
-    /// Number of pixels of all tiles.
+    /// Returns the number of pixels of all tiles.
     pub fn n_pixels(&self) -> u64 {
         let tiles = self.sequence.iter().map(|&number| self.grid.tile(number));
         tiles.map(|tile| tile.n_pixels() as u64).sum()
@@ -189,7 +189,7 @@ impl TilePlan {
         }
     }
 
-    /// Most pixels rendered at a time, and their image.
+    /// Returns the greatest number of pixels rendered at a time, and their image.
     pub(super) fn room(&self) -> (usize, &Image) {
         let most = MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize);
         (most, &self.image)
@@ -209,11 +209,11 @@ fn most_work_first(work: &[u64]) -> Vec<u32> {
     sequence
 }
 
-/// Deals tiles to `n` parts, from 0: each tile, by decreasing work, to the part with the least
-/// work so far, and among equal ones to that with the fewest tiles.
+/// Deals tiles to `n` parts, from 0: each tile, by decreasing work, to the part with the least work
+/// so far, and among equal ones to the part with the fewest tiles.
 ///
-/// Graham, "Bounds on Multiprocessing Timing Anomalies", SIAM J. Appl. Math. 17, 1969: the
-/// longest part has at most 4/3 of the work of the shortest one possible.
+/// Graham, "Bounds on Multiprocessing Timing Anomalies", SIAM J. Appl. Math. 17, 1969: the longest
+/// part has at most 4/3 of the work of the shortest one possible.
 fn dealt(work: &[u64], n: u32) -> Vec<u32> {
     let mut parts: BinaryHeap<_> = (0..n).map(|part| Reverse((0, 0, part))).collect();
     let mut part_of = vec![0; work.len()];

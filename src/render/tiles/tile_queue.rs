@@ -1,4 +1,4 @@
-//! The tiles of a rendering that no thread has begun.
+//! The tiles of a rendering that no thread has started.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -15,17 +15,17 @@ use tracer::cost::CpuWait;
 /// Tiles with their numbers that a thread has rendered or taken over.
 pub(super) type TileRuns = Vec<(u32, TileRun)>;
 
-/// What threads render tiles to.
+/// The target that threads render tiles to.
 pub(super) enum Target<'f> {
     /// The film of the picture.
     Film(Canvas<'f>),
-    /// Films of one tile, one for each thread, like this one without rows: the pass keeps
-    /// the tiles.
+    /// Films of one tile, one for each thread, like this one without rows: the pass keeps the
+    /// tiles.
     Tiles(&'f Film),
 }
 
 impl<'f> Target<'f> {
-    /// The film, which gets rows if it has none, or films of one tile if tiles are `stored`
+    /// Returns the film, which gets rows if it has none, or films of one tile if tiles are `stored`
     /// elsewhere.
     pub(super) fn of(film: &'f mut Film, stored: bool) -> Self {
         if stored {
@@ -52,14 +52,14 @@ pub(super) struct TileQueue<'a, 'f, F> {
     pub(super) pass: &'a Pass<'a>,
     target: &'a OnceLock<Target<'f>>,
     pub(super) report: &'a F,
-    /// When the rendering begins.
+    /// The moment when the rendering started.
     pub(super) begin: Instant,
-    /// The number of tiles that were taken.
+    /// Number of tiles that were taken.
     n_taken: AtomicU32,
 }
 
 impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
-    /// All tiles of the plan; the target may be made meanwhile.
+    /// Queues all tiles of the plan; the target may be made meanwhile.
     pub(super) fn new(
         plan: &'a TilePlan,
         pass: &'a Pass<'a>,
@@ -76,7 +76,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         }
     }
 
-    /// Whether there is a target.
+    /// Returns true if there is a target.
     pub(super) fn has_target(&self) -> bool {
         self.target.get().is_some()
     }
@@ -107,7 +107,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         runs
     }
 
-    /// The next tile that has to be rendered, and its position; takes over the tiles before
+    /// Returns the next tile that has to be rendered, and its position; takes over the tiles before
     /// it that other runs have rendered, if there is a canvas.
     pub(super) fn next(&self, runs: &mut TileRuns, canvas: Option<&Canvas>) -> Option<(u32, Tile)> {
         loop {
@@ -123,7 +123,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         }
     }
 
-    /// Takes note of a tile that was rendered to the canvas.
+    /// Records a tile that was rendered to the canvas.
     pub(super) fn add(&self, runs: &mut TileRuns, tile: Tile, run: TileRun, canvas: &Canvas) {
         // A tile that was stopped is not whole.
         if !stop::is_requested() {
@@ -132,7 +132,7 @@ impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
         self.note(runs, &tile, run, false);
     }
 
-    /// Number of tiles that no thread has taken.
+    /// Returns the number of tiles that no thread has taken.
     pub(super) fn n_left(&self) -> u32 {
         let n_taken = self.n_taken.load(Ordering::Relaxed);
         self.plan.n_tiles().saturating_sub(n_taken)

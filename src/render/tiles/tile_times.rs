@@ -1,10 +1,10 @@
-//! Estimates how long each tile takes.
+//! Estimates of the time of each tile.
 //!
-//! Rays and their steps take time, and some pixels of each tile show how many there are. How long
-//! a ray and a step take depends on the scene, the machine and the mode of cost: a few whole tiles
-//! show it, which are rendered as they will be again. The times are those of the threads, which
+//! Rays and their steps take time, and some pixels of each tile show how many there are. The time
+//! of a ray and of a step depends on the scene, the machine and the mode of cost: it is measured by
+//! rendering a few whole tiles as they will be rendered again. The times are thread times, which
 //! other programs that interrupt them do not lengthen. Rays with the same counts differ in time,
-//! too, by how coherent they are and what their surfaces look like: the times of tiles are
+//! too, by how coherent they are and by the look of their surfaces: the times of tiles are
 //! corrected by how much longer measured ones nearby took than expected, by inverse distance
 //! weighting (Shepard 1968, "A two-dimensional interpolation function for irregularly-spaced
 //! data").
@@ -31,7 +31,7 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter};
 
-/// Tiles for each that is measured, and the least and the greatest number of these.
+/// Tiles for each that is measured, and the least and the greatest number of measured tiles.
 const PER_MEASURED: usize = 64;
 const LEAST_MEASURED: usize = 32;
 const MOST_MEASURED: usize = 512;
@@ -41,12 +41,12 @@ const MOST_MEASURED: usize = 512;
 struct MeasuredTile {
     tile: Tile,
     counts: RayCounts,
-    /// The time that its rays took in nanoseconds.
+    /// Time that its rays took in nanoseconds.
     ns: f64,
 }
 
-/// The plan with the estimated time of each tile on this machine, in nanoseconds but for a common
-/// factor. Renders some tiles on the current rayon pool.
+/// Returns the plan with the estimated time of each tile on this machine, in nanoseconds up to a
+/// common factor. Renders some tiles on the current rayon pool.
 pub fn estimate_times(plan: TilePlan, (scene, accel): (&Scene, &Accel), meter: &Meter) -> TilePlan {
     let counts = prepass::counts(scene, accel, &plan.image, &plan.grid);
     let chosen = chosen(plan.sequence(), &counts);
@@ -85,17 +85,18 @@ pub fn estimate_times(plan: TilePlan, (scene, accel): (&Scene, &Accel), meter: &
     plan.with_times(times)
 }
 
-/// How much longer measured tiles took than expected.
+/// Factors by which measured tiles took longer than expected.
 struct Correction {
-    /// Where each is, and the time that was expected of it over the one that it took: close to
-    /// 0, and so nearly without effect, if its thread was disturbed.
+    /// The position of each tile, and its expected time over its measured time: close to 0, and so
+    /// nearly without effect, if its thread was disturbed.
     measured: Vec<(DVec3, f64)>,
     /// The distance of neighboring measured tiles in pixels.
     spacing: f64,
 }
 
 impl Correction {
-    /// `ns_of` returns the time that is expected of counts, in nanoseconds.
+    /// Compares measured tiles with `ns_of`, which returns the time expected of counts, in
+    /// nanoseconds.
     fn new(measured: &[MeasuredTile], n_tiles: u32, ns_of: impl Fn(&RayCounts) -> f64) -> Self {
         let n_pixels: usize = measured.iter().map(|it| it.tile.n_pixels()).sum();
         let n = measured.len().max(1) as f64;
@@ -113,8 +114,8 @@ impl Correction {
         }
     }
 
-    /// The factor by which a tile takes longer than expected: that of measured ones, of which
-    /// those nearby with about its expected time count the most.
+    /// Returns the factor by which a tile takes longer than expected: a mean over measured tiles,
+    /// where tiles nearby with about the same expected time count the most.
     fn factor(&self, tile: &Tile, expected: f64) -> f64 {
         let here = place(tile, self.spacing, expected);
         let (mut speeds, mut weights) = (0.0, 0.0);
@@ -127,14 +128,15 @@ impl Correction {
     }
 }
 
-/// The middle of a tile in units of the spacing, and the binary logarithm of its expected time.
+/// Returns the middle of a tile in units of the spacing, and the binary logarithm of its expected
+/// time.
 fn place(tile: &Tile, spacing: f64, expected: f64) -> DVec3 {
     let [x, y] = [tile.columns, tile.rows].map(|[first, end]| f64::from(first + end) / 2.0);
     DVec3::new(x / spacing, y / spacing, expected.max(1.0).log2())
 }
 
-/// Some of the tiles: as many cheap ones as there are, and as many expensive ones as they have
-/// work.
+/// Chooses tiles to be measured: cheap ones in proportion to their number, expensive ones in
+/// proportion to their work.
 fn chosen(sequence: &[u32], counts: &[RayCounts]) -> Vec<u32> {
     let work = |number: u32| counts[number as usize].iter().sum::<f64>();
     let mut numbers = sequence.to_vec();
@@ -187,8 +189,8 @@ fn measured<R: TileRenderer>(
     rayon::broadcast(measure_some).concat()
 }
 
-/// The time of each count, so that the errors of tiles are least for the work that they have:
-/// cheap tiles are as right as expensive ones.
+/// Returns the time of each count that minimizes the errors of tiles relative to their work: cheap
+/// tiles are as accurate as expensive ones.
 fn fitted(measured: &[MeasuredTile]) -> RayCounts {
     let rows = measured.iter().map(|MeasuredTile { counts, ns, .. }| {
         let weight = ns.max(1.0).recip();
@@ -219,7 +221,7 @@ mod tests {
         assert!((44..=46).contains(&n_expensive), "{n_expensive}");
     }
 
-    /// The tiles of a picture with eight in a row.
+    /// Returns a tile of a picture with eight in a row.
     fn tile(number: u32) -> Tile {
         TileGrid::new(128, 128, 16).tile(number)
     }

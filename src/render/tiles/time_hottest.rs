@@ -1,7 +1,6 @@
-//! Times the most expensive pixels again before one is named.
+//! Repeated timing of the most expensive pixels before one is named.
 //!
-//! The longest of many times is the one that was disturbed most, and it is the first that
-//! is looked at.
+//! The longest of many times is the most disturbed one, and the first that a user looks at.
 
 use super::TilePlan;
 use super::groups::GroupRenderer;
@@ -15,19 +14,19 @@ use tracer::cost::{CpuWait, Meter, Metric};
 
 /// Pixels that are timed together.
 const N_PIXELS: usize = 20;
-/// Times of each, whose median counts.
+/// Times of each pixel, whose median counts.
 const N_TIMES: usize = 5;
-/// Pixels beside it that are rendered before it each time, as in a picture.
+/// Neighbors that are rendered before the pixel each time, as in a picture.
 const N_BEFORE: u32 = 4;
-/// Most rounds: in each, the pixels that take the places of others are timed, too.
+/// Greatest number of rounds: in each, the pixels that replace others are timed, too.
 const N_ROUNDS: usize = 5;
 
 /// Times each of these pixels of the film once, in nanoseconds.
 type TimePixels<'a> = &'a mut dyn FnMut(&[(u32, u32)], &mut CpuWait) -> Vec<f32>;
 
-/// Times the most expensive pixels of a film that has been timed again, until the first of
-/// them is one of these, and gives the film the medians of their times. A film without rows,
-/// or without times, stays as it is.
+/// Times the most expensive pixels of a film until the first of them has been timed again, and
+/// gives the film the medians of their times. A film without rows, or without times, stays as it
+/// is.
 pub(super) fn time_hottest_again(film: &mut Film, view: View, meter: &Meter, plan: &TilePlan) {
     if !film.has_rows() {
         return;
@@ -108,7 +107,7 @@ fn again(film: &mut Film, time_pixels: TimePixels) {
     }
 }
 
-/// The part of a tile of the film that a pixel was rendered with.
+/// Returns the part of a tile of the film that a pixel was rendered with.
 fn part(plan: &TilePlan, (x, y): (u32, u32)) -> Tile {
     let size = plan.grid.tile_size;
     let tile = plan.grid.tile(y / size * plan.grid.n_columns + x / size);
@@ -116,7 +115,7 @@ fn part(plan: &TilePlan, (x, y): (u32, u32)) -> Tile {
     parts.find(|part| part.has((x, y))).unwrap_or(tile)
 }
 
-/// Where a pixel of the film is in the picture.
+/// Returns the position of a pixel of the film in the picture.
 fn in_picture(plan: &TilePlan, (x, y): (u32, u32)) -> (u32, u32) {
     let pixel = Tile {
         number: 0,
@@ -126,7 +125,7 @@ fn in_picture(plan: &TilePlan, (x, y): (u32, u32)) -> (u32, u32) {
     (x, plan.in_picture(&pixel).rows[0])
 }
 
-/// The pixels to the left of one, or to the right if there are none.
+/// Returns the pixels to the left of a pixel, or to the right if there are none.
 fn before((x, y): (u32, u32), width: u32) -> impl Iterator<Item = (u32, u32)> {
     let columns = match x {
         0 => 1..width.min(1 + N_BEFORE),

@@ -1,5 +1,5 @@
-//! Renders ray by ray and times each pixel. The first pixels of a tile are rendered
-//! twice, so that their times do not include cold caches.
+//! Rendering ray by ray, timing each pixel. The first pixels of a tile are rendered twice, so that
+//! their times do not include cold caches.
 
 use glam::Vec3;
 
@@ -15,10 +15,10 @@ use tracer::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe, RayKind}
 use tracer::shade::{LightSample, PathRay};
 use tracer::trace::SurfacePoint;
 
-/// Warm-up pixels, rendered before a tile's first pixel is timed. Writing the
-/// previous tile has filled the caches and the branch predictor: without a
-/// warm-up the first pixel takes up to 1.8 times as long as its neighbors, and
-/// the second one up to 1.2 times (`benches/tiles/first_pixels`).
+/// Warm-up pixels, rendered before a tile's first pixel is timed. Writing the previous tile has
+/// filled the caches and the branch predictor: without a warm-up the first pixel takes up to 1.8
+/// times as long as its neighbors, and the second one up to 1.2 times
+/// (`benches/tiles/first_pixels`).
 const N_WARM_UP: usize = 4;
 
 /// Columns and rows of the pixels that warm up a thread.
@@ -27,19 +27,19 @@ const SPREAD: u32 = 8;
 /// Disturbed pixels that take longer are not rendered again.
 const LONG_NS: f32 = 1e6;
 
-/// Paths for which there is room before any is traced.
+/// Paths for which room is allocated before any is traced.
 const PATHS: usize = 256;
 
 /// Renders tiles pixel by pixel, counts each and times it.
 pub(super) struct SingleRayRenderer<'a> {
     clock: &'a Clock,
-    /// The pixels of the tile in the order in which they are rendered, which is listed before
-    /// any is timed: to find the next one takes longer where a row of a block ends.
+    /// The pixels of the tile in the order in which they are rendered, listed before any is timed:
+    /// finding the next one takes longer where a row of a block ends.
     places: Vec<PixelPlace>,
     renderer: PixelRenderer<'a>,
     /// The times in this order.
     times: Vec<PixelTime>,
-    // The same row by row, as the film has them.
+    // The same row by row, as in the film.
     columns: PixelColumns,
     counters: Counters,
     time_ns: Vec<f32>,
@@ -51,7 +51,7 @@ pub(super) struct SingleRayRenderer<'a> {
 struct PixelPlace {
     /// Column and row.
     at: (u32, u32),
-    /// Its number in the tile, row by row.
+    /// Number of the pixel in the tile, row by row.
     index: usize,
 }
 
@@ -60,8 +60,8 @@ struct PixelRenderer<'a> {
     view: View<'a>,
     /// The pixels in the order in which they are rendered.
     pixels: Vec<Pixel>,
-    /// The counters of each. [`Counters`] allocates at the first ray of a kind, which would
-    /// be part of that pixel's time.
+    /// The counters of each. [`Counters`] allocates at the first ray of a kind, which would be part
+    /// of that pixel's time.
     costs: Vec<Cost>,
     bounces: BounceCounts,
     /// The rays that continue a camera ray's path.
@@ -69,15 +69,15 @@ struct PixelRenderer<'a> {
 }
 
 impl<'a> SingleRayRenderer<'a> {
-    /// Creates a renderer of at most so many pixels of the image at a time for the calling
+    /// Creates a renderer of at most `n_pixels` pixels of the image at a time for the calling
     /// thread, and warms up the thread.
     pub(super) fn new(
         view: View<'a>,
         clock: &'a Clock,
         (n_pixels, image): (usize, &Image),
     ) -> Self {
-        // Filled with nonzero values, so that page faults are not part of a pixel's
-        // time: the system would map zeroed pages only at the first write.
+        // Filled with nonzero values, so that page faults are not part of a pixel's time: the
+        // system would map zeroed pages only at the first write.
         let written_cost = Cost {
             depth: u64::MAX,
             ..Cost::default()
@@ -106,9 +106,9 @@ impl<'a> SingleRayRenderer<'a> {
         renderer
     }
 
-    /// Renders some pixels of the whole picture to fill the caches: without this,
-    /// the first pixel of a thread that hits something took up to 12 microseconds
-    /// more, and it was the same pixel in each rendering.
+    /// Renders some pixels of the whole picture to fill the caches: without this, the first pixel
+    /// of a thread that hits something took up to 12 microseconds more, and it was the same pixel
+    /// in each rendering.
     fn warm_up_thread(&mut self, image: &Image) {
         self.renderer.bounces.reset(1);
         let spread = |i: u32, side: u32| (2 * i + 1) * side / (2 * SPREAD);
@@ -124,8 +124,8 @@ impl<'a> SingleRayRenderer<'a> {
         }
     }
 
-    /// Renders some pixels one after the other, at most as many as there is room for; returns
-    /// the nanoseconds that the last one took.
+    /// Renders some pixels one after the other, at most as many as there is room for. Returns the
+    /// nanoseconds that the last one took.
     pub(super) fn time_last(
         &mut self,
         places: impl Iterator<Item = (u32, u32)>,
@@ -140,20 +140,22 @@ impl<'a> SingleRayRenderer<'a> {
         self.times[self.places.len() - 1].ns
     }
 
-    /// Renders the pixels and times them; returns how many, and the nanoseconds in which
-    /// pixels were rendered that count for nothing.
+    /// Renders the pixels and times them. Returns their number, and the nanoseconds spent on
+    /// discarded renderings of pixels.
     ///
     /// The first pixels are rendered in a separate loop to fill the caches, as jumping to other
-    /// pixels in the loop of the timed ones causes branch mispredictions.
+    /// pixels in the timed loop causes branch mispredictions.
     fn render_timed(&mut self, mut stopwatch: Stopwatch<ThreadTimer>) -> (usize, f64) {
         let (places, renderer) = (&self.places, &mut self.renderer);
         let times = &mut self.times[..places.len()];
         let mut render = |i: usize| renderer.render_pixel(places[i], i);
+        // Warm up the caches.
         let n_warm_up = N_WARM_UP.min(places.len() / 4).max(1);
         let warm_up_ns = stopwatch.time(|_| {
             let is_going_on = |_: &usize| !stop::is_requested();
             (0..n_warm_up).take_while(is_going_on).for_each(&mut render);
         });
+        // Time each pixel, and disturbed ones again.
         let n_done = stopwatch.time_each(times, &mut render);
         let times = &mut times[..n_done];
         let again_ns =
@@ -182,10 +184,12 @@ impl PixelRenderer<'_> {
         // A local variable, which stays in registers.
         let mut cost = Cost::default();
         let probe = &mut cost;
+        // Render rounds of samples until the pixel is no longer noisy.
         let mut sums = SampleSums::zero(0.0);
         let mut round = view.rounds.first();
         while !round.is_empty() {
             for sample in round.clone() {
+                // Trace the camera ray; the middle sample stores the visible surface.
                 let path = view.camera_path(at, sample);
                 let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
                 if let Some(point) = met
@@ -193,12 +197,14 @@ impl PixelRenderer<'_> {
                 {
                     pixel.set_surface(&point);
                 }
+                // Follow the path.
                 let mut counted = |bounce| bounces.add(index, bounce, 1);
                 let color = radiance(view, path, met, paths, probe, &mut counted);
                 sums.add(view.limited(Vector::from(color)));
             }
             round = view.rounds.next(&sums, round.end);
         }
+        // Average the samples.
         pixel.color = sums.colors.into();
         view.finish(pixel, round.end, at);
         costs[i] = cost;
@@ -237,8 +243,8 @@ impl TileRenderer for SingleRayRenderer<'_> {
     }
 }
 
-/// Returns the radiance along a camera ray, the start of a path, given the point that it
-/// hit. `paths` is a reused buffer; `bounces` gets the bounces before each ray.
+/// Returns the radiance along a camera ray, the start of a path, given the point that it hit.
+/// `paths` is a reused buffer; `bounces` gets the bounces before each ray.
 fn radiance<P: Probe>(
     view: &View,
     camera_path: PathRay,
@@ -253,11 +259,12 @@ fn radiance<P: Probe>(
     let eye = camera_path.ray.origin;
     paths.clear();
     bounces(0);
-    // All rays of a depth before those of the next, as in waves.
+    // All rays of a depth before the rays of the next, as in waves.
     let mut n_traced = 0;
     loop {
         color += match met {
             Some(point) => {
+                // Shade the point by the lights that are not shadowed, or end in the background.
                 let mut is_shadowed = |sample: &LightSample| {
                     bounces(path.depth);
                     tracer.is_shadowed(&sample.shadow, probe)
@@ -270,6 +277,7 @@ fn radiance<P: Probe>(
             }
             None => shader.miss(&path),
         };
+        // Take the next ray of the paths, or end.
         let Some(&next) = paths.get(n_traced) else {
             return color;
         };
@@ -277,6 +285,7 @@ fn radiance<P: Probe>(
         path = next;
         probe.bounce(path.depth);
         bounces(path.depth);
+        // Trace it to the next point.
         let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
         met = shader.met_in_fog(&path, hit);
     }

@@ -26,7 +26,7 @@ pub struct View<'a> {
     pub(super) middle: u32,
     /// The greatest value of a channel of a sample.
     sample_limit: f32,
-    /// Whether rays are counted by bounce.
+    /// True if rays are counted by bounce.
     pub(super) counts_bounces: bool,
     /// The positions of the pixels.
     plane: ImagePlane,
@@ -36,14 +36,14 @@ pub struct View<'a> {
     filter: FilterSampler,
     /// Columns of the whole picture.
     width: u32,
-    /// The column and the row of the image's first pixel in it.
+    /// The column and the row of the image's first pixel in the whole picture.
     origin: [u32; 2],
     /// The side of a square with the area of a pixel on the plane.
     pitch: f32,
 }
 
 impl<'a> View<'a> {
-    /// The view of a scene through the pixels of an image.
+    /// Creates the view of a scene through the pixels of an image.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {
@@ -95,8 +95,8 @@ impl<'a> View<'a> {
         PathRay::from_camera(self.camera_ray(place, sample), id)
     }
 
-    /// Returns the origins and the directions of the camera rays of one sample of a
-    /// pixel per lane, with these columns and rows, and these numbers.
+    /// Returns the origins and the directions of the camera rays of one sample of a pixel per lane,
+    /// with these columns and rows, and these numbers.
     #[inline(always)]
     pub(super) fn camera_rays<R: Real>(
         &self,
@@ -118,8 +118,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Returns the footprints of pixels at these distances, without a lens, in world units; NaN
-    /// at NaN.
+    /// Returns the footprints of pixels at these distances, without a lens, in world units; NaN at
+    /// NaN.
     #[inline(always)]
     pub(super) fn footprints<R: Real>(&self, at: [R; 2], distance: R) -> R {
         let footprint = self
@@ -128,7 +128,7 @@ impl<'a> View<'a> {
         R::select(distance.le(distance), footprint, distance) * distance.splat(self.unit)
     }
 
-    /// Columns and rows in the whole picture: sums of whole numbers, exact.
+    /// Returns columns and rows in the whole picture: sums of whole numbers, exact.
     #[inline(always)]
     fn in_picture<R: Real>(&self, [x, y]: [R; 2]) -> [R; 2] {
         let [left, top] = self.origin.map(|n| n as f32);
@@ -140,7 +140,7 @@ impl<'a> View<'a> {
         self.plane.eye()
     }
 
-    /// Limits each channel of a sample to the shading model's greatest.
+    /// Limits each channel of a sample to the greatest value of the shading model.
     #[inline(always)]
     pub fn limited<R: Real>(&self, color: Vector<R>) -> Vector<R> {
         let most = color.x.splat(self.sample_limit);
@@ -165,7 +165,7 @@ impl<'a> View<'a> {
         pixel.distance *= self.unit;
     }
 
-    /// Returns the footprint of a pixel that sees a position; `of_pinhole` is that of
+    /// Returns the footprint of a pixel that sees a position; `of_pinhole` comes from
     /// [`footprints`](Self::footprints).
     #[inline]
     pub(super) fn footprint(&self, position: Vec3, of_pinhole: f32) -> f32 {

@@ -1,8 +1,8 @@
 //! The times of the stages of a group's waves → the times of its pixels.
 //!
-//! The rays of a wave cannot be timed one by one, but each stage of the wave can. The time of
-//! a stage is split over the pixels of the group in proportion to what that stage counts: the
-//! more samples pixels have, the fewer of them share a group.
+//! The rays of a wave cannot be timed one by one, but each stage of the wave can. The time of a
+//! stage is split over the pixels of the group in proportion to the counts of that stage: the more
+//! samples pixels have, the fewer of them share a group.
 
 use std::ops::Range;
 
@@ -13,13 +13,13 @@ use tracer::cost::{Clock, Counter, Counters, Instant};
 /// The stages of a wave.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum WaveStage {
-    /// The hierarchy is searched for the nearest hits; by node visits and primitive tests.
+    /// Searching the hierarchy for the nearest hits; by node visits and primitive tests.
     Hierarchy,
-    /// The surfaces at the hits are found, shaded and lit, and paths go on from them; by hits.
+    /// Finding, shading and lighting the surfaces at the hits, and continuing paths; by hits.
     Surfaces,
-    /// Shadow rays are traced; by their node visits and primitive tests.
+    /// Tracing shadow rays; by their node visits and primitive tests.
     ShadowRays,
-    /// Paths start, leave the scene, and become pixels; by rays, without shadow rays.
+    /// Starting paths, ending them, and writing pixels; by rays, without shadow rays.
     Paths,
 }
 
@@ -42,7 +42,7 @@ const PATH_RAYS: [Counter; 4] = [
     Counter::DiffuseRays,
 ];
 
-/// The times of the stages of one group, and what they count of the pixels of a tile.
+/// The times of the stages of one group, and their counts for the pixels of a tile.
 #[derive(Debug)]
 pub(super) struct WaveTimes<'a> {
     clock: &'a Clock,
@@ -51,11 +51,11 @@ pub(super) struct WaveTimes<'a> {
     ns: ByStage,
     /// Samples of every pixel; 0 if they are counted.
     n_samples: u32,
-    /// Whether pixels are rendered that count.
+    /// True if the rendered pixels count.
     counts: bool,
-    /// Rays of each pixel that hit nothing.
+    /// Number of rays of each pixel that hit nothing.
     misses: Vec<u32>,
-    /// Node visits and primitive tests of the shadow rays of each.
+    /// Node visits and primitive tests of the shadow rays of each pixel.
     shadow_steps: Vec<u64>,
     /// The pixels of the group, row by row.
     rows: Vec<Range<usize>>,
@@ -75,7 +75,7 @@ impl<'a> WaveTimes<'a> {
         }
     }
 
-    /// Begins a tile of so many pixels.
+    /// Starts a tile of `n_pixels` pixels.
     pub(super) fn begin_tile(&mut self, n_pixels: usize) {
         if self.counts {
             self.misses.clear();
@@ -85,7 +85,7 @@ impl<'a> WaveTimes<'a> {
         }
     }
 
-    /// Begins a group of a tile.
+    /// Starts a group of a tile.
     pub(super) fn begin(&mut self, tile: &Tile, group: &Tile) {
         self.rows.clear();
         self.rows.extend(tile.rows_of(group));
@@ -93,24 +93,24 @@ impl<'a> WaveTimes<'a> {
         self.begin = self.clock.now();
     }
 
-    /// Ends a stage, and begins the next one.
+    /// Ends a stage, and starts the next one.
     pub(super) fn lap(&mut self, stage: WaveStage) {
         let end = self.clock.now();
         self.ns[stage as usize] += self.clock.elapsed_ns(self.begin, end);
         self.begin = end;
     }
 
-    /// The nanoseconds of each stage of the group.
+    /// Returns the nanoseconds of each stage of the group.
     pub(super) fn ns(&self) -> ByStage {
         self.ns
     }
 
-    /// Begins or ends rendering pixels that do not count.
+    /// Starts or ends the rendering of pixels that do not count.
     pub(super) fn set_counting(&mut self, counts: bool) {
         self.counts = counts;
     }
 
-    /// Counts those rays of the wave's pixels that hit nothing.
+    /// Counts the rays of the wave's pixels that hit nothing.
     pub(super) fn count_misses(&mut self, pixels: &[u32], missed: &[u32]) {
         if self.counts {
             for &ray in missed {
@@ -119,8 +119,8 @@ impl<'a> WaveTimes<'a> {
         }
     }
 
-    /// Counts the steps of shadow rays, which are traced between two calls: one before them
-    /// and one after them.
+    /// Counts the steps of shadow rays, which are traced between two calls: one before them and one
+    /// after them.
     pub(super) fn count_shadow_steps(&mut self, counters: &Counters) {
         if !self.counts {
             return;
@@ -135,7 +135,7 @@ impl<'a> WaveTimes<'a> {
     }
 }
 
-/// Writes what each stage counts of the pixels of a tile and of its groups.
+/// Writes the counts of each stage for the pixels of a tile and for its groups.
 pub(super) struct CountStages<'a> {
     pub(super) times: &'a WaveTimes<'a>,
     pub(super) counters: &'a Counters,
@@ -196,8 +196,9 @@ impl SimdKernel for CountStages<'_> {
     }
 }
 
-/// A count below 2^52 as a number. Vectors of integers of 64 bits are converted by AVX-512DQ only,
-/// and here by every set: the count becomes the fraction of a number whose exponent is 52.
+/// Converts a count below 2^52 to a float. Vectors of integers of 64 bits are converted only by
+/// AVX-512DQ, and here by every set: the count becomes the fraction of a number whose exponent is
+/// 52.
 #[inline(always)]
 fn single(count: u64) -> f32 {
     const TWO_TO_52: f64 = (1_u64 << 52) as f64;

@@ -1,4 +1,4 @@
-//! A worker renders the tiles that rank 0 deals to it.
+//! A worker, which renders the tiles that rank 0 deals to it.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -19,18 +19,18 @@ use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
 
-/// Most bytes of tiles in a message: more would keep rank 0 from the other workers.
+/// Greatest number of bytes of tiles in a message: more would keep rank 0 from the other workers.
 const MAX_BYTES: usize = 1 << 20;
 
-/// Bytes of a tile in a message: the number of its rendering, and its own.
+/// Bytes of a tile in a message: the numbers of its rendering and of the tile.
 const DEALT_BYTES: usize = size_of::<u8>() + size_of::<u32>();
 
-/// The number of a rendering, and that of a tile.
+/// The numbers of a rendering and of a tile.
 type DealtTile = (u8, u32);
 
-/// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each
-/// pixel measured with the `meter`, and sends them back, until rank 0 has no more. After a
-/// request to stop ([`stop`]) it ends at once.
+/// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each pixel
+/// measured with the `meter`, and sends them back, until rank 0 has no more. After a request to
+/// stop ([`stop`]) it ends at once.
 pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, meter: &Meter) {
     let film = &plan.film_without_rows(scene, meter.mode());
     let view = View::new(scene, accel, &plan.image);
@@ -106,14 +106,14 @@ fn render_some(
     }
 }
 
-/// The tiles that no thread of a worker has begun.
+/// The tiles that no thread of a worker has started.
 struct DealtTiles {
     tiles: Mutex<Receiver<DealtTile>>,
     n: AtomicUsize,
 }
 
 impl DealtTiles {
-    /// Waits for the next tile; `None` if there will be no more.
+    /// Waits for the next tile. Returns `None` if there will be no more.
     fn next(&self) -> Option<DealtTile> {
         let tiles = self.tiles.lock().unwrap_or_else(PoisonError::into_inner);
         let next = tiles.recv().ok()?;
@@ -131,7 +131,7 @@ impl DealtTiles {
         }
     }
 
-    /// Whether there are any.
+    /// Returns true if there are any tiles.
     fn are_some(&self) -> bool {
         self.n.load(Ordering::Relaxed) > 0
     }
@@ -146,7 +146,7 @@ struct Post<'a> {
 }
 
 impl Post<'_> {
-    /// Until rank 0 has no further tiles; then the threads end, for `to_threads` is gone.
+    /// Carries tiles until rank 0 has no more; then the threads end, since `to_threads` is dropped.
     fn carry(mut self, to_threads: Sender<DealtTile>) {
         self.ranks.send(0, MessageKind::Ready, &[]);
         while !stop::is_requested() {
@@ -169,7 +169,7 @@ impl Post<'_> {
         }
     }
 
-    /// Sends the tiles that the threads have rendered; false if there are none.
+    /// Sends the tiles that the threads have rendered. Returns false if there are none.
     fn send_rendered(&mut self) -> bool {
         let mut bytes = Vec::new();
         while let Some(record) = self.next_rendered(bytes.len()) {
@@ -186,7 +186,7 @@ impl Post<'_> {
         !bytes.is_empty()
     }
 
-    /// A rendered tile for a message that already has so many bytes.
+    /// Returns a rendered tile for a message that already has `n_bytes` bytes.
     fn next_rendered(&self, n_bytes: usize) -> Option<TileRecord<'static>> {
         if n_bytes < MAX_BYTES {
             self.rendered.try_recv().ok()

@@ -10,13 +10,13 @@ pub struct Change {
     pub metric: Metric,
     /// B - A, row-major, row 0 on top.
     pub differences: Vec<f32>,
-    /// The range of the color map of the ratios B / A: 98 % of them lie between
-    /// `1 / max_ratio` and `max_ratio`, which is greater than 1.
+    /// The range of the color map of the ratios B / A: 98 % of them lie between `1 / max_ratio` and
+    /// `max_ratio`, which is greater than 1.
     pub max_ratio: f64,
 }
 
 impl Change {
-    /// The change from `a` to `b`, both row-major, row 0 on top.
+    /// Computes the change from `a` to `b`, both row-major, row 0 on top.
     pub(super) fn of(metric: Metric, [a, b]: &[Vec<f64>; 2]) -> Self {
         let pairs = || a.iter().zip(b);
         Self {
@@ -27,8 +27,8 @@ impl Change {
     }
 }
 
-/// The least range of a color map, as a logarithm to base 2: smaller changes, of
-/// less than 5 %, are noise.
+/// Least range of a color map, as a logarithm to base 2: smaller changes, of less than 5 %, are
+/// noise.
 const MIN_LOG2: f64 = 0.07;
 
 /// Returns the 98 % quantile of the finite values; at least [`MIN_LOG2`].

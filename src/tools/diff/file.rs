@@ -1,4 +1,4 @@
-//! The row of a file of a diff: its name, and how it is written.
+//! The row of a file of a diff: its name, and its writer.
 
 use std::io;
 
@@ -10,12 +10,12 @@ use base::provenance::RunId;
 
 /// A file of a diff. Its source file defines it; `files.rs` lists all.
 pub struct DiffFile {
-    /// Its name in the folder.
+    /// Name of the file in the folder.
     pub name: &'static str,
     pub(super) write: fn(&DiffJob, &mut FileWriter) -> io::Result<()>,
 }
 
-/// What a writer may use.
+/// Inputs of the writers.
 pub(super) struct DiffJob<'a> {
     pub(super) diff: &'a Diff,
     pub(super) sides: &'a [Side; 2],

@@ -1,4 +1,4 @@
-//! The gate of `--fail-above`: whether B costs more than the limit allows.
+//! The gate of `--fail-above`: tests if B costs more than the limit allows.
 
 use serde::Serialize;
 
@@ -15,15 +15,15 @@ pub struct Limit(f64);
 pub struct Gate {
     /// The greatest increase that passes, in percent of A's cost.
     pub limit_percent: f64,
-    /// What was compared: `time`, or `node visits + primitive tests`.
+    /// The compared metric: `time`, or `node visits + primitive tests`.
     #[serde(rename = "measure")]
     pub metric: &'static str,
     /// The ratio B / A.
     pub ratio: f64,
-    /// The lower bound of the ratio: of a time the lower end of its confidence
-    /// interval, of counters the ratio itself.
+    /// The lower bound of the ratio: for a time the lower end of its confidence interval, for
+    /// counters the ratio itself.
     pub at_least: f64,
-    /// Whether B passes.
+    /// True if B passes.
     pub passed: bool,
 }
 
@@ -42,19 +42,18 @@ impl std::str::FromStr for Limit {
 }
 
 impl Limit {
-    /// Whether the ratio B / A passes.
+    /// Returns true if the ratio B / A passes.
     fn allows(self, ratio: f64) -> bool {
         ratio <= 1.0 + self.0 / 100.0
     }
 }
 
 impl Gate {
-    /// Compares the whole cost with the limit. A time fails if its confidence
-    /// interval lies above the limit: noise alone fails one of forty comparisons
-    /// at most. Counters are exact.
+    /// Compares the whole cost with the limit. A time fails if its confidence interval lies above
+    /// the limit: noise fails at most one of forty comparisons. Counters are exact.
     ///
     /// # Errors
-    /// The times have too few repeats for a confidence interval.
+    /// If the times have too few repeats for a confidence interval.
     pub fn of(diff: &Diff, limit: Limit) -> Result<Self, Diagnostic> {
         let (metric, ratio, at_least) = match &diff.noise {
             None => {
@@ -96,13 +95,12 @@ impl Gate {
     }
 }
 
-/// The increase of a ratio in percent: 5 for 1.05.
+/// Returns the increase of a ratio in percent: 5 for 1.05.
 fn added_percent(ratio: f64) -> f64 {
     100.0 * (ratio - 1.0)
 }
 
-/// Returns the estimate of the ratio of the times and the lower end of its
-/// confidence interval.
+/// Returns the estimate of the ratio of the times and the lower end of its confidence interval.
 fn time_ratio(noise: &Noise) -> Result<(f64, f64), Diagnostic> {
     let found = noise
         .test()

@@ -97,14 +97,14 @@ pub(super) fn sorted(mut groups: Vec<CostGroup>) -> Vec<CostGroup> {
 
 /// A partition of the pixels of a frame into groups.
 struct Partition {
-    /// The id of each group in the array, in the order of its first pixel.
+    /// ID of each group in the array, in the order of its first pixel.
     ids: Vec<i32>,
     /// The group of each pixel, as an index into `ids`.
     of_pixel: Vec<u32>,
 }
 
 impl Partition {
-    /// Groups pixels with the same id.
+    /// Groups pixels with the same ID.
     fn by(pixel_ids: &[i32]) -> Self {
         let mut ids = Vec::new();
         let mut index_of: HashMap<i32, u32> = HashMap::new();

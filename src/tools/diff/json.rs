@@ -47,7 +47,7 @@ fn side(side: &Side) -> Value {
     json!({ "folder": side.name(), "scene": side.summary().scene })
 }
 
-/// The totals by the names of the arrays.
+/// Returns the totals by the names of the arrays.
 fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
     let total = |total: &Total| {
         let [a, b] = total.cost;

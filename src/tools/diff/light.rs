@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-/// The difference of the radiance of all pixels, which has no limit and depends neither
-/// on exposure nor on a tone curve.
+/// The difference of the radiance of all pixels, which has no limit and depends neither on exposure
+/// nor on a tone curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LightDifference {
     /// The means over all channels of all pixels of A and B.

@@ -1,10 +1,9 @@
-//! Two outputs of the same size → the change of their costs from the first, A, to
-//! the second, B.
+//! Two outputs of the same size → the change of their costs from the first, A, to the second, B.
 //!
-//! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by
-//! [`report()`], serialized by [`to_json`] and written to files by [`write()`].
-//! Counters are exact: any change of a counter is a change of the work. Times are
-//! noisy: a statistical test of the repeats decides whether they changed.
+//! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by [`report()`],
+//! serialized by [`to_json`] and written to files by [`write()`]. Counters are exact: any change of
+//! a counter is a change of the work. Times are noisy: a statistical test of the repeats decides if
+//! they changed.
 
 mod noise;
 mod group;
@@ -41,30 +40,28 @@ use group::{Groups, sorted};
 use base::text::Diagnostic;
 use tracer::cost::Metric;
 
-/// What changed from A to B.
+/// The changes from A to B.
 #[derive(Debug)]
 pub struct Diff {
     /// Columns and rows of both outputs.
     pub size: [u32; 2],
     /// The costs of the whole frame.
     pub totals: Totals,
-    /// Whether the change of the time is significant; `None` unless both outputs
-    /// have times.
+    /// Significance of the change of the time; `None` unless both outputs have times.
     pub noise: Option<Noise>,
-    /// The change per pixel of one metric: of the time or, where one is missing,
-    /// of node visits or primitive tests, whichever changed more.
+    /// The change per pixel of one metric: of the time or, where one is missing, of node visits or
+    /// primitive tests, whichever changed more.
     pub change: Change,
     /// The cost of the pixels that show each object, the greatest change first.
     pub objects: Vec<CostGroup>,
-    /// The cost of all rays that hit each object, the greatest change first; empty
-    /// unless both outputs have `objects.csv`.
+    /// The cost of all rays that hit each object, the greatest change first; empty unless both
+    /// outputs have `objects.csv`.
     pub reached: Vec<CostGroup>,
     /// The tiles of B, the greatest change first.
     pub tiles: Vec<CostGroup>,
     /// The difference of the pictures.
     pub picture: PictureDifference,
-    /// The difference of the light; `None` unless both outputs have the array
-    /// `radiance`.
+    /// The difference of the light; `None` unless both outputs have the array `radiance`.
     pub light: Option<LightDifference>,
     /// Pixels that show different objects in A and B.
     pub n_other_objects: u64,
@@ -83,55 +80,52 @@ pub struct Total {
     pub cost: [f64; 2],
 }
 
-/// The totals of the metrics that both outputs have, in the order of
-/// [`Metric::ALL`].
+/// The totals of the metrics that both outputs have, in the order of [`Metric::ALL`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Totals(pub Vec<Total>);
 
-/// The pixels of an object or of a tile, or the rays that hit an object, and their
-/// costs.
+/// The pixels of an object or of a tile, or the rays that hit an object, and their costs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostGroup {
     /// The name of the object or tile.
     pub name: String,
     /// The bounds of a tile; `None` for an object.
     pub bounds: Option<PixelBounds>,
-    /// Its costs.
+    /// The costs of the group.
     pub totals: Totals,
 }
 
-/// `b / a`: 1, no change, if both are 0, and infinite if only `a` is.
+/// Returns `b / a`: 1, no change, if both are 0, and infinite if only `a` is 0.
 pub fn ratio([a, b]: [f64; 2]) -> f64 {
     if a == b { 1.0 } else { b / a }
 }
 
 impl Totals {
-    /// The totals of a metric in A and B, if both have it.
+    /// Returns the totals of a metric in A and B, if both have it.
     pub fn cost(&self, metric: Metric) -> Option<[f64; 2]> {
         self.total(metric).map(|total| total.cost)
     }
 
-    /// The total of a metric, if both have it.
+    /// Returns the total of a metric, if both have it.
     pub fn total(&self, metric: Metric) -> Option<&Total> {
         self.0.iter().find(|total| total.metric == metric)
     }
 
-    /// The sums of node visits and primitive tests in A and B.
+    /// Returns the sums of node visits and primitive tests in A and B.
     pub fn steps(&self) -> [f64; 2] {
         let costs = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
         let [visits, tests] = costs.map(|metric| self.cost(metric).unwrap_or_default());
         [visits[0] + tests[0], visits[1] + tests[1]]
     }
 
-    /// The main cost in A and B: the time, or [`Self::steps`] where a time is
-    /// missing.
+    /// Returns the main cost in A and B: the time, or [`Self::steps`] where a time is missing.
     pub fn main(&self) -> [f64; 2] {
         self.cost(Metric::TIME).unwrap_or_else(|| self.steps())
     }
 }
 
 impl CostGroup {
-    /// The change B - A of the main cost ([`Totals::main`]).
+    /// Returns the change B - A of the main cost ([`Totals::main`]).
     pub fn change(&self) -> f64 {
         let [a, b] = self.totals.main();
         b - a
@@ -139,9 +133,9 @@ impl CostGroup {
 }
 
 impl Diff {
-    /// The ratio B / A of a metric of the whole frame, as all reports show it: for
-    /// times with repeats the Hodges-Lehmann estimate, which lies within the
-    /// confidence interval shown beside it; otherwise the ratio of the totals.
+    /// Returns the ratio B / A of a metric of the whole frame, as all reports show it: for times
+    /// with repeats the Hodges-Lehmann estimate, which lies within the confidence interval shown
+    /// beside it; otherwise the ratio of the totals.
     pub fn ratio(&self, total: &Total) -> f64 {
         let test = self.noise.as_ref().and_then(Noise::test);
         match test {
@@ -153,7 +147,7 @@ impl Diff {
     /// Compares two outputs.
     ///
     /// # Errors
-    /// The outputs differ in size, or have no cost in common, or cannot be read.
+    /// If the outputs differ in size, have no cost in common, or cannot be read.
     pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
         let size = common_size(sides)?;
         let metrics = common_metrics(sides)?;
@@ -202,8 +196,8 @@ impl Diff {
     }
 }
 
-/// Chooses the metric of [`Diff::change`]. A metric whose total is 0 in A or B is not
-/// chosen: without a hierarchy, for example, there are no node visits.
+/// Chooses the metric of [`Diff::change`]. A metric whose total is 0 in A or B is not chosen:
+/// without a hierarchy, for example, there are no node visits.
 fn shown_metric(totals: &Totals) -> Metric {
     let is_in_both = |total: &&Total| total.cost.iter().all(|&cost| cost > 0.0);
     let change = |total: &Total| (total.cost[1] - total.cost[0]).abs();
@@ -221,7 +215,7 @@ fn shown_metric(totals: &Totals) -> Metric {
 /// Returns the metrics that both outputs have.
 ///
 /// # Errors
-/// An output has no metric at all.
+/// If an output has no metric at all.
 fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
     for side in sides {
         if !Metric::ALL.iter().any(|metric| side.has(*metric)) {

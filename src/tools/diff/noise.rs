@@ -1,4 +1,4 @@
-//! Tests whether the change of the time is significant.
+//! A test for a significant change of the time.
 
 use serde::Serialize;
 
@@ -43,8 +43,8 @@ impl Test {
 }
 
 impl Noise {
-    /// Compares the times of the repeats, which are positive; a run that was not
-    /// repeated has one time at most.
+    /// Compares the times of the repeats, which are positive; a run that was not repeated has at
+    /// most one time.
     pub fn of(a: &[f64], b: &[f64]) -> Self {
         let Some(ratio) = Ratio::of(a, b).filter(|_| a.len().min(b.len()) > 1) else {
             return Self::Unknown;
@@ -62,7 +62,7 @@ impl Noise {
         }
     }
 
-    /// The comparison; `None` for [`Self::Unknown`].
+    /// Returns the comparison; `None` for [`Self::Unknown`].
     pub fn test(&self) -> Option<&Test> {
         match self {
             Self::Unknown => None,
@@ -78,7 +78,7 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// Times about `center` with noise of 1 %.
+    /// Returns times around `center` with noise of 1 %.
     fn times(center: f64, n: usize) -> Vec<f64> {
         let noise = |i: usize| 1.0 + 0.01 * ((i * 7 % 10) as f64 / 4.5 - 1.0);
         (0..n).map(|i| center * noise(i)).collect()

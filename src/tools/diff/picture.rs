@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-/// The difference of two pictures of the same size; color channels range from 0 to
-/// 255.
+/// The difference of two pictures of the same size; color channels range from 0 to 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PictureDifference {
     /// Pixels whose colors differ.

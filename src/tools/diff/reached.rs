@@ -12,7 +12,7 @@ type Costs = Vec<(Metric, f64)>;
 /// Returns the objects of both tables; none unless both outputs have a table.
 ///
 /// # Errors
-/// A table cannot be read.
+/// If a table cannot be read.
 pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
     let (Some(a), Some(b)) = (costs(a)?, costs(b)?) else {
         return Ok(Vec::new());
@@ -44,8 +44,8 @@ fn sum(costs: &Costs, metric: Metric) -> f64 {
     of_metric.map(|(_, cost)| cost).sum()
 }
 
-/// Reads the costs of all rays that hit each object, by the object's name; objects
-/// with the same name may repeat a metric. `None` without a table.
+/// Reads the costs of all rays that hit each object, by the object's name; objects with the same
+/// name may repeat a metric. `None` without a table.
 fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
     let Some(table) = side.objects()? else {
         return Ok(None);

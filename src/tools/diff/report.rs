@@ -10,9 +10,9 @@ use base::text::one_line;
 use math::statistics::CONFIDENCE;
 use tracer::cost::Metric;
 
-/// Most rows of a table of objects or tiles.
+/// Greatest number of rows of a table of objects or tiles.
 const MAX_ROWS: usize = 5;
-/// Most settings that are listed; the rest is counted.
+/// Greatest number of settings that are listed; the rest is counted.
 const MAX_SETTINGS: usize = 12;
 
 /// Returns the report for the terminal, the most important part first.
@@ -38,7 +38,7 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     text
 }
 
-/// `name    first line`, with the other lines below the first.
+/// Formats `name    first line`, with the other lines below the first.
 fn entry(name: &str, lines: &[String]) -> String {
     let names = std::iter::once(name).chain(std::iter::repeat(""));
     let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
@@ -63,7 +63,7 @@ fn totals_table(diff: &Diff) -> String {
     format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
 }
 
-/// A table of the groups whose main cost changed most.
+/// Returns a table of the groups whose main cost changed most.
 fn groups_table(title: &str, groups: &[CostGroup]) -> String {
     let Some(first) = groups.first() else {
         return String::new();
@@ -124,7 +124,7 @@ pub(super) fn ratio_label(ratio: f64) -> String {
     }
 }
 
-/// Rows of cells, the first column flush left, the others flush right.
+/// Formats rows of cells, the first column flush left, the others flush right.
 fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
     let rows: Vec<[String; N]> = rows.collect();
     let width = |column: usize| {
@@ -151,7 +151,7 @@ fn noise_lines(diff: &Diff) -> Vec<String> {
     lines
 }
 
-/// The result of the test of the times.
+/// Returns the result of the test of the times.
 fn noise_sentence(diff: &Diff) -> String {
     let Some(noise) = &diff.noise else {
         return "none: counters are exact; a time is missing in A or B".to_owned();
@@ -173,7 +173,7 @@ fn noise_sentence(diff: &Diff) -> String {
     }
 }
 
-/// The estimate, its confidence interval and the test.
+/// Returns the estimate, its confidence interval and the test.
 fn evidence(test: &Test) -> String {
     let estimate = ratio_label(test.ratio.estimate);
     let interval = test.ratio.interval.map_or(String::new(), |[low, high]| {

@@ -8,11 +8,11 @@ use output::summary::Summary;
 /// A setting, or a property of the machine, that differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
-    /// Its path in `summary.json`.
+    /// Path of the setting in `summary.json`.
     pub name: String,
-    /// Its value in A; null if A does not have it.
+    /// Value in A; null if A does not have it.
     pub a: Value,
-    /// Its value in B; null if B does not have it.
+    /// Value in B; null if B does not have it.
     pub b: Value,
 }
 

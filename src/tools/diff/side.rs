@@ -22,7 +22,7 @@ impl Side {
     /// Opens two folders, A and B.
     ///
     /// # Errors
-    /// A folder does not hold an output, or its files cannot be read.
+    /// If a folder does not hold an output, or its files cannot be read.
     pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
         let labels = labels([a, b]);
         let [label_a, label_b] = labels;
@@ -41,22 +41,22 @@ impl Side {
         })
     }
 
-    /// The folder's path as the user typed it.
+    /// Returns the folder's path as the user typed it.
     pub fn name(&self) -> String {
         self.results.folder().display().to_string()
     }
 
-    /// A short name that differs from the other side's.
+    /// Returns a short name that differs from the other side's.
     pub fn label(&self) -> &str {
         &self.label
     }
 
-    /// Columns and rows.
+    /// Returns the number of columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// The contents of `summary.json`.
+    /// Returns the contents of `summary.json`.
     pub fn summary(&self) -> &Summary {
         &self.results.summary
     }
@@ -64,7 +64,7 @@ impl Side {
     /// Checks that the output has these arrays of the pixels.
     ///
     /// # Errors
-    /// Some are missing, with what writes them.
+    /// If some are missing; the message says which setting writes them.
     pub(super) fn require(&self, arrays: &[&str]) -> Result<(), Diagnostic> {
         self.results.frame()?.require(arrays)
     }
@@ -74,17 +74,17 @@ impl Side {
         self.results.objects()
     }
 
-    /// The error for an unusable `objects.csv`.
+    /// Returns the error for an unusable `objects.csv`.
     pub(super) fn no_table(&self, why: &str) -> Diagnostic {
         self.results.no_table(why)
     }
 
-    /// The path of a file in the folder.
+    /// Returns the path of a file in the folder.
     pub(super) fn path_of(&self, file: &str) -> PathBuf {
         self.results.folder().join(file)
     }
 
-    /// Whether the output has this metric.
+    /// Returns true if the output has this metric.
     pub fn has(&self, metric: Metric) -> bool {
         self.arrays.iter().any(|array| array == metric.name)
     }
@@ -98,7 +98,7 @@ impl Side {
         }
     }
 
-    /// Reads an array of ids, one per pixel, row-major, row 0 on top.
+    /// Reads an array of IDs, one per pixel, row-major, row 0 on top.
     pub(super) fn ids(&self, array: &str) -> Result<Vec<i32>, Diagnostic> {
         self.numbers(array, 1)
     }
@@ -109,8 +109,8 @@ impl Side {
         Ok(channels.as_chunks().0.to_vec())
     }
 
-    /// Reads the radiance of every pixel, three channels each, row-major, row 0 on top;
-    /// `None` if the output does not have it.
+    /// Reads the radiance of every pixel, three channels each, row-major, row 0 on top; `None` if
+    /// the output does not have it.
     pub(super) fn radiance(&self) -> Result<Option<Vec<f32>>, Diagnostic> {
         let Column { name, .. } = Column::RADIANCE;
         let is_there = self.arrays.iter().any(|array| array == name);
@@ -126,11 +126,11 @@ impl Side {
         Ok(numbers.ok_or_else(|| self.foreign(name))?.to_vec())
     }
 
-    /// The summed time of all pixels in each repeat, in nanoseconds; empty if the
-    /// run was not repeated.
+    /// Reads the summed time of all pixels in each repeat, in nanoseconds; empty if the run was not
+    /// repeated.
     ///
     /// # Errors
-    /// A time is not positive.
+    /// If a time is not positive.
     pub(super) fn repeats(&self) -> Result<Vec<f64>, Diagnostic> {
         let repeats = self.results.summary.repeats.as_ref();
         let times = repeats.map_or(&[][..], |repeats| &repeats.busy_ns);
@@ -142,8 +142,7 @@ impl Side {
         Err(Diagnostic::new(message).with_help("render the scene again"))
     }
 
-    /// The label of an object: its name, or its kind and its index in the scene
-    /// file.
+    /// Returns the label of an object: its name, or its kind and its index in the scene file.
     pub(super) fn object_name(&self, id: i32) -> String {
         let objects = &self.results.summary.objects;
         let object = usize::try_from(id)
@@ -159,7 +158,7 @@ impl Side {
         }
     }
 
-    /// The folder, the scene and the version of raycost, as one line.
+    /// Returns the folder, the scene and the version of raycost, as one line.
     pub(super) fn sentence(&self) -> String {
         let summary = self.summary();
         let (name, scene) = (self.name(), &summary.scene.file);
@@ -176,8 +175,8 @@ impl Side {
     }
 }
 
-/// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but
-/// `before/spot` and `after/spot`.
+/// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but `before/spot` and
+/// `after/spot`.
 fn labels(paths: [&Path; 2]) -> [String; 2] {
     let names = paths.map(|path| {
         // `.` has a name only after it is resolved.

@@ -17,9 +17,9 @@ pub(super) const FILE: DiffFile = DiffFile {
     write: |job, out| write(job.diff, job.sides, job.run, out),
 };
 
-/// Writes an ImageData with one point per pixel, as `frame.vti`: `…_difference`,
-/// B - A, and `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest
-/// difference of a color channel; `object` and `tile` of B.
+/// Writes an ImageData with one point per pixel, like `frame.vti`: `…_difference`, B - A, and
+/// `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest difference of a color channel;
+/// `object` and `tile` of B.
 fn write(
     diff: &Diff,
     sides: &[Side; 2],
@@ -60,8 +60,8 @@ fn write(
     appended::write(&image, encoding, out)
 }
 
-/// Creates the array of a metric's differences: of times as 32-bit floats, as in
-/// `frame.vti`, of counters as 64-bit integers.
+/// Creates the array of a metric's differences: of times as 32-bit floats, as in `frame.vti`, of
+/// counters as 64-bit integers.
 fn differences<'a>(
     metric: Metric,
     name: &'a str,
@@ -96,8 +96,8 @@ fn values([a, b]: &[Side; 2], metric: Metric) -> io::Result<[Vec<f64>; 2]> {
     Ok([read(a.values(metric))?, read(b.values(metric))?])
 }
 
-/// Converts the error of reading an array again, which happens only if another
-/// program has changed the file since.
+/// Converts the error of reading an array again, which happens only if another program has changed
+/// the file since.
 fn read<T>(found: Result<T, base::text::Diagnostic>) -> io::Result<T> {
     found.map_err(|error| io::Error::other(error.to_string()))
 }
@@ -110,9 +110,8 @@ struct Pixels {
 }
 
 impl Pixels {
-    /// Creates an array with one entry per pixel. `entries`, row-major, row 0 on top, is
-    /// called when the array is written; the file has the bottom row first, as VTK orders
-    /// them.
+    /// Creates an array with one entry per pixel. `entries`, row-major, row 0 on top, is called
+    /// when the array is written; the file has the bottom row first, as VTK orders them.
     fn array<'a, E: Entry>(
         self,
         name: &'a str,

@@ -1,4 +1,4 @@
-//! Attempts to parse a value at a path of a file that has nothing else.
+//! Attempts to parse a value at a path of an otherwise empty file.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -8,9 +8,9 @@ use scene::yaml::{FieldPath, Step, refusal};
 /// The parser's answer to a value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Outcome {
-    /// It accepts the value; that the file lacks others is no fault of the value.
+    /// The value is accepted; missing others do not count against it.
     Accepted,
-    /// It refuses the value, or one inside of it at this path.
+    /// The value is refused, or a value inside it at this path.
     Refused(Vec<Step>, String),
 }
 
@@ -19,7 +19,7 @@ impl Outcome {
         *self == Self::Accepted
     }
 
-    /// The message about the value itself, not about one inside of it.
+    /// Returns the message about the value itself, not about a value inside it.
     pub(super) fn own_message(&self) -> Option<&str> {
         match self {
             Self::Refused(below, message) if below.is_empty() => Some(message),
@@ -27,7 +27,7 @@ impl Outcome {
         }
     }
 
-    /// The message about the value or one inside of it.
+    /// Returns the message about the value or a value inside it.
     pub(super) fn message(&self) -> Option<&str> {
         match self {
             Self::Refused(_, message) => Some(message),
@@ -47,16 +47,16 @@ pub(super) fn attempt<T: DeserializeOwned>(path: &[Step], value: Value) -> Outco
         Some((FieldPath(found), message)) if found.starts_with(path) => {
             Outcome::Refused(found[path.len()..].to_vec(), message)
         }
-        // Of a choice, such as a word that takes no value.
+        // From a choice, such as a word that takes no value.
         Some((_, message)) if message.starts_with("invalid type") => {
             Outcome::Refused(Vec::new(), message)
         }
-        // The value was read; then the file turned out to lack others.
+        // The value was read; then others were missing.
         _ => Outcome::Accepted,
     }
 }
 
-/// The words in backquotes behind the word "expected".
+/// Returns the words in backquotes after the word "expected".
 pub(super) fn quoted(message: &str) -> impl Iterator<Item = &str> {
     let expected = message
         .split_once(", expected ")

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-/// Names with their doc comments by the type that has them; a line each: type, name and
-/// comment, with tabs between them. `tests/commands/doc_comments.rs` holds them to the sources.
+/// Names with their doc comments by the type that has them; one line each: type, name and comment,
+/// with tabs between them. `tests/commands/doc_comments.rs` keeps them equal to the sources.
 const COLLECTED: &str = include_str!("doc_comments.tsv");
 
-/// The names of one type and their comments; empty for none.
+/// The names of one type and their comments; a comment may be empty.
 type Documented = BTreeMap<&'static str, &'static str>;
 
 static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
@@ -21,8 +21,8 @@ static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
     types.into_values().collect()
 });
 
-/// The doc comment of one of a mapping's keys, or of one of several keywords: that of the
-/// type with comments that has most of them, and fewest others.
+/// Returns the doc comment of one of a mapping's keys, or of one of several keywords: the comment
+/// in the type that has most of the names and fewest others.
 pub(super) fn of(names: &[String], name: &str) -> Option<String> {
     let share = |documented: &&Documented| {
         let is_in = |name: &&String| documented.contains_key(name.as_str());

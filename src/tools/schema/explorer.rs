@@ -1,4 +1,4 @@
-//! Finds out what values the parser accepts at each path of a file.
+//! Explores which values the parser accepts at each path of a file.
 
 use std::collections::HashMap;
 use std::marker::PhantomData;
@@ -12,18 +12,18 @@ use super::numbers::{self, any_of};
 use super::relations::relations;
 use scene::yaml::{MAX_NAME, Step};
 
-/// A word that is no key and no keyword.
+/// A word that is neither a key nor a keyword.
 const UNKNOWN: &str = "zzz";
 /// Longest path that is explored.
 const MAX_DEPTH: usize = 12;
 /// Longest list that is tried.
 const MAX_ITEMS: usize = 8;
 
-/// What is accepted at a path.
+/// The values that are accepted at a path.
 #[derive(Debug, Clone)]
 struct Accepted {
     schema: Value,
-    /// Some accepted values; none for a value that contains others of its own kind.
+    /// Some accepted values; none for a recursive value.
     samples: Vec<Value>,
 }
 
@@ -31,17 +31,17 @@ struct Accepted {
 pub(super) struct Explorer<T> {
     /// The steps to the value that is explored.
     path: Vec<Step>,
-    /// The place of its schema, a JSON pointer.
+    /// A JSON pointer to the value's schema.
     pointer: String,
-    /// The keys of the mappings around it, and the places of their schemas.
+    /// The keys of the mappings around the value, and pointers to their schemas.
     around: Vec<(Vec<String>, String)>,
-    /// What was found where the parser expected the same.
+    /// Results where the parser expected the same.
     numbers: HashMap<String, Option<Accepted>>,
     file: PhantomData<T>,
 }
 
 impl<T: DeserializeOwned> Explorer<T> {
-    /// Nothing is known yet.
+    /// Starts without knowledge.
     pub(super) fn new() -> Self {
         Self {
             path: Vec::new(),
@@ -52,7 +52,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         }
     }
 
-    /// The schema of the whole file.
+    /// Returns the schema of the whole file.
     pub(super) fn explore_all(mut self) -> Value {
         self.explore().map_or(json!({}), |accepted| accepted.schema)
     }
@@ -61,7 +61,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         attempt::<T>(&self.path, value)
     }
 
-    /// What is accepted at the path; `None` if nothing was found.
+    /// Finds the values that are accepted at the path. Returns `None` if there are none.
     fn explore(&mut self) -> Option<Accepted> {
         if self.path.len() > MAX_DEPTH {
             return None;
@@ -80,7 +80,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         }
         let mapping = self.mapping();
         let text = self.text();
-        // What is read as a text whatever it is needs no other schema.
+        // Any scalar that is read as a text needs no other schema.
         let is_any_scalar = text
             .as_ref()
             .is_some_and(|text| text.schema["type"].is_array());
@@ -108,7 +108,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         found
     }
 
-    /// What the parser says that it expects.
+    /// Returns the values that the parser says it expects.
     fn expected(&self) -> Option<String> {
         let values = [json!(true), json!([]), json!(0.5)];
         let expected = |value| {
@@ -167,7 +167,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         found
     }
 
-    /// Booleans. Nothing, which optional keys accept, is the same as no key.
+    /// Explores booleans. An empty value, which optional keys accept, is the same as no key.
     fn boolean(&self) -> Option<Accepted> {
         let samples = vec![json!(true)];
         let is_accepted = self.attempt(json!(true)).is_accepted();
@@ -257,7 +257,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         Some(Accepted { schema, samples })
     }
 
-    /// A mapping with these keys; with exactly one of them if it is a choice.
+    /// Explores a mapping with these keys; with exactly one of them if it is a choice.
     fn keys(&mut self, keys: &[String], is_choice: bool) -> Option<Accepted> {
         let mut properties = Map::new();
         let mut samples = Map::new();
@@ -316,7 +316,7 @@ impl<T: DeserializeOwned> Explorer<T> {
     }
 }
 
-/// The schema of a key with its doc comment and what the parser expects.
+/// Returns the schema of a key with its doc comment and the values that the parser expects.
 fn described(mut schema: Value, keys: &[String], key: &str, expected: Option<String>) -> Value {
     const OF_SERDE: [&str; 10] = [
         "struct ",
@@ -342,7 +342,7 @@ fn described(mut schema: Value, keys: &[String], key: &str, expected: Option<Str
     schema
 }
 
-/// The schemas of keywords, with their doc comments if they have any.
+/// Returns the schemas of keywords, with their doc comments if they have any.
 fn keywords(words: &[String]) -> Vec<Value> {
     let docs: Vec<Option<String>> = words
         .iter()

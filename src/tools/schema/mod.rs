@@ -1,9 +1,9 @@
 //! The JSON Schemas of scene files and studies, which editors use to complete and check them.
 //!
-//! The schema is not written down: the `Explorer` finds out what the parser accepts, by
-//! parsing small scenes, and describes that. So a new key is in the schema as soon as it
-//! can be read, with its range. Descriptions are the doc comments of the sources, which
-//! `build.rs` collects, and what the parser says that it expects.
+//! The schema is not written down: the `Explorer` finds out which values the parser accepts, by
+//! parsing small scenes, and describes them. So a new key is in the schema as soon as it can be
+//! read, with its range. Descriptions are the doc comments of the sources, which a test collects,
+//! and the values that the parser says it expects.
 
 mod attempt;
 mod doc_comments;
@@ -31,7 +31,7 @@ pub enum SchemaKind {
 }
 
 impl SchemaKind {
-    /// The JSON Schema of such files.
+    /// Returns the JSON Schema of such files.
     pub fn schema(self) -> Value {
         match self {
             Self::Scene => {
@@ -55,7 +55,7 @@ impl SchemaKind {
     }
 }
 
-/// The JSON Schema of the files that a `T` is read from.
+/// Returns the JSON Schema of the files that a `T` is read from.
 fn of<T: DeserializeOwned>(title: &str) -> Value {
     let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",

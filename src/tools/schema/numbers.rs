@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-/// Whole numbers that are tried, with those up to 40 and their negatives.
+/// Whole numbers that are tried, besides those up to 40, and their negatives.
 const WHOLE: [u64; 20] = [
     50,
     64,
@@ -31,8 +31,8 @@ const REAL: [f64; 27] = [
     31.5, 99.5, 179.5, 300.5, 1000.5, 10_000.5, 1e6, 1e9, 1e12, 1e15, 1e16,
 ];
 
-/// A schema of the numbers that `accepts` accepts, and one of them; `None` if it accepts
-/// none. Ranges are found by bisection between numbers that are tried.
+/// Returns a schema of the numbers that `accepts` accepts, and samples of them, or `None` if it
+/// accepts none. Ranges are found by bisection between numbers that are tried.
 pub(super) fn explore(accepts: &mut dyn FnMut(Value) -> bool) -> Option<(Value, Vec<f64>)> {
     let mut whole: Vec<i128> = (0..=40).chain(WHOLE.map(i128::from)).collect();
     whole.push(u64::MAX.into());
@@ -80,7 +80,7 @@ pub(super) fn explore(accepts: &mut dyn FnMut(Value) -> bool) -> Option<(Value, 
     (!schemas.is_empty()).then(|| (any_of(schemas), samples(&bounds)))
 }
 
-/// One of several schemas.
+/// Returns a schema that accepts any of several.
 pub(super) fn any_of(schemas: Vec<Value>) -> Value {
     let flat = schemas.into_iter().flat_map(|schema| match schema {
         Value::Object(mut parts) if parts.len() == 1 && parts.contains_key("anyOf") => {
@@ -99,7 +99,7 @@ pub(super) fn any_of(schemas: Vec<Value>) -> Value {
     }
 }
 
-/// Different numbers of the ranges.
+/// Returns different numbers of the ranges.
 fn samples(ranges: &[[f64; 2]]) -> Vec<f64> {
     let nice = [
         1.0, 2.0, 3.0, 5.0, 7.0, 4.0, 8.0, 6.0, 0.5, 0.25, 0.75, 10.0, 30.0,
@@ -112,7 +112,7 @@ fn samples(ranges: &[[f64; 2]]) -> Vec<f64> {
     }
 }
 
-/// The ranges of accepted numbers among sorted ones, and the numbers between them.
+/// Returns the ranges of accepted numbers among sorted ones, and the numbers between them.
 fn ranges<N: Copy + PartialEq>(
     tried: &[N],
     accepts: &mut dyn FnMut(N) -> bool,
@@ -144,7 +144,7 @@ fn ranges<N: Copy + PartialEq>(
     found
 }
 
-/// The accepted number that is nearest to the refused one.
+/// Returns the accepted number that is nearest to the refused one.
 fn bisect<N: Copy>(
     mut accepted: N,
     mut refused: N,
@@ -166,9 +166,9 @@ fn between_integers(a: i128, b: i128) -> Option<i128> {
     (middle != a && middle != b).then_some(middle)
 }
 
-/// The number in the middle of all 64-bit numbers between two.
+/// Returns the number in the middle of all 64-bit numbers between two.
 fn between_reals(a: f64, b: f64) -> Option<f64> {
-    // The order of numbers is that of these integers.
+    // Numbers have the same order as these integers.
     let order = |x: f64| {
         let bits = x.to_bits() as i64;
         if bits < 0 { i64::MIN - bits } else { bits }
@@ -182,7 +182,7 @@ fn between_reals(a: f64, b: f64) -> Option<f64> {
     Some(f64::from_bits(bits as u64))
 }
 
-/// A number without a fraction as an integer.
+/// Returns a number without a fraction as an integer.
 pub(super) fn short(x: f64) -> Value {
     if x.fract() == 0.0 && x.abs() <= 1e15 {
         json!(x as i64)

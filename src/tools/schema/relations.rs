@@ -1,11 +1,11 @@
-//! Which keys of a mapping are required, and which exclude each other.
+//! Relations of a mapping's keys: required ones, and ones that exclude each other.
 
 use serde_json::{Map, Value, json};
 
 use super::attempt::{Outcome, quoted};
 
-/// Adds to a schema which keys are required and which exclude each other; returns a
-/// mapping with the required ones.
+/// Adds to a schema which keys are required and which exclude each other. Returns a mapping with
+/// the required ones.
 pub(super) fn relations(
     attempt: &dyn Fn(Value) -> Outcome,
     samples: &Map<String, Value>,
@@ -33,7 +33,7 @@ pub(super) fn relations(
         };
         let (before, first) = (least.clone(), *first);
         least = with(&least, &[first]);
-        // Keys each of which does instead of the missing one.
+        // Keys that can replace the missing one.
         let is_instead = |key: &&String| {
             !before.contains_key(*key)
                 && own_message(&with(&before, &[key])).is_none_or(|other| other != message)
@@ -62,7 +62,7 @@ pub(super) fn relations(
                 }
             }
         }
-        // What the required keys exclude already.
+        // Keys that the required keys already exclude.
         let excluded = samples.keys().filter(|key| !is_fine(&with(&least, &[key])));
         for key in excluded {
             for other in least.keys() {
@@ -78,7 +78,7 @@ pub(super) fn relations(
     least
 }
 
-/// The keys that a mapping lacks, of which one is enough, by the parser's message.
+/// Returns the keys that a mapping lacks, of which one is enough, by the parser's message.
 fn lacking<'k>(message: &str, samples: &'k Map<String, Value>) -> Vec<&'k String> {
     let missing = message.strip_prefix("missing field `");
     let words: Vec<&str> = match missing.and_then(|rest| rest.split('`').next()) {
@@ -92,7 +92,7 @@ fn lacking<'k>(message: &str, samples: &'k Map<String, Value>) -> Vec<&'k String
         .collect()
 }
 
-/// Puts the required keys into one list, and other conditions behind it.
+/// Puts the required keys into one list, and other conditions after it.
 fn add_conditions(schema: &mut Value, conditions: Vec<Value>) {
     let mut required = Vec::new();
     let mut others = Vec::new();

@@ -1,4 +1,4 @@
-//! Cloud and frame of all frames as VTKHDF, a step for each.
+//! Cloud and frame of all frames as VTKHDF, one step per frame.
 //!
 //! The steps are read from the VTK files of the frames, one array at a time.
 
@@ -14,21 +14,21 @@ use vtk::data_set::{DataSet, Extent};
 use vtk::hdf::HdfWriter;
 use vtk::read::{DataArrayElement, DataArraysElement, VtkHeader, VtkReader, scalar_of};
 
-/// The files, and those of the frames that are their steps.
+/// The files, and the frames' files that are their steps.
 pub(super) const FILES: [(&str, &str); 2] = [
     ("series_hits.vtkhdf", "hits.vtu"),
     ("series_frame.vtkhdf", "frame.vti"),
 ];
 
-/// Writes the files into the folder of the series; returns their names.
+/// Writes the files into the folder of the series. Returns their names.
 ///
 /// # Errors
-/// A file of a frame cannot be read, or one of these not be written.
+/// If a file of a frame cannot be read, or a file of the series cannot be written.
 pub(super) fn write(frames: &[SeriesFrame], folder: &Path) -> Result<Vec<String>, WriteError> {
     let times: Vec<f64> = frames.iter().map(|frame| frame.time).collect();
     let mut written = Vec::new();
     for (name, of_frame) in FILES {
-        // The name says nothing of HDF5's content; the table beside it does.
+        // The name does not reveal HDF5's content; the table beside it does.
         write_file_at(&folder.join(name), Replace::Known, |path| {
             let mut file = HdfWriter::create(path, Some(&times))?;
             for frame in frames {

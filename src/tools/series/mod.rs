@@ -1,9 +1,9 @@
 //! The complete frames of an animated scene → files that show them one after the other.
 //!
-//! Takes the summaries of the frames; writes beside `frames/` what plays them: a `.pvd`
-//! for each of their VTK files and one for all, the ParaView states with one range of
-//! colors for all frames, a table and a plot of their costs, and a video. Each file takes
-//! its place when it is complete.
+//! Takes the summaries of the frames; writes files beside `frames/` that play them: a `.pvd` for
+//! each of their VTK files and one for all, the ParaView states with one range of colors for all
+//! frames, a table and a plot of their costs, and a video. Each file takes its place when it is
+//! complete.
 
 mod hdf;
 mod table;
@@ -37,7 +37,7 @@ const VIDEO: &str = "series.mp4";
 /// Longest file beside the frames that is checked, in bytes.
 const MAX_FILE: u64 = 256 << 20;
 
-/// The path of a frame's folder, in the folder of the series.
+/// Returns the path of a frame's folder, in the folder of the series.
 pub fn frame_folder(number: u32) -> PathBuf {
     Path::new(FRAMES).join(format!("{number:04}"))
 }
@@ -58,14 +58,14 @@ struct SeriesFrame {
     number: u32,
     time: f64,
     run: Option<RunId>,
-    /// The names of its files.
+    /// Names of the frame's files.
     files: Vec<String>,
     metrics: RunMetrics,
     bvh: Option<BvhStatistics>,
 }
 
 impl FrameSeries {
-    /// Without frames; `name` is that of the scene.
+    /// Creates a series without frames; `name` is the scene's name.
     pub fn new(name: String) -> Self {
         Self {
             name,
@@ -74,7 +74,7 @@ impl FrameSeries {
         }
     }
 
-    /// Checks that no file of another program is where those of a series would be.
+    /// Checks that no file of another program has a name of the series' files.
     ///
     /// # Errors
     /// The first such file.
@@ -91,7 +91,7 @@ impl FrameSeries {
         {
             target(&folder.join(name), Replace::Marked)?;
         }
-        // Videos and HDF5 files do not say whose they are; the table beside them does.
+        // Videos and HDF5 files do not identify their program; the table beside them does.
         for name in hdf::FILES.map(|(name, _)| name).into_iter().chain([VIDEO]) {
             let file = folder.join(name);
             if file.symlink_metadata().is_ok() && !folder.join(TABLE).exists() {
@@ -101,7 +101,7 @@ impl FrameSeries {
         Ok(())
     }
 
-    /// Adds a frame, whose number is greater than those of the frames before it.
+    /// Adds a frame, whose number is greater than the numbers of the frames before it.
     pub fn add(&mut self, summary: &Summary) {
         let Some(frame) = &summary.frame else {
             return;
@@ -122,26 +122,26 @@ impl FrameSeries {
         };
     }
 
-    /// The number of frames.
+    /// Returns the number of frames.
     pub fn n_frames(&self) -> u32 {
         self.frames.len() as u32
     }
 
-    /// Locks the folder of a series; waits while another run has locked it. A run that
-    /// holds the lock from before the first [`add`](Self::add) until after
-    /// [`write`](Self::write) replaces no series of more frames.
+    /// Locks the folder of a series; waits while another run has locked it. A run that holds the
+    /// lock from before the first [`add`](Self::add) until after [`write`](Self::write) replaces no
+    /// series of more frames.
     ///
     /// # Errors
-    /// Another run holds the lock for a minute, or an error of the system.
+    /// If another run holds the lock for a minute, or an error of the system.
     pub fn lock(folder: &Path) -> Result<File, WriteError> {
         lock_folder_in_turn(folder)
     }
 
-    /// Writes the files into the folder of the series, which is [locked](Self::lock), those of
-    /// VTKHDF if they are asked for, and removes old ones of these. Returns their names.
+    /// Writes the files into the folder of the series, which is [locked](Self::lock), VTKHDF files
+    /// only if `vtkhdf`, and removes old ones of these. Returns their names.
     ///
     /// # Errors
-    /// A file of another program that has one of their names, or an error of the system.
+    /// If a file of another program has one of their names, or an error of the system.
     pub fn write(&self, folder: &Path, vtkhdf: bool) -> Result<Vec<String>, WriteError> {
         let mut written = Vec::new();
         let mut write = |name: String, bytes: &[u8]| {
@@ -164,8 +164,9 @@ impl FrameSeries {
         Ok(written)
     }
 
-    /// The files beside the frames that [`write`](Self::write) has not written of these frames, or
-    /// that are cut: their names, and why. Not checked are the video and files of VTKHDF.
+    /// Returns the files beside the frames that [`write`](Self::write) did not write for these
+    /// frames, or that are truncated: their names, and the reasons. The video and files of VTKHDF
+    /// are not checked.
     pub fn faults(&self, folder: &Path) -> Vec<(String, String)> {
         let run = self.id().to_string();
         let fault = |(name, expected): (String, String)| {
@@ -175,7 +176,7 @@ impl FrameSeries {
                 Ok(found) => {
                     let found = String::from_utf8_lossy(&found);
                     let end = expected.lines().next_back()?;
-                    // The table has the runs of the frames, other files that of all.
+                    // The table has the runs of the frames, other files the run of all.
                     if name != TABLE && !found.contains(&run) {
                         "it is not of these frames".to_owned()
                     } else if !found.trim_end().ends_with(end) {
@@ -190,7 +191,7 @@ impl FrameSeries {
         self.texts(folder).into_iter().filter_map(fault).collect()
     }
 
-    /// The files beside the frames that are texts, by their names.
+    /// Returns the files beside the frames that are texts, by their names.
     fn texts(&self, folder: &Path) -> Vec<(String, String)> {
         let run = self.id();
         let plot = table::plot(&self.name, &self.frames, run);
@@ -204,7 +205,7 @@ impl FrameSeries {
             .collect()
     }
 
-    /// A hash of the frames' runs.
+    /// Returns a hash of the frames' runs.
     fn id(&self) -> RunId {
         let mut hasher = Hasher::default();
         for frame in &self.frames {
@@ -213,7 +214,7 @@ impl FrameSeries {
         hasher.checksum().into()
     }
 
-    /// The states, by their names.
+    /// Returns the states, by their names.
     fn states(&self, folder: &Path, run: RunId) -> Vec<(String, String)> {
         let (Some(values), [first, ..]) = (&self.states, self.frames.as_slice()) else {
             return Vec::new();
@@ -225,7 +226,7 @@ impl FrameSeries {
         states::of_files(&first.files, values, [first.time, end], path_of, run)
     }
 
-    /// The command that shows the frames in ParaView; `None` without states.
+    /// Returns the command that shows the frames in ParaView; `None` without states.
     pub fn state(&self) -> Option<String> {
         let first = self.frames.first()?;
         let has = |name: &&&str| first.files.iter().any(|file| file == **name);
@@ -233,7 +234,7 @@ impl FrameSeries {
         Some(format!("{PREFIX}_{state}"))
     }
 
-    /// The scene's name for titles.
+    /// Returns the scene's name for titles.
     pub fn title(&self) -> String {
         one_line(&self.name).into_owned()
     }

@@ -8,13 +8,13 @@ use base::provenance::{RunId, stamped};
 /// The endings of VTK files.
 const VTK: [&str; 3] = [".vtu", ".vti", ".vtp"];
 
-/// The name of the `.pvd` of a VTK file of the frames, such as `series_hits.pvd`.
+/// Returns the name of the `.pvd` of a VTK file of the frames, such as `series_hits.pvd`.
 pub(super) fn name_of(file: &str) -> String {
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
     format!("{PREFIX}_{stem}.pvd")
 }
 
-/// A `.pvd` for each VTK file of the frames, and `series.pvd`, whose parts are all of them:
+/// Returns a `.pvd` for each VTK file of the frames, and `series.pvd`, whose parts are all of them:
 /// names and texts.
 pub(super) fn collections(frames: &[SeriesFrame], run: RunId) -> Vec<(String, String)> {
     let mut names: Vec<&str> = Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn collections(frames: &[SeriesFrame], run: RunId) -> Vec<(String, St
         .collect()
 }
 
-/// A collection whose parts are these files of each frame.
+/// Returns a collection whose parts are these files of each frame.
 fn collection(frames: &[SeriesFrame], names: &[&str], run: RunId) -> String {
     let mut text = "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n\

@@ -14,7 +14,7 @@ const READERS: [&str; 2] = [
 /// The reader of `.pvd` files.
 const COLLECTION_READER: &str = "type=\"PVDReader\"";
 
-/// The states among the files of a frame, for all frames, which span `times`: their names
+/// Returns the states among the files of a frame, for all frames, which span `times`: their names
 /// and texts. `path_of` returns the path of the `.pvd` of a VTK file.
 pub(super) fn of_files(
     files: &[String],
@@ -42,7 +42,7 @@ const KEEPER: u32 = 900_001;
 const SCENE: u32 = 900_002;
 const CUE: u32 = 900_003;
 
-/// A state with the proxies by which ParaView steps through the times of its readers; a
+/// Returns a state with the proxies by which ParaView steps through the times of its readers; a
 /// still has none.
 fn with_time(state: &str, [begin, end]: [f64; 2]) -> String {
     let Some((proxies, collections)) = state.split_once(COLLECTIONS) else {
@@ -118,7 +118,7 @@ fn with_time(state: &str, [begin, end]: [f64; 2]) -> String {
     )
 }
 
-/// A proxy with its properties: the name and the elements of each.
+/// Returns a proxy with its properties: the name and the elements of each.
 fn proxy_text(group: &str, kind: &str, id: u32, properties: &[(&str, Vec<String>)]) -> String {
     let property = |(name, elements): &(&str, Vec<String>)| {
         format!(
@@ -134,7 +134,7 @@ fn proxy_text(group: &str, kind: &str, id: u32, properties: &[(&str, Vec<String>
     )
 }
 
-/// The IDs of the proxies whose tags begin so.
+/// Returns the IDs of the proxies whose tags start with `begin`.
 fn ids(state: &str, begin: &str) -> Vec<String> {
     let tags = state.split(begin).skip(1);
     let id = tags.filter_map(|rest| rest.split_once(" id=\"")?.1.split_once('"'));

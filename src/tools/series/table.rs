@@ -6,16 +6,16 @@ use super::SeriesFrame;
 use crate::study::Figure;
 use base::provenance::{KEY, RunId, stamped};
 
-/// The metrics that the plot may show, the preferred one first: name, unit and the factor to
-/// that unit.
+/// The metrics that the plot may show, the preferred one first: name, unit and the factor to that
+/// unit.
 const PLOTTED: [(&str, &str, f64); 3] = [
     ("time_ns", "Thread time of all pixels (ms)", 1e-6),
     ("node_visits", "BVH nodes visited", 1.0),
     ("render_wall_ms", "Wall time of rendering (ms)", 1.0),
 ];
 
-/// A row for each frame: its number, its time, the ID of its run, whether its hierarchy was
-/// built or refitted and that one's expected cost, and its metrics.
+/// Returns one row per frame: its number, its time, the ID of its run, how its hierarchy was made
+/// (built or refitted) and the expected cost, and its metrics.
 pub(super) fn csv(frames: &[SeriesFrame]) -> String {
     let names: IndexSet<&String> = frames
         .iter()
@@ -46,7 +46,7 @@ pub(super) fn csv(frames: &[SeriesFrame]) -> String {
     table.join("\n") + "\n"
 }
 
-/// The cost of the frames over time as SVG; `None` if nothing was measured.
+/// Returns the cost of the frames over time as SVG; `None` if nothing was measured.
 pub(super) fn plot(title: &str, frames: &[SeriesFrame], run: RunId) -> Option<String> {
     let value = |frame: &SeriesFrame, name: &str| frame.metrics.0.get(name).copied();
     let is_measured =

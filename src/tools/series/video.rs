@@ -15,20 +15,20 @@ const FFMPEG: &str = "ffmpeg";
 /// The outcome of encoding the video.
 #[derive(Debug)]
 pub enum Video {
-    /// It was written, as a file of this name.
+    /// The video was written, as a file of this name.
     Written(&'static str),
-    /// ffmpeg is not installed; the command that makes the video where it is.
+    /// ffmpeg is not installed; the command that makes the video elsewhere.
     NoFfmpeg(String),
-    /// ffmpeg failed: what it said last, and the command.
+    /// ffmpeg failed: its last message, and the command.
     Failed(String, String),
 }
 
 impl FrameSeries {
-    /// Makes a video of all frames, whose numbers begin with 0 and leave out none, in a
-    /// folder that [`refuse_foreign`](Self::refuse_foreign) has accepted.
+    /// Makes a video of all frames, whose numbers start with 0 and leave out none, in a folder that
+    /// [`refuse_foreign`](Self::refuse_foreign) has accepted.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// If the file cannot be written.
     pub fn write_video(&self, folder: &Path, fps: f32) -> Result<Video, WriteError> {
         let arguments = self.arguments(fps);
         let words: Vec<String> = arguments.iter().map(Path::new).map(shell_word).collect();
@@ -66,8 +66,8 @@ impl FrameSeries {
         Ok(Video::Failed(why, by_hand))
     }
 
-    /// ffmpeg's arguments before the name of the file. H.264 in 4:2:0, which all players show,
-    /// has even sides.
+    /// Returns ffmpeg's arguments before the name of the file. H.264 in 4:2:0, which all players
+    /// show, needs even sides.
     fn arguments(&self, fps: f32) -> Vec<String> {
         let pictures = format!("{FRAMES}/%04d/image.png");
         let (fps, n_frames) = (fps.to_string(), self.n_frames().to_string());

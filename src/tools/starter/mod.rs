@@ -1,4 +1,4 @@
-//! Scenes to begin with: one that shows the sections, and one around a mesh.
+//! Scenes to start from: one that shows the sections, and one around a mesh.
 
 use std::path::Path;
 
@@ -15,10 +15,9 @@ pub const SCENE: &str = include_str!("scene.yaml");
 
 /// The vertical angle of view of scenes around meshes, in degrees.
 const FOV_Y_DEG: f32 = 35.0;
-/// The direction from a mesh to the eye: from the front, a little from the right and from
-/// above.
+/// The direction from a mesh to the eye: from the front, a little from the right and from above.
 const TO_EYE: Vec3 = Vec3::new(0.45, 0.35, 1.0);
-/// Light from all around, which is weakest where a mesh stands on the floor.
+/// Light from all around, weakest where a mesh stands on the floor.
 const SKY: &str = "\
   # The sky, from four sides: it leaves shadows where the mesh touches the floor.
   - directional: { direction: [1, -1.2, 0.3], intensity: 0.09 }
@@ -26,20 +25,20 @@ const SKY: &str = "\
   - directional: { direction: [-1, -1.2, -0.3], intensity: 0.09 }
   - directional: { direction: [0.3, -1.2, -1], intensity: 0.09 }
 ";
-/// The normals of meshes without any: smooth up to edges.
+/// The normals of meshes that lack them: smooth up to edges.
 const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 
-/// The scene of a mesh, as a file that lies beside the mesh.
+/// Writes the scene of a mesh, as a file that lies beside the mesh.
 ///
 /// # Errors
-/// The mesh cannot be read, is damaged, or may need more memory than is free.
+/// If the mesh cannot be read, is damaged, or may need more memory than is free.
 pub fn scene_beside(mesh: &Path) -> Result<Source, Diagnostic> {
     let name = Path::new(mesh.file_name().unwrap_or_default());
     let text = scene_of(mesh, name)?;
     Ok(Source::new(mesh.display().to_string(), text))
 }
 
-/// The text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
+/// Returns the text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
 ///
 /// # Errors
 /// The errors of [`scene_beside`].
@@ -57,13 +56,13 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
     Ok(text_of(&subject, file))
 }
 
-/// The subject of a mesh's scene, which finds the mesh at `file`.
+/// Returns the subject of a mesh's scene, which finds the mesh at `file`.
 fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
     let fault = match import::read_mesh_with_materials(mesh, available_memory() / 2) {
         Ok(mesh) => return Ok(Subject::surface(mesh, file)),
         Err(fault) => fault,
     };
-    // Pictures are often lost on the way.
+    // Textures are often missing.
     if let Ok(mesh) = import::read_mesh(mesh) {
         return Ok(Subject {
             lost: Some(fault.message()),
@@ -79,13 +78,13 @@ fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
     }
 }
 
-/// What a scene shows.
+/// The subject of a scene.
 struct Subject {
     /// The origin of its box.
     origin: DVec3,
     bounds: Aabb,
     colors: SubjectColors,
-    /// Why its own materials cannot be used, if it has any.
+    /// The reason why the mesh's materials cannot be used, if it has any.
     lost: Option<String>,
     /// The object's geometry, with a comment on its keys.
     geometry: String,
@@ -93,7 +92,7 @@ struct Subject {
 
 /// The source of a subject's colors.
 enum SubjectColors {
-    /// One for all of it.
+    /// One color for the whole subject.
     One,
     /// An array of this name.
     Array(String),
@@ -147,13 +146,13 @@ impl Subject {
     }
 }
 
-/// The first array that can be named in a scene.
+/// Returns the first array that can be named in a scene.
 fn first_array(arrays: Vec<String>) -> Option<String> {
     let mut arrays = arrays.into_iter();
     arrays.find(|name| name.chars().count() <= MAX_NAME && !name.chars().any(char::is_control))
 }
 
-/// JSON is YAML.
+/// Quotes a text; JSON is YAML.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
@@ -236,17 +235,17 @@ lights:
     )
 }
 
-/// A point with as many digits as its distance from others, `scale`, needs.
+/// Returns a point with the digits that its distance from others, `scale`, needs.
 fn point(point: DVec3, scale: f32) -> String {
     let [x, y, z] = point.to_array().map(|x| digits(x, scale));
     format!("[{x}, {y}, {z}]")
 }
 
-/// A number with four digits of `scale`.
+/// Returns a number with four digits of `scale`.
 fn digits(x: f64, scale: f32) -> String {
     let exponent = f64::from(scale).log10().floor() as i32 - 3;
     let power = 10.0_f64.powi(exponent.abs());
-    // Powers of ten below one are not exact; those above are, and lead to the shortest digits.
+    // Powers of ten below one are not exact; powers above are, and lead to the shortest digits.
     let rounded = if exponent < 0 {
         (x * power).round() / power
     } else {

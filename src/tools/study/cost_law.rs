@@ -1,15 +1,14 @@
 //! Cost laws: a fixed cost plus a power law.
 //!
-//! A power law alone, fitted as a straight line on two logarithmic axes, mistakes the
-//! fixed cost of every run for a smaller exponent: brute force over the number of
-//! objects would seem to grow slower than linearly.
+//! A plain power law, fitted as a straight line on two logarithmic axes, mistakes the fixed cost of
+//! every run for a smaller exponent: brute force over the number of objects would seem to grow
+//! slower than linearly.
 //!
-//! The fit is weighted least squares by variable projection (Golub and Pereyra, SIAM
-//! Journal on Numerical Analysis 10, 1973): for each exponent the best fixed cost and
-//! factor, both at least 0, have a closed form. Only the exponent is left to search for,
-//! and a scan of its whole range cannot end in a local minimum. The confidence interval
-//! of the exponent is that of the profile likelihood (Bates and Watts, "Nonlinear
-//! Regression Analysis", 1988, section 6.1).
+//! The fit is weighted least squares by variable projection (Golub and Pereyra, SIAM Journal on
+//! Numerical Analysis 10, 1973): for each exponent the best fixed cost and factor, both at least 0,
+//! have a closed form. Only the exponent is left to search for, and a scan of its whole range
+//! cannot end in a local minimum. The confidence interval of the exponent comes from the profile
+//! likelihood (Bates and Watts, "Nonlinear Regression Analysis", 1988, section 6.1).
 
 use serde::Serialize;
 
@@ -17,8 +16,8 @@ use serde::Serialize;
 const EXPONENTS: [f64; 2] = [-4.0, 4.0];
 /// Number of steps of the scan over the exponents.
 const N_STEPS: u32 = 800;
-/// Minimum relative standard error of a median: points differ by more than the noise of
-/// repeats, for example where the data exceed a cache.
+/// Minimum relative standard error of a median: points differ by more than the noise of repeats,
+/// for example where the data exceed a cache.
 const MIN_ERROR: f64 = 0.005;
 /// The 97.5 % quantile of the standard normal distribution.
 const NORMAL_QUANTILE: f64 = 1.96;
@@ -51,8 +50,8 @@ pub struct CostLaw {
     /// The power law; its factor is at least 0.
     #[serde(flatten)]
     pub growing: PowerLaw,
-    /// The 95 % confidence interval of the exponent, within -4 and 4; `None` for two
-    /// sizes, which the law fits exactly without a fixed cost.
+    /// The 95 % confidence interval of the exponent, within -4 and 4; `None` for two sizes, which
+    /// the law fits exactly without a fixed cost.
     pub exponent_95: Option<[f64; 2]>,
 }
 
@@ -68,8 +67,8 @@ pub struct CostSample {
 }
 
 impl CostLaw {
-    /// Fits the law to samples whose sizes and costs are greater than 0; `None` for fewer
-    /// than two different sizes.
+    /// Fits the law to samples whose sizes and costs are greater than 0; `None` for fewer than two
+    /// different sizes.
     pub fn fit(samples: &[CostSample]) -> Option<Self> {
         let mut sizes: Vec<f64> = samples.iter().map(|sample| sample.n).collect();
         sizes.sort_by(f64::total_cmp);
@@ -87,7 +86,7 @@ impl CostLaw {
     }
 }
 
-/// The power law through samples of two sizes: a straight line on logarithmic axes.
+/// Returns the power law through samples of two sizes: a straight line on logarithmic axes.
 fn straight_line(samples: &[CostSample]) -> CostLaw {
     let n = samples.len() as f64;
     let logs = || {
@@ -156,13 +155,13 @@ impl ExponentSearch {
         }
     }
 
-    /// The best law and the confidence interval of its exponent.
+    /// Returns the best law and the confidence interval of its exponent.
     fn solve(&self, n_sizes: usize) -> CostLaw {
         let [least, most] = EXPONENTS;
         let step = (most - least) / f64::from(N_STEPS);
         let scan = (0..=N_STEPS).map(|i| self.fit(least + step * f64::from(i)));
         let scan: Vec<Fit> = scan.collect();
-        // Of equal fits prefer 0: a constant cost does not grow.
+        // Among equal fits prefer 0: a constant cost does not grow.
         let best = scan.iter().copied().fold(self.fit(0.0), better);
         let around = [best.exponent - step, best.exponent + step];
         let best = better(best, self.refine(around.map(|end| end.clamp(least, most))));
@@ -187,8 +186,8 @@ impl ExponentSearch {
         }
     }
 
-    /// The best fixed cost and factor for an exponent. Where one of them would be negative,
-    /// the other one alone is the best.
+    /// Returns the best fixed cost and factor for an exponent. Where one of them would be negative,
+    /// only the other is used.
     fn fit(&self, exponent: f64) -> Fit {
         // Weighted sums over the samples of products of 1, u = size^exponent and the cost.
         let [mut s1, mut su, mut suu, mut sy, mut suy] = [0.0; 5];
@@ -215,7 +214,7 @@ impl ExponentSearch {
         better(growing, fixed)
     }
 
-    /// The law with these parameters and its residuals.
+    /// Returns the law with these parameters and its residuals.
     fn law(&self, exponent: f64, [fixed, factor]: [f64; 2]) -> Fit {
         let residual = |sample: &WeightedSample| {
             let cost = fixed + factor * sample.size.powf(exponent);
@@ -230,7 +229,7 @@ impl ExponentSearch {
         }
     }
 
-    /// The best fit between two exponents, by golden-section search.
+    /// Returns the best fit between two exponents, by golden-section search.
     fn refine(&self, [mut low, mut high]: [f64; 2]) -> Fit {
         let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
         for _ in 0..60 {
@@ -245,9 +244,9 @@ impl ExponentSearch {
         self.fit((low + high) / 2.0)
     }
 
-    /// By how much the sum of squares may exceed its minimum within the confidence
-    /// interval: by the standard errors or, where the samples are farther from the law than
-    /// these explain, by the residuals.
+    /// Returns how much the sum of squares may exceed its minimum within the confidence interval:
+    /// by the standard errors or, where the samples are farther from the law than these explain, by
+    /// the residuals.
     fn tolerance(&self, chi_squared: f64, n_sizes: usize) -> f64 {
         let by_errors = NORMAL_QUANTILE.powi(2);
         let Some(degrees) = n_sizes.checked_sub(4) else {
@@ -260,7 +259,7 @@ impl ExponentSearch {
         by_errors.max(chi_squared / (degrees + 1) as f64 * student.powi(2))
     }
 
-    /// The exponent, between one inside and one outside the confidence interval, where the
+    /// Returns the exponent, between one inside and one outside the confidence interval, where the
     /// sum of squares reaches `allowed`; at most the end of the range.
     fn crossing(&self, [mut inside, mut outside]: [f64; 2], allowed: f64) -> f64 {
         let [least, most] = EXPONENTS;
@@ -279,7 +278,7 @@ impl ExponentSearch {
     }
 }
 
-/// The fit with the smaller residuals; the first of equals.
+/// Returns the fit with the smaller residuals; the first of equals.
 fn better(a: Fit, b: Fit) -> Fit {
     if b.chi_squared < a.chi_squared { b } else { a }
 }

@@ -1,5 +1,5 @@
-//! The table of factors: what a study can vary. A new factor is one row here, and
-//! a level type in `factor_level.rs` if none of those there fits.
+//! The table of factors that a study can vary. A new factor is one row here, and a level type in
+//! `factor_level.rs` if none of those fits.
 
 use serde::Deserialize;
 use serde::de::value::StringDeserializer;
@@ -14,11 +14,11 @@ use scene::config::{
 };
 use vtk::Codec;
 
-/// Makes the enum of factors, their names and how levels are read: one row a factor,
-/// `Variant "name": type of a level in YAML => function that makes a [`FactorLevel`]`.
+/// Makes the enum of factors, their names and their parsers: one row per factor, `Variant "name":
+/// type of a level in YAML => function that makes a [`FactorLevel`]`.
 macro_rules! factors {
     ($($(#[$doc:meta])* $factor:ident $name:literal: $level:ty => $to_level:expr;)+) => {
-        /// Something that a study varies through a flag of `raycost render`.
+        /// A factor that a study varies through a flag of `raycost render`.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
         pub enum FlagFactor {
             $($(#[$doc])* #[serde(rename = $name)] $factor,)+
@@ -28,7 +28,7 @@ macro_rules! factors {
             /// The names of all factors.
             pub const NAMES: &[&str] = &[$($name),+];
 
-            /// The name in study files and results, such as `image_size`.
+            /// Returns the name in study files and results, such as `image_size`.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$factor => $name,)+
@@ -72,13 +72,13 @@ factors! {
     Cost "cost": CostMode => |cost| keyword("cost", cost);
     /// The vector instructions.
     Simd "simd": SimdSet => |simd| keyword("simd", simd);
-    /// How the rays of a wave are traced.
+    /// The way in which the rays of a wave are traced.
     Traversal "traversal": Traversal => |traversal| keyword("traversal", traversal);
     /// The codec of the arrays in VTK files.
     Compress "compress": Codec => |codec| keyword("compress", codec);
 }
 
-/// Something that a study varies.
+/// A quantity that a study varies.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Factor {
     /// A flag of `raycost render`.
@@ -88,7 +88,7 @@ pub enum Factor {
 }
 
 impl Factor {
-    /// The name in study files and results.
+    /// Returns the name in study files and results.
     pub fn name(&self) -> &str {
         match self {
             Self::Flag(flag) => flag.name(),

@@ -1,4 +1,4 @@
-//! Levels of factors: how YAML states them, and the flags that select them.
+//! Levels of factors: their form in YAML, and the flags that select them.
 
 use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
@@ -16,12 +16,12 @@ pub struct FactorLevel {
     pub flags: Vec<String>,
 }
 
-/// How a study file states the levels of a factor.
+/// The form in which a study file states the levels of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FactorForm {
-    /// As a list of at least one.
+    /// A list of at least one level.
     List,
-    /// As one value.
+    /// A single value.
     One,
 }
 
@@ -34,7 +34,7 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
     }
 }
 
-/// The level `--flag=value` of a flag with keywords, such as `--cost=time`.
+/// Returns the level `--flag=value` of a flag with keywords, such as `--cost=time`.
 pub(super) fn keyword(flag: &str, value: impl Serialize) -> FactorLevel {
     let value = json!(value);
     let text = value.as_str().unwrap_or_default();
@@ -44,7 +44,7 @@ pub(super) fn keyword(flag: &str, value: impl Serialize) -> FactorLevel {
     }
 }
 
-/// The level `--max-depth=depth`, from 0 to 255.
+/// Returns the level `--max-depth=depth`, from 0 to 255.
 pub(super) fn max_depth(depth: u8) -> FactorLevel {
     FactorLevel {
         value: json!(depth),
@@ -52,7 +52,7 @@ pub(super) fn max_depth(depth: u8) -> FactorLevel {
     }
 }
 
-/// The level `--set=path=value`: a number or a text in the results, and JSON if the value
+/// Returns the level `--set=path=value`: a number or a text in the results, and JSON if the value
 /// is a list or a mapping.
 pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
     let json = value.to_string();
@@ -69,7 +69,7 @@ pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
 pub(super) struct BoundedCount<const MAX: u64>(u64);
 
 impl<const MAX: u64> BoundedCount<MAX> {
-    /// The level `--flag=number`.
+    /// Returns the level `--flag=number`.
     pub(super) fn level(self, flag: &str) -> FactorLevel {
         FactorLevel {
             value: json!(self.0),
@@ -77,7 +77,7 @@ impl<const MAX: u64> BoundedCount<MAX> {
         }
     }
 
-    /// The level that the launcher selects, not a flag.
+    /// Returns the level that the launcher selects, not a flag.
     pub(super) fn level_of_launcher(self) -> FactorLevel {
         FactorLevel {
             value: json!(self.0),
@@ -101,7 +101,7 @@ pub(super) struct ImageSize(
 );
 
 impl ImageSize {
-    /// The level `--width=width --height=height`, `widthxheight` in the results.
+    /// Returns the level `--width=width --height=height`, `widthxheight` in the results.
     pub(super) fn level(self) -> FactorLevel {
         let Self(BoundedCount(width), BoundedCount(height)) = self;
         FactorLevel {

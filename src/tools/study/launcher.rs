@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use scene::yaml::{Fault, FieldPath};
 
-/// What stands for the number of ranks.
+/// The placeholder for the number of ranks.
 const RANKS: &str = "{ranks}";
 
 /// The programs that start ranks, by their names in `PATH`.
 const STARTERS: [&str; 3] = ["mpirun", "mpiexec", "srun"];
 
-/// Their options with a value that can neither name a program nor change what is started.
+/// Their options with a value that can neither name a program nor change which program is started.
 const WITH_VALUE: [&str; 13] = [
     "-n",
     "-np",
@@ -27,7 +27,7 @@ const WITH_VALUE: [&str; 13] = [
     "--cpu-bind",
 ];
 
-/// Those without a value.
+/// Their harmless options without a value.
 const WITHOUT_VALUE: [&str; 4] = [
     "--oversubscribe",
     "--use-hwthread-cpus",
@@ -35,17 +35,17 @@ const WITHOUT_VALUE: [&str; 4] = [
     "--exclusive",
 ];
 
-/// A command such as `mpirun -n {ranks}`, which starts the command behind it on so many ranks.
-/// Its words are separated by blanks.
+/// A command such as `mpirun -n {ranks}`, which starts the command after it on this number of
+/// ranks. Its words are separated by blanks.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Launcher(String);
 
 impl Launcher {
-    /// Checks that it is a command with the number of ranks, and nothing else in braces.
+    /// Checks that the command contains `{ranks}`, and nothing else in braces.
     ///
     /// # Errors
-    /// It is none.
+    /// If it does not.
     pub(super) fn check(&self, path: FieldPath) -> Result<(), Fault> {
         let others = self.0.replace(RANKS, "");
         if self.0.contains(RANKS) && !others.contains(['{', '}']) {
@@ -56,9 +56,9 @@ impl Launcher {
         Err(Fault::new(path, message, expected))
     }
 
-    /// The first word by which the command may start another program than this one on ranks:
-    /// one that is neither a known starter of ranks by its name alone nor one of its harmless
-    /// options. `mpirun`, too, starts any program that stands among its words.
+    /// Returns the first word by which the command may start another program than this one on
+    /// ranks: a word that is neither the plain name of a known starter nor one of its harmless
+    /// options. Even `mpirun` starts any program among its words.
     pub fn suspect(&self) -> Option<&str> {
         let mut words = self.0.split_whitespace();
         if let Some(program) = words.next().filter(|program| !STARTERS.contains(program)) {
@@ -75,17 +75,17 @@ impl Launcher {
         None
     }
 
-    /// The command as the study states it.
+    /// Returns the command as the study states it.
     pub fn command(&self) -> &str {
         &self.0
     }
 
-    /// The program that starts the ranks.
+    /// Returns the program that starts the ranks.
     pub fn program(&self) -> &str {
         self.0.split_whitespace().next().unwrap_or_default()
     }
 
-    /// The words of the command for so many ranks.
+    /// Returns the words of the command for `n_ranks` ranks.
     pub fn words(&self, n_ranks: u64) -> Vec<String> {
         let n_ranks = n_ranks.to_string();
         let words = self.0.split_whitespace();

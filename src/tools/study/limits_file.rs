@@ -13,7 +13,7 @@ use render::instruments::MachineLimits;
 
 /// Version of the format; files of other versions are refused.
 const FORMAT: u32 = 1;
-/// Longest file that is read, in bytes; it has a few thousand.
+/// Longest file that is read, in bytes; a typical file has a few thousand.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// The content of the file.
@@ -25,7 +25,7 @@ pub struct LimitsFile {
 }
 
 impl LimitsFile {
-    /// The file of `limits` that were measured with the provenance `made_by`.
+    /// Creates the file of `limits` that were measured with the provenance `made_by`.
     pub fn new(limits: MachineLimits, made_by: &Value) -> Self {
         Self {
             raycost_limits: FORMAT,
@@ -37,8 +37,8 @@ impl LimitsFile {
     /// Reads the limits from the file at `path`; `None` if there is no such file.
     ///
     /// # Errors
-    /// If the file cannot be read, has no limits, or has those of another program or
-    /// machine than `made_by`.
+    /// If the file cannot be read, has no limits, or was made by another program or machine than
+    /// `made_by`.
     pub fn read(path: &Path, made_by: &Value) -> Result<Option<MachineLimits>, Diagnostic> {
         let remedy = "move the file away to measure anew, or give another folder by `--out`";
         let name = path.display();

@@ -1,7 +1,7 @@
 //! The list of metrics that runs may have: name, unit and meaning.
 //!
-//! [`RunMetrics`](super::RunMetrics) and [`scaling_rows`](super::scaling_rows) compute them; a
-//! test holds that they compute no other.
+//! [`RunMetrics`](super::RunMetrics) and [`scaling_rows`](super::scaling_rows) compute them; a test
+//! checks that they compute no other.
 
 use output::writers;
 use render::instruments::{EVENTS, STAGES};
@@ -10,13 +10,13 @@ use tracer::cost::{Aggregation, Metric};
 /// A metric of the runs of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudyMetric {
-    /// Its name in plots and tables.
+    /// Name of the metric in plots and tables.
     pub name: String,
-    /// Its unit; "1" for ratios.
+    /// Unit; "1" for ratios.
     pub unit: &'static str,
-    /// Its meaning in a line.
+    /// Meaning in one line.
     pub about: String,
-    /// The factors that a study needs for it.
+    /// The factors that a study needs for the metric.
     pub need: MetricNeed,
 }
 
@@ -90,7 +90,7 @@ const OF_RANKS: [Row; 5] = [
     ("parallel_efficiency", "1", "load balance times communication efficiency"),
 ];
 
-/// Metrics of each stage, whose name stands before theirs.
+/// Metrics of each stage, prefixed with its name.
 #[rustfmt::skip]
 const OF_STAGES: [Row; 4] = [
     ("wall_ms", "ms", "wall time"),
@@ -99,7 +99,7 @@ const OF_STAGES: [Row; 4] = [
     ("context_switches", "count", "context switches"),
 ];
 
-/// Metrics of each file, whose name stands before theirs, with `_` for `.`.
+/// Metrics of each file, prefixed with its name, with `_` for `.`.
 #[rustfmt::skip]
 const OF_FILES: [Row; 2] = [
     ("bytes", "bytes", "length"),
@@ -160,7 +160,7 @@ impl StudyMetric {
         )
     }
 
-    /// The metrics that are neither those of stages nor of files.
+    /// Returns the metrics that belong neither to stages nor to files.
     fn without_families() -> Vec<Self> {
         let with = |need| {
             move |row| Self {
@@ -180,7 +180,7 @@ impl StudyMetric {
             .collect()
     }
 
-    /// The metrics of a stage without its name.
+    /// Returns the metrics of a stage without its name.
     fn of_stages() -> Vec<Self> {
         let event = |name: &&'static str| {
             let counted = name.replace('_', " ");
@@ -216,16 +216,16 @@ impl StudyMetric {
         }
     }
 
-    /// The metric of a stage or a file.
+    /// Returns the metric of a stage or a file, with its prefix.
     fn after(self, prefix: &str) -> Self {
         let name = format!("{prefix}_{}", self.name);
         Self { name, ..self }
     }
 }
 
-/// The names of all output files, as they stand in names of metrics.
+/// Returns the names of all output files, in the form used in names of metrics.
 fn file_names() -> impl Iterator<Item = String> {
-    // The last one, which lists the others, is not among them.
+    // The last file, which lists the others, is not among them.
     let listed = writers::files().filter(|file| file.name != output::summary::FILE);
     listed.map(|file| file.name.replace('.', "_"))
 }

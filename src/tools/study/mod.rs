@@ -1,11 +1,10 @@
 //! A study file → many runs of `raycost render` → statistics and plots.
 //!
-//! Takes a [`StudyPlan`]: scenes, factors to vary and the number of repeats. Each run
-//! is a process of its own, so that no run inherits memory, caches or threads from
-//! another one, and the study measures the program that users run. Each round runs
-//! all points once, in a random order of its own, so that a drift of the machine
-//! affects all points equally (Hoefler and Belli, "Scientific Benchmarking of Parallel
-//! Computing Systems", SC15, rules 4 and 9). The [`RunLog`] gets each run as soon as it
+//! Takes a [`StudyPlan`]: scenes, factors to vary and the number of repeats. Each run is a separate
+//! process, so no run inherits memory, caches or threads from another one, and the study measures
+//! the program that users run. Each round runs all points once, in a new random order, so that a
+//! drift of the machine affects all points equally (Hoefler and Belli, "Scientific Benchmarking of
+//! Parallel Computing Systems", SC15, rules 4 and 9). The [`RunLog`] gets each run as soon as it
 //! ends, and a logged run is never repeated.
 
 mod factor_level;

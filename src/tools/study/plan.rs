@@ -37,20 +37,20 @@ pub struct StudyPlan {
     /// The factors that are crossed: each level of one with each level of the others.
     #[serde(default)]
     pub vary: Vary,
-    /// Levels that change together, such as the image size with the threads; each case
-    /// is crossed with [`vary`](Self::vary).
+    /// Levels that change together, such as the image size with the threads; each case is crossed
+    /// with [`vary`](Self::vary).
     #[serde(default)]
     pub cases: Vec<Case>,
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
     pub flags: Vec<String>,
-    /// The command that starts a run on so many `ranks`, such as `mpirun -n {ranks}`.
+    /// The command that starts a run on several `ranks`, such as `mpirun -n {ranks}`.
     #[serde(default)]
     pub launcher: Option<Launcher>,
     /// Runs of each point that enter the statistics; 10 if not given.
     #[serde(default = "ten", deserialize_with = "repeats")]
     pub repeats: u32,
-    /// Earlier runs of each point that do not; 1 if not given.
+    /// Earlier runs of each point that are ignored; 1 if not given.
     #[serde(default = "one", deserialize_with = "warm_up")]
     pub warm_up: u32,
     /// Time in seconds after which no further run starts; no limit if not given.
@@ -59,8 +59,8 @@ pub struct StudyPlan {
     /// The plots to draw.
     #[serde(default)]
     pub plots: Vec<PlotSpec>,
-    /// Whether to measure the machine's limits once and to draw the points below them,
-    /// as `roofline.svg`; no if not given.
+    /// If true, measures the machine's limits once and draws the points below them, as
+    /// `roofline.svg`; no if not given.
     #[serde(default)]
     pub roofline: bool,
     /// The replacements that `--quick` selects, to test the study.
@@ -97,7 +97,7 @@ pub struct Case(pub Vec<(Factor, FactorLevel)>);
 /// One run that a study makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlannedRun {
-    /// The index of its point in [`StudyPlan::points`].
+    /// Index of the run's point in [`StudyPlan::points`].
     pub point: usize,
     /// The round, from 0; the first [`StudyPlan::warm_up`] rounds are warm-up.
     pub round: u32,
@@ -107,7 +107,7 @@ impl StudyPlan {
     /// Maximum number of runs of a study: at one second each, a little more than a day.
     pub const MAX_RUNS: u64 = 100_000;
 
-    /// The plan with the replacements for `--quick`.
+    /// Returns the plan with the replacements for `--quick`.
     pub fn into_quick(mut self) -> Self {
         let quick = self.quick.take();
         self.repeats = quick.as_ref().map_or_else(three, |quick| quick.repeats);
@@ -120,7 +120,7 @@ impl StudyPlan {
         self
     }
 
-    /// The total number of runs, warm-up included, saturating.
+    /// Returns the total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
         let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
         let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
@@ -130,7 +130,7 @@ impl StudyPlan {
             .fold(rounds, |n, count| n.saturating_mul(count as u64))
     }
 
-    /// All points: scene by scene, then case by case, then level by level.
+    /// Returns all points: scene by scene, then case by case, then level by level.
     pub fn points(&self) -> Vec<StudyPoint> {
         let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
         let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
@@ -151,8 +151,8 @@ impl StudyPlan {
         self.vary.0.iter().fold(cases.collect(), cross)
     }
 
-    /// All runs, round by round. Each round has all points once, in a pseudo-random order
-    /// that depends on the round alone.
+    /// Returns all runs, round by round. Each round has all points once, in a pseudo-random order
+    /// that depends only on the round.
     pub fn runs(&self) -> Vec<PlannedRun> {
         let n_points = self.points().len();
         let round_of = |round: u32| {
@@ -170,7 +170,7 @@ impl StudyPlan {
 }
 
 impl Case {
-    /// The point with all levels of the case.
+    /// Returns the point with all levels of the case.
     fn of(&self, point: &StudyPoint) -> StudyPoint {
         let with =
             |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);

@@ -7,8 +7,8 @@ use base::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
 impl StudyPlan {
-    /// Checks that no point occurs twice, that there is a launcher where ranks are varied and
-    /// nowhere else, and that plots name factors and metrics of the study.
+    /// Checks that no point occurs twice, that there is a launcher exactly where ranks are varied,
+    /// and that plots name factors and metrics of the study.
     ///
     /// # Errors
     /// The first mistake.
@@ -22,7 +22,7 @@ impl StudyPlan {
         Ok(())
     }
 
-    /// The names of all factors, the scene first.
+    /// Returns the names of all factors, the scene first.
     fn factor_names(&self) -> Vec<&str> {
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let in_cases = in_cases.map(|(factor, _)| factor.name());
@@ -64,7 +64,7 @@ impl StudyPlan {
         Ok(())
     }
 
-    /// Checks that there is a launcher where ranks are varied, and nowhere else.
+    /// Checks that there is a launcher exactly where ranks are varied.
     fn check_launcher(&self) -> Result<(), Fault> {
         let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
@@ -88,12 +88,12 @@ impl StudyPlan {
     }
 }
 
-/// The path of a key of the study.
+/// Returns the path of a key of the study.
 fn key(name: &str) -> FieldPath {
     FieldPath::default().key(name)
 }
 
-/// Checks that no item of the list at `path` is there twice.
+/// Checks that no item of the list at `path` occurs twice.
 fn check_differ<T: PartialEq>(list: &[T], path: &FieldPath) -> Result<(), Fault> {
     let twice = (0..list.len()).find(|&n| list[..n].contains(&list[n]));
     let Some(twice) = twice else { return Ok(()) };
@@ -160,7 +160,7 @@ fn check_metric(name: &str, factors: &[&str], kind: &str, path: FieldPath) -> Re
     Err(Fault::new(path, message, "has no values here").with_help("add the factor to `vary`"))
 }
 
-/// The fault of a name that is none of the factors and metrics.
+/// Returns the fault of a name that is neither a factor nor a metric.
 fn unknown(
     name: &str,
     kind: &str,

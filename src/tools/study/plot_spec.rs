@@ -18,18 +18,18 @@ use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 pub struct PlotSpec {
     /// The factor or metric along the horizontal axis.
     pub x: String,
-    /// The metrics along the vertical axis, of one unit: medians with their confidence
-    /// intervals. In YAML one name or a list of names.
+    /// The metrics along the vertical axis, of one unit: medians with their confidence intervals.
+    /// In YAML one name or a list of names.
     #[serde(deserialize_with = "names")]
     pub y: Vec<String>,
-    /// The factors that distinguish series; if not given, those without which a series
-    /// would have several points at one `x`.
+    /// The factors that distinguish series; if not given, the factors without which a series would
+    /// have several points at one `x`.
     #[serde(default)]
     pub by: Option<Vec<String>>,
     /// The scale of both axes; logarithmic if not given.
     #[serde(default)]
     pub scale: AxisScale,
-    /// Whether a [`CostLaw`](super::CostLaw) is fitted to each series.
+    /// If true, fits a [`CostLaw`](super::CostLaw) to each series.
     #[serde(default)]
     pub fit: bool,
 }

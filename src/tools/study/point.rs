@@ -18,7 +18,7 @@ pub struct StudyPoint {
 }
 
 impl StudyPoint {
-    /// The scene as its file states it.
+    /// Creates the point of a scene, with the values of its file.
     pub(super) fn of_scene(scene: &Path, name: String) -> Self {
         let values = [("scene".to_owned(), Value::from(name))];
         Self {
@@ -28,7 +28,7 @@ impl StudyPoint {
         }
     }
 
-    /// The point with a level of one more factor.
+    /// Returns the point with a level of one more factor.
     pub(super) fn with(&self, factor: &Factor, level: &FactorLevel) -> Self {
         let mut point = self.clone();
         point.flags.extend(level.flags.iter().cloned());
@@ -38,19 +38,19 @@ impl StudyPoint {
         point
     }
 
-    /// The number of ranks, where that is a factor.
+    /// Returns the number of ranks, where that is a factor.
     pub fn ranks(&self) -> Option<u64> {
         self.values.get(FlagFactor::Ranks.name())?.as_u64()
     }
 
-    /// The label in messages: "scene seed_extended, threads 2".
+    /// Returns the label in messages: "scene seed_extended, threads 2".
     pub fn label(&self) -> String {
         label_of(&self.values)
     }
 }
 
-/// The names of scenes: the stems of their files, with as many folders before them as tell
-/// them apart.
+/// Returns the names of scenes: the stems of their files, preceded by folders where needed to
+/// distinguish them.
 pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
     let name = |scene: &Path, n_parts: usize| {
         let bare = scene.with_extension("");
@@ -72,13 +72,13 @@ pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
     })
 }
 
-/// The values of a point as text: "scene seed_extended, threads 2".
+/// Returns the values of a point as text: "scene seed_extended, threads 2".
 pub fn label_of(values: &Map<String, Value>) -> String {
     let named = |(factor, value): (&String, &Value)| format!("{factor} {}", text_of(value));
     values.iter().map(named).collect::<Vec<_>>().join(", ")
 }
 
-/// A level's value as text, without quotes.
+/// Returns a level's value as text, without quotes.
 pub(super) fn text_of(value: &Value) -> String {
     value
         .as_str()

@@ -1,5 +1,5 @@
-//! The points of a study in the roofline model: how near they come to the machine's
-//! limits, and which limit binds.
+//! The points of a study in the roofline model: their distance from the machine's limits, and the
+//! limit that binds.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ pub struct RooflinePoint {
     pub render_ns_per_ray: SampleStatistics,
     /// Bytes of nodes and leaves per ray, as if rays shared none.
     pub bytes_per_ray: f64,
-    /// Nodes and leaves per ray, which it fetches one after the other.
+    /// Nodes and leaves per ray, fetched one after the other.
     pub fetches_per_ray: f64,
     /// Instructions per ray; `None` if they were not counted.
     pub instructions_per_ray: Option<f64>,
@@ -32,13 +32,13 @@ pub struct RooflinePoint {
     /// Size of the BVH in bytes.
     pub hierarchy_bytes: f64,
     /// Memory latency of the fetches as a share of the time per ray: the latency of
-    /// [`MachineLimits::tree`], with the rays in flight waiting in parallel. An upper bound
-    /// that may exceed 1, since coherent rays find more in the caches.
+    /// [`MachineLimits::tree`], with the rays in flight waiting in parallel. An upper bound that
+    /// may exceed 1, since coherent rays find more in the caches.
     pub latency_share: f64,
     /// Time to read the bytes at sequential bandwidth, as a share of the time per ray.
     pub bandwidth_share: f64,
-    /// Instructions as a share of the peak in that time; if they were not counted, 1 minus
-    /// the greater of the other two shares.
+    /// Instructions as a share of the peak in that time; if they were not counted, 1 minus the
+    /// greater of the other two shares.
     pub instruction_share: f64,
     /// The limit with the greatest share.
     pub bound: Bound,
@@ -67,8 +67,8 @@ impl fmt::Display for Bound {
 }
 
 impl RooflinePoint {
-    /// Computes the shares from the rows of one point; `None` if a metric is missing, as
-    /// without counters or without a BVH.
+    /// Computes the shares from the rows of one point; `None` if a metric is missing, as without
+    /// counters or without a BVH.
     fn of(rows: &[StatisticsRow], limits: &MachineLimits) -> Option<Self> {
         let statistics = |name: &str| {
             let row = rows.iter().find(|row| row.metric == name)?;
@@ -110,13 +110,13 @@ impl RooflinePoint {
         })
     }
 
-    /// The greater of the shares of latency and bandwidth.
+    /// Returns the greater of the shares of latency and bandwidth.
     fn memory_share(&self) -> f64 {
         self.latency_share.max(self.bandwidth_share)
     }
 }
 
-/// The points that have all metrics of the model, in the order of the rows.
+/// Returns the points that have all metrics of the model, in the order of the rows.
 pub fn roofline_points(rows: &[StatisticsRow], limits: &MachineLimits) -> Vec<RooflinePoint> {
     let points = rows.chunk_by(|a, b| a.point == b.point);
     points
@@ -124,7 +124,7 @@ pub fn roofline_points(rows: &[StatisticsRow], limits: &MachineLimits) -> Vec<Ro
         .collect()
 }
 
-/// The limits that bind the points, as a sentence of two lines; `None` without points.
+/// Returns the limits that bind the points, as a sentence of two lines; `None` without points.
 pub fn bottleneck_report(points: &[RooflinePoint]) -> Option<String> {
     let by_memory =
         |a: &&RooflinePoint, b: &&RooflinePoint| a.memory_share().total_cmp(&b.memory_share());
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use render::instruments::MemoryBlock;
 
-    /// The rows of a point with one run and these metrics.
+    /// Returns the rows of a point with one run and these metrics.
     fn rows(numbers: &[(&str, f64)]) -> Vec<StatisticsRow> {
         let row = |(metric, value): &(&str, f64)| StatisticsRow {
             point: Map::new(),
@@ -172,7 +172,7 @@ mod tests {
         numbers.iter().map(row).collect()
     }
 
-    /// Memory of one speed: 10 ns, 4 GB/s alone and 2 GB/s shared.
+    /// Returns memory of one speed: 10 ns, 4 GB/s for one thread and 2 GB/s shared.
     fn limits(instructions_per_second: Option<f64>) -> MachineLimits {
         MachineLimits {
             caches: Vec::new(),
@@ -187,7 +187,8 @@ mod tests {
         }
     }
 
-    /// 10 fetches of 400 bytes in total within 200 ns, except for the given metrics.
+    /// Returns a point with 10 fetches of 400 bytes in total within 200 ns, except for the given
+    /// metrics.
     fn point(given: &[(&str, f64)], limits: &MachineLimits) -> RooflinePoint {
         let mut numbers = vec![
             ("render_ns_per_ray", 200.0),

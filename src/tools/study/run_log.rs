@@ -1,8 +1,8 @@
 //! The log of runs, `runs.jsonl`.
 //!
-//! JSON Lines: a header with the provenance of the runs, which is all that determines them
-//! besides their points, then one line per run. An
-//! incomplete last line, of an interrupted write, is cut off when the study continues.
+//! JSON Lines: a header with the provenance of the runs, which is all that determines them besides
+//! their points, then one line per run. An incomplete last line, from an interrupted write, is cut
+//! off when the study continues.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -41,7 +41,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether the other run has the same point and round.
+    /// Returns true if the other run has the same point and round.
     fn duplicates(&self, other: &Self) -> bool {
         (self.round, &self.point) == (other.round, &other.point)
     }
@@ -60,8 +60,8 @@ impl RunLog {
     /// Opens the log at `path`, or creates one for runs with the provenance `made_by`.
     ///
     /// # Errors
-    /// If the file cannot be read or written, is not a log of runs, has a run twice, or if
-    /// its runs have another provenance. The file stays unchanged.
+    /// If the file cannot be read or written, is not a log of runs, has a run twice, or if its runs
+    /// have another provenance. The file stays unchanged.
     pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
         let failed = |error| cannot_open(path, &error);
         let mut options = OpenOptions::new();
@@ -94,7 +94,7 @@ impl RunLog {
         Ok(Self { file, runs })
     }
 
-    /// Whether the log has this round of the point.
+    /// Returns true if the log has this round of the point.
     pub fn has(&self, point: &StudyPoint, round: u32) -> bool {
         let is_it = |run: &Run| run.round == round && run.point == point.values;
         self.runs.iter().any(is_it)
@@ -129,7 +129,7 @@ impl CompleteLines {
         })
     }
 
-    /// The next line without its line end; `None` at the end of the file or at an
+    /// Returns the next line without its line end; `None` at the end of the file or at an
     /// incomplete line.
     fn next(&mut self) -> io::Result<Option<String>> {
         let mut line = String::new();

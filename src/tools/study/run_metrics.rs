@@ -12,8 +12,8 @@ use tracer::accel::RAYS_IN_FLIGHT;
 pub struct RunMetrics(pub IndexMap<String, f64>);
 
 impl RunMetrics {
-    /// Takes the metrics of a run from its summary and the wall time of its whole
-    /// process in milliseconds.
+    /// Takes the metrics of a run from its summary and the wall time of its whole process in
+    /// milliseconds.
     pub fn of(summary: &Summary, process_ms: f64) -> Self {
         let mut metrics = Self::default();
         metrics.add("process_ms", Some(process_ms));
@@ -61,9 +61,9 @@ impl RunMetrics {
 
     /// Adds time, instructions, bytes and fetches per ray.
     ///
-    /// Bytes and fetches count nodes and leaves of the BVH as if each ray fetched its own,
-    /// although rays in a packet share them. Each primitive test, also outside the BVH,
-    /// counts as the mean over all leaves.
+    /// Bytes and fetches count nodes and leaves of the BVH as if each ray fetched them separately,
+    /// although rays in a packet share them. Each primitive test, also outside the BVH, counts as
+    /// the mean over all leaves.
     fn add_costs_per_ray(&mut self, summary: &Summary) {
         let rays_in_flight = match summary.cost.kernel.as_deref() {
             Some("stream") => Some(RAYS_IN_FLIGHT as f64),
@@ -95,13 +95,13 @@ impl RunMetrics {
         }
     }
 
-    /// Adds the throughput, the part of the run that threads and ranks share, and the
-    /// efficiency of ranks with its parts.
+    /// Adds the throughput, the part of the run that threads and ranks share, and the efficiency of
+    /// ranks with its parts.
     ///
-    /// The useful time of a rank is the mean busy time of its threads; load balance is the mean
-    /// of all threads over the longest of a rank, communication efficiency that longest over the
-    /// wall time of the rendering, and parallel efficiency their product: POP Centre of
-    /// Excellence, "Standard Metrics for Performance Audits of Parallel Applications".
+    /// The useful time of a rank is the mean busy time of its threads; load balance is the mean of
+    /// all threads over the longest of a rank, communication efficiency the longest over the wall
+    /// time of the rendering, and parallel efficiency their product: POP Centre of Excellence,
+    /// "Standard Metrics for Performance Audits of Parallel Applications".
     fn add_scaling(&mut self, summary: &Summary) {
         let of = |name: &str| self.0.get(name).copied();
         let wall_ms = of("render_wall_ms").filter(|&ms| ms > 0.0);

@@ -10,18 +10,18 @@ const WITH_THREADS: [&str; 3] = ["threads", "ranks", "image_size"];
 /// The metric of a run that efficiencies compare.
 const THROUGHPUT: &str = "pixels_per_second";
 
-/// A point with its threads of all ranks, and how many pixels it renders in a second.
+/// A point with its threads of all ranks, and the number of pixels it renders in a second.
 struct ScalingPoint<'a> {
     row: &'a StatisticsRow,
     n_threads: f64,
 }
 
-/// Returns rows of `speedup` and `scaling_efficiency` for the points of a study that varies
-/// threads or ranks. The baseline is the point with the fewest threads among those that differ
-/// in nothing else but the size of the image: the speedup is the throughput in pixels over that
-/// of the baseline, and the efficiency the speedup over the ratio of threads. That is strong
-/// scaling where all images are equal (t₁ / (n tₙ)), and weak scaling where their pixels grow
-/// with the threads (t₁ / tₙ).
+/// Returns rows of `speedup` and `scaling_efficiency` for the points of a study that varies threads
+/// or ranks. The baseline is the point with the fewest threads among the points that differ only in
+/// the size of the image: the speedup is the throughput in pixels over the baseline's throughput,
+/// and the efficiency the speedup over the ratio of threads. That is strong scaling where all
+/// images are equal (t₁ / (n tₙ)), and weak scaling where their pixels grow with the threads (t₁ /
+/// tₙ).
 pub fn scaling_rows(rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
     let of_metric = |name: &'static str| rows.iter().filter(move |row| row.metric == name);
     let points: Vec<ScalingPoint> = of_metric(THROUGHPUT)
@@ -61,7 +61,7 @@ pub fn scaling_rows(rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
     found
 }
 
-/// The statistics of values that are all multiplied by a positive factor.
+/// Returns the statistics of values that are all multiplied by a positive factor.
 fn scaled(of: &SampleStatistics, factor: f64) -> SampleStatistics {
     SampleStatistics {
         mean: of.mean * factor,
@@ -92,7 +92,7 @@ mod tests {
         }
     }
 
-    /// The median of a metric of a point.
+    /// Returns the median of a metric of a point.
     fn median(rows: &[StatisticsRow], values: &Value, metric: &str) -> f64 {
         let of_point = rows
             .iter()

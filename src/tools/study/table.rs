@@ -17,17 +17,17 @@ pub struct StatisticsRow {
     pub point: Map<String, Value>,
     /// The metric's name, which ends with its unit.
     pub metric: String,
-    /// Over the runs after the warm-up.
+    /// The statistics over the runs after the warm-up.
     #[serde(flatten)]
     pub statistics: SampleStatistics,
-    /// Whether the first run after the warm-up is an outlier above the median.
+    /// True if the first run after the warm-up is an outlier above the median.
     pub first_is_slow: bool,
-    /// Whether the runs had more threads than there are processors, so that threads
-    /// shared processors.
+    /// True if the runs had more threads than there are processors, so that threads shared
+    /// processors.
     pub oversubscribed: bool,
 }
 
-/// The rows of all measured points in the plan's order, on a machine with `n_processors`
+/// Returns the rows of all measured points in the plan's order, on a machine with `n_processors`
 /// (`None` if unknown, then no point counts as oversubscribed).
 pub fn statistics_rows(
     plan: &StudyPlan,
@@ -81,7 +81,7 @@ pub fn write_csv(rows: &[StatisticsRow], out: &mut impl Write) -> io::Result<()>
     table.flush()
 }
 
-/// The columns of a row after its factors: name and value.
+/// Returns the columns of a row after its factors: name and value.
 fn columns(row: &StatisticsRow) -> [(&'static str, String); 13] {
     let of = &row.statistics;
     [

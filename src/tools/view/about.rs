@@ -55,7 +55,7 @@ pub(super) fn json(
     about.to_string()
 }
 
-/// A cost metric as the page describes arrays.
+/// Returns a cost metric as the page describes arrays.
 fn metric(metric: Metric) -> Value {
     json!({
         "name": metric.name,
@@ -65,13 +65,13 @@ fn metric(metric: Metric) -> Value {
     })
 }
 
-/// The id of the frame's array at this position. Names of arrays are no ids: they may
-/// contain any characters.
+/// Returns the ID of the frame's array at this position. Names of arrays cannot serve as IDs: they
+/// may contain any characters.
 pub(super) fn array_id(position: usize) -> String {
     format!("array-{position}")
 }
 
-/// A note on what was not measured; `None` if everything was.
+/// Returns a note on values that were not measured; `None` if all were.
 pub(super) fn missing(summary: &Summary) -> Option<String> {
     let note = match summary.cost.mode {
         CostMode::SingleRayTime | CostMode::Time => return None,
@@ -83,7 +83,7 @@ pub(super) fn missing(summary: &Summary) -> Option<String> {
     Some(note.to_owned())
 }
 
-/// Short facts about the rendering, the most important first.
+/// Returns short facts about the rendering, the most important first.
 fn facts(summary: &Summary) -> Vec<String> {
     let image = &summary.image;
     let structure = match (&*summary.acceleration.kind, &summary.acceleration.quality) {
@@ -113,7 +113,7 @@ fn facts(summary: &Summary) -> Vec<String> {
     facts
 }
 
-/// The label of each object: its name, or its shape if it has none.
+/// Returns the label of each object: its name, or its shape if it has none.
 fn objects(summary: &Summary) -> Vec<Value> {
     let label = |object: &ObjectEntry| {
         let label = object.name.as_deref().unwrap_or(&object.kind);
@@ -122,7 +122,7 @@ fn objects(summary: &Summary) -> Vec<Value> {
     summary.objects.iter().map(label).collect()
 }
 
-/// 256 colors of three bytes as base64.
+/// Returns 256 colors of three bytes as base64.
 fn color_map(map: ColorMap) -> String {
     let colors = (0..256).flat_map(|i| rgb8(map.at(f64::from(i) / 255.0)));
     STANDARD.encode(colors.collect::<Vec<u8>>())

@@ -10,15 +10,15 @@ use output::results::Results;
 
 /// Least number of pixels that are tried: fewer would not show the picture.
 const MIN_PIXELS: u64 = 16 * 16;
-/// The share of the budget that the next attempt aims at: fewer pixels are less
-/// similar to their neighbors, so that each takes more bytes.
+/// The share of the budget that the next attempt aims at: fewer pixels are less similar to their
+/// neighbors, so each takes more bytes.
 const AIM: f64 = 0.97;
 
 impl Page {
-    /// Reads the content of a page, with as many pixels as fit into `max_bytes`.
+    /// Reads the content of a page, with the most pixels that fit into `max_bytes`.
     ///
     /// # Errors
-    /// As [`Page::of`], or the smallest page has more bytes.
+    /// As for [`Page::of`], or if even the smallest page has more bytes.
     pub fn within(max_bytes: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut n_pixels = MAX_PIXELS;
         loop {
@@ -36,7 +36,7 @@ impl Page {
         }
     }
 
-    /// The length of the page in bytes.
+    /// Returns the length of the page in bytes.
     fn n_bytes(&self) -> u64 {
         let mut counter = ByteCounter(0);
         self.write(&mut counter)

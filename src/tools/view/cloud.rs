@@ -14,13 +14,13 @@ pub(super) struct Cloud {
     positions: Vec<f32>,
     /// Indices into the shown pixels, ascending.
     pixels: Vec<u32>,
-    /// The number of points of the rendering.
+    /// Number of points of the rendering.
     n_all: usize,
 }
 
 impl Cloud {
-    /// Reads the points of all shown pixels, so that each pixel that is marked or
-    /// probed in the picture has its point.
+    /// Reads the points of all shown pixels, so that each pixel that is marked or probed in the
+    /// picture has its point.
     pub(super) fn read(
         hits: &mut HitsFile,
         pixels: &ShownPixels,
@@ -53,17 +53,17 @@ impl Cloud {
         self.n_all += points.len();
     }
 
-    /// The number of shown points.
+    /// Returns the number of shown points.
     pub(super) fn len(&self) -> usize {
         self.pixels.len()
     }
 
-    /// The number of points of the rendering.
+    /// Returns the number of points of the rendering.
     pub(super) fn n_all(&self) -> usize {
         self.n_all
     }
 
-    /// The positions and the pixels as payloads of the page.
+    /// Returns the positions and the pixels as payloads of the page.
     pub(super) fn payloads(self) -> [Payload; 2] {
         [
             Payload::of_numbers("cloud-positions", &ArrayValues::F32(self.positions)),
@@ -71,7 +71,7 @@ impl Cloud {
         ]
     }
 
-    /// A note on the omitted points, if any.
+    /// Returns a note on the omitted points, if any.
     pub(super) fn note(&self) -> Option<String> {
         let [shown, all] = [self.len(), self.n_all].map(|n| count(n as u64));
         (self.len() < self.n_all).then(|| {

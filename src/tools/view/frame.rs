@@ -4,7 +4,7 @@ use base::text::Diagnostic;
 use base::text::numbers::count;
 use output::results::{FrameFile, LoadedArray};
 
-/// Most pixels of a page: those of full HD.
+/// Greatest number of pixels of a page: full HD.
 pub(super) const MAX_PIXELS: u64 = 1920 * 1080;
 
 /// The pixels that a page shows: the intersections of evenly spaced columns and rows.
@@ -17,9 +17,8 @@ pub(super) struct ShownPixels {
 }
 
 impl ShownPixels {
-    /// Selects at most `n_most` pixels, at least one, with the aspect ratio of the
-    /// rendering. A rendering that is slightly too large loses a few rows and columns,
-    /// not every second one.
+    /// Selects at most `n_most` pixels, at least one, with the aspect ratio of the rendering. A
+    /// rendering that is slightly too large loses a few rows and columns, not every second one.
     pub(super) fn at_most(n_most: u64, full: [u32; 2]) -> Self {
         let [width, height] = full.map(u64::from);
         let n_most = n_most.clamp(1, (width * height).max(1));
@@ -32,7 +31,7 @@ impl ShownPixels {
         }
     }
 
-    /// The number of shown pixels.
+    /// Returns the number of shown pixels.
     pub(super) fn n_shown(self) -> u64 {
         self.shown.map(u64::from).iter().product()
     }
@@ -41,14 +40,14 @@ impl ShownPixels {
         self.shown == self.full
     }
 
-    /// The column (`axis` 0) or row (`axis` 1) of the rendering that is shown at `i`:
-    /// the middle one of those that it represents.
+    /// Returns the column (`axis` 0) or row (`axis` 1) of the rendering that is shown at `i`: the
+    /// middle one of the columns or rows that it represents.
     fn shown_at(self, i: u32, axis: usize) -> u32 {
         let [full, shown] = [self.full[axis], self.shown[axis]].map(u64::from);
         ((2 * u64::from(i) + 1) * full / (2 * shown)) as u32
     }
 
-    /// The shown column or row of one of the rendering; `None` if it is not shown.
+    /// Returns the shown column or row of one of the rendering; `None` if it is not shown.
     fn place(self, at: u32, axis: usize) -> Option<u32> {
         let [full, shown] = [self.full[axis], self.shown[axis]].map(u64::from);
         let near = (u64::from(at) * shown / full) as u32;
@@ -56,8 +55,8 @@ impl ShownPixels {
         [near, near + 1].into_iter().find(is_there)
     }
 
-    /// The index of a pixel of the rendering among the shown ones; `None` if it is
-    /// not shown.
+    /// Returns the index of a pixel of the rendering among the shown ones; `None` if it is not
+    /// shown.
     pub(super) fn index(self, pixel: u64) -> Option<u32> {
         let width = u64::from(self.full[0]);
         let [i, j] = [
@@ -85,13 +84,13 @@ impl ShownPixels {
         names.iter().map(read).collect()
     }
 
-    /// The shown columns or rows.
+    /// Returns the shown columns or rows.
     fn all_shown(self, axis: usize) -> Vec<u32> {
         let n = self.shown[axis];
         (0..n).map(|i| self.shown_at(i, axis)).collect()
     }
 
-    /// A note on the omitted pixels, if any.
+    /// Returns a note on the omitted pixels, if any.
     pub(super) fn note(self) -> Option<String> {
         let [[width, height], [n_columns, n_rows]] =
             [self.full, self.shown].map(|size| size.map(|n| count(n.into())));

@@ -13,15 +13,14 @@ use render::film::{HotPixel, Times, highest_counts};
 use tracer::cost::Metric;
 use vtk::ArrayValues;
 
-/// Most pixels listed for each metric.
+/// Greatest number of pixels listed for each metric.
 const MAX_PIXELS_LISTED: usize = 3;
 
-/// Returns the most expensive pixels by time and by node visits, each if measured. A
-/// pixel has its column, its row, its value, and its index among the shown pixels, or
-/// null if it is not shown.
+/// Returns the most expensive pixels by time and by node visits, each if measured. A pixel has its
+/// column, its row, its value, and its index among the shown pixels, or null if it is not shown.
 ///
 /// # Errors
-/// The frame is damaged.
+/// If the frame is damaged.
 pub(super) fn json(
     summary: &Summary,
     frame: &mut FrameFile,
@@ -43,7 +42,7 @@ pub(super) fn json(
     Ok(found.iter().filter(is_found).map(by_array).collect())
 }
 
-/// The command that traces pixels of this rendering, without `--pixel`.
+/// Returns the command that traces pixels of this rendering, without `--pixel`.
 pub(super) fn trace_command(summary: &Summary) -> String {
     let image = &summary.image;
     let frame = summary.frame.as_ref();
@@ -88,7 +87,8 @@ fn by_time(
     })
 }
 
-/// The most expensive pixels of all pieces, given those of each with rows from its first.
+/// Returns the most expensive pixels of all pieces, given the pixels of each piece with rows
+/// counted from its first row.
 fn hottest_of(
     frame: &mut FrameFile,
     of_piece: impl Fn(&mut FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,

@@ -1,9 +1,9 @@
 //! An output folder → `view.html`, a page that shows all of it in a browser.
 //!
-//! Converts [`Results`] to a page that needs no server and no network: it embeds the
-//! arrays as text and the script that shows them. A rendering that is too large for a
-//! page, or for the requested size, is subsampled evenly and deterministically, and the
-//! page says so: every shown value is an exact value of the rendering.
+//! Converts [`Results`] to a page that needs no server and no network: it embeds the arrays as text
+//! and the script that shows them. A rendering that is too large for a page, or for the requested
+//! size, is subsampled evenly and deterministically, and the page says so: every shown value is an
+//! exact value of the rendering.
 
 mod about;
 mod budget;
@@ -33,7 +33,7 @@ pub const FILE: &str = "view.html";
 #[derive(Debug)]
 pub struct Page {
     title: String,
-    /// The id of the run.
+    /// The ID of the run.
     run: RunId,
     /// The JSON that the script reads.
     about: String,
@@ -46,10 +46,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// Reads the content of a page, with at most as many pixels as full HD has.
+    /// Reads the content of a page, with at most the pixels of full HD.
     ///
     /// # Errors
-    /// A file of the folder is missing or damaged.
+    /// If a file of the folder is missing or damaged.
     pub fn of(results: &Results) -> Result<Self, Diagnostic> {
         Self::of_at_most(MAX_PIXELS, results)
     }
@@ -61,7 +61,7 @@ impl Page {
         // The page cannot be drawn without these arrays: report the missing ones.
         frame.require(&["RGB", "footprint"])?;
         let arrays = pixels.read(&mut frame)?;
-        // Relative to the camera, points have digits enough in 32 bits, wherever they are.
+        // Relative to the camera, 32 bits have enough digits for points, wherever they are.
         let camera = results.summary.camera.as_ref();
         let origin = camera.map_or([0.0; 3], |camera| camera.origin);
         let cloud = Cloud::read(&mut results.hits()?, &pixels, origin)?;
@@ -91,7 +91,7 @@ impl Page {
                 Some(_) => format!("{} (partial)", results.summary.scene.name),
                 None => results.summary.scene.name.clone(),
             },
-            // Outputs of older versions have no id: the page needs one.
+            // Outputs of older versions have no ID: the page needs one.
             run: (results.summary.run).unwrap_or_else(|| checksum(about.as_bytes()).into()),
             about,
             payloads,
@@ -104,12 +104,12 @@ impl Page {
     /// Writes the page.
     ///
     /// # Errors
-    /// `out` fails.
+    /// If `out` fails.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         html::write(&self.title, self.run, &self.about, &self.payloads, out)
     }
 
-    /// Notes on what the page does not show, and why; one or two sentences each.
+    /// Returns notes on omitted content, with reasons; one or two sentences each.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -9,7 +9,7 @@ use flate2::write::ZlibEncoder;
 
 use vtk::ArrayValues;
 
-/// Bytes under an id, compressed by zlib and encoded in base64.
+/// Bytes with an ID, compressed by zlib and encoded in base64.
 #[derive(Debug)]
 pub(super) struct Payload {
     id: String,
@@ -17,8 +17,8 @@ pub(super) struct Payload {
 }
 
 impl Payload {
-    /// Encodes numbers as byte planes, the least significant first: the high bytes of
-    /// counters are zeros, and runs of zeros compress well.
+    /// Encodes numbers as byte planes, the least significant first: the high bytes of counters are
+    /// zeros, and runs of zeros compress well.
     pub(super) fn of_numbers(id: &str, values: &ArrayValues) -> Self {
         Self::of_bytes(id, &planes(values.bytes(), width(values)))
     }
@@ -34,12 +34,12 @@ impl Payload {
         }
     }
 
-    /// The length of the text in bytes.
+    /// Returns the length of the text in bytes.
     pub(super) fn n_bytes(&self) -> u64 {
         self.base64.len() as u64
     }
 
-    /// Writes the element that holds the text. Neither base64 nor an id contains `<`.
+    /// Writes the element that holds the text. Neither base64 nor an ID contains `<`.
     pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let Self { id, base64 } = self;
         writeln!(
@@ -49,7 +49,7 @@ impl Payload {
     }
 }
 
-/// The name of the number type in the page's script.
+/// Returns the name of the number type in the page's script.
 pub(super) fn type_name(values: &ArrayValues) -> &'static str {
     match values {
         ArrayValues::U8(_) => "u8",
@@ -62,7 +62,7 @@ pub(super) fn type_name(values: &ArrayValues) -> &'static str {
     }
 }
 
-/// Bytes per number; 1 if there are no numbers.
+/// Returns the bytes per number; 1 if there are no numbers.
 fn width(values: &ArrayValues) -> usize {
     match values.len() {
         0 => 1,
@@ -70,8 +70,8 @@ fn width(values: &ArrayValues) -> usize {
     }
 }
 
-/// Transposes numbers to byte planes: the least significant bytes of all numbers, then
-/// the next bytes, and so on.
+/// Transposes numbers to byte planes: the least significant bytes of all numbers, then the next
+/// bytes, and so on.
 fn planes(bytes: &[u8], width: usize) -> Vec<u8> {
     let at = |plane| {
         if cfg!(target_endian = "little") {

@@ -10,15 +10,14 @@ use super::layout::{
 use math::simd::N_LANES;
 use scene::geometry::Aabb;
 
-/// Cache lines in which every reference that a traversal can reach refers to a
-/// whole node or leaf.
+/// Cache lines in which every reference that a traversal can reach refers to a whole node or leaf.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Arena {
     /// The root first; empty if there are no primitives.
     lines: Vec<CacheLine>,
-    /// The largest magnitude of a coordinate of the boxes.
+    /// Largest magnitude of a coordinate of the boxes.
     largest: f32,
-    /// The number of levels of nodes, at most one more than [`MAX_DEPTH`].
+    /// Number of levels of nodes, at most one more than [`MAX_DEPTH`].
     n_levels: usize,
 }
 
@@ -42,50 +41,50 @@ impl Arena {
         }
     }
 
-    /// Whether there are no primitives.
+    /// Returns true if there are no primitives.
     pub(super) fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// The largest magnitude of a coordinate of the boxes.
+    /// Returns the largest magnitude of a coordinate of the boxes.
     pub(super) fn largest(&self) -> f32 {
         self.largest
     }
 
-    /// The number of levels of nodes, at most one more than [`MAX_DEPTH`].
+    /// Returns the number of levels of nodes, at most one more than [`MAX_DEPTH`].
     pub(super) fn n_levels(&self) -> usize {
         self.n_levels
     }
 
-    /// All cache lines.
+    /// Returns all cache lines.
     pub(super) fn lines(&self) -> &[CacheLine] {
         &self.lines
     }
 
-    /// The node of a reference.
+    /// Returns the node of a reference.
     ///
     /// # Safety
-    /// The reference is to a node: the root of this arena, which is not empty, or
-    /// a child of one of its nodes.
+    /// The reference refers to a node: the root of this arena, which is not empty, or a child of
+    /// one of its nodes.
     #[inline(always)]
     pub(super) unsafe fn node(&self, node_ref: NodeRef) -> &WideNode {
         debug_assert!(node_ref.line() + NODE_LINES <= self.lines.len());
-        // Less work than to add its lines.
+        // Less work than adding lines.
         let n_bytes = 2 * node_ref.0 as usize;
-        // SAFETY: `check` made sure that the whole node is within the lines. A
-        // line has the alignment of a node, for which all bits are valid.
+        // SAFETY: `check` made sure that the whole node is within the lines. A line has the
+        // alignment of a node, for which all bits are valid.
         unsafe { &*self.lines.as_ptr().byte_add(n_bytes).cast() }
     }
 
-    /// The leaf of a reference.
+    /// Returns the leaf of a reference.
     ///
     /// # Safety
-    /// The reference is to a leaf that is a child of one of this arena's nodes.
+    /// The reference refers to a leaf that is a child of one of this arena's nodes.
     #[inline(always)]
     pub(super) unsafe fn leaf(&self, node_ref: NodeRef) -> Leaf<'_> {
         debug_assert!(node_ref.line() + LEAF_WINDOW_LINES <= self.lines.len());
-        // SAFETY: `check` made sure that the window is within the lines. All bits
-        // are valid for numbers.
+        // SAFETY: `check` made sure that the window is within the lines. All bits are valid for
+        // numbers.
         let numbers: &[f32; LEAF_WINDOW] =
             unsafe { &*self.lines.as_ptr().add(node_ref.line()).cast() };
         Leaf {
@@ -95,15 +94,15 @@ impl Arena {
         }
     }
 
-    /// The address of a node or leaf.
+    /// Returns the address of a node or leaf.
     #[inline(always)]
     pub(super) fn address(&self, node_ref: NodeRef) -> *const CacheLine {
         self.lines.as_ptr().wrapping_add(node_ref.line())
     }
 }
 
-/// Makes sure that the subtree below a node lies within the lines; returns the number
-/// of its levels. References point forward, so that the recursion ends.
+/// Checks that the subtree below a node lies within the lines. Returns the number of its levels.
+/// References point forward, so the recursion ends.
 fn check(lines: &[CacheLine], node_ref: NodeRef) -> usize {
     let node = layout::node(lines, node_ref);
     let mut n_levels = 0;
@@ -126,25 +125,25 @@ fn check(lines: &[CacheLine], node_ref: NodeRef) -> usize {
 #[derive(Clone, Copy)]
 pub(super) struct Leaf<'a> {
     numbers: &'a [f32; LEAF_WINDOW],
-    /// The number of primitives, from 1 to 8.
+    /// Number of primitives, from 1 to 8.
     n: usize,
     kind: LeafKind,
 }
 
 impl Leaf<'_> {
-    /// The number of primitives, from 1 to 8.
+    /// Returns the number of primitives, from 1 to 8.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.n
     }
 
-    /// The kind of the primitives.
+    /// Returns the kind of the primitives.
     #[inline(always)]
     pub(super) fn kind(&self) -> LeafKind {
         self.kind
     }
 
-    /// Row `i`, and the numbers that follow it.
+    /// Returns row `i` and the numbers that follow it.
     #[inline(always)]
     pub(super) fn row(&self, i: usize) -> &[f32; N_LANES] {
         // The mask changes nothing and avoids a bounds check.
@@ -152,7 +151,7 @@ impl Leaf<'_> {
         row.expect("the window extends a row beyond number 127")
     }
 
-    /// The rows of a coordinate of the three vertices, in a leaf of triangles.
+    /// Returns the rows of a coordinate of the three vertices, in a leaf of triangles.
     #[inline(always)]
     pub(super) fn coordinate(&self, axis: usize) -> [&[f32; N_LANES]; 3] {
         // The mask changes nothing and bounds the rows.
@@ -163,14 +162,14 @@ impl Leaf<'_> {
         [row(first), row(first + step), row(first + 2 * step)]
     }
 
-    /// The vertices in a lane of a leaf of triangles.
+    /// Returns the vertices in a lane of a leaf of triangles.
     #[inline]
     pub(super) fn triangle(&self, lane: usize) -> [Vec3; 3] {
         let at = |row| self.row(row)[lane % N_LANES];
         [0, 3, 6].map(|first| Vec3::new(at(first), at(first + 1), at(first + 2)))
     }
 
-    /// The index of the primitive in a lane; `n_rows` rows precede the indices.
+    /// Returns the index of the primitive in a lane; `n_rows` rows precede the indices.
     #[inline(always)]
     pub(super) fn primitive(&self, n_rows: usize, lane: usize) -> u32 {
         self.row(n_rows)[lane % N_LANES].to_bits() & !(ID_BIT | CAPSULE_BIT)

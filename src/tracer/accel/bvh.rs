@@ -22,23 +22,23 @@ impl Bvh {
     /// Greatest number of primitives.
     pub const MAX_PRIMITIVES: usize = build::MAX_PRIMITIVES;
 
-    /// Upper bound of the bytes per primitive that the build takes.
+    /// Returns an upper bound of the bytes per primitive that the build takes.
     pub fn bytes_per_primitive(quality: Quality) -> usize {
         build::bytes_per_primitive(quality)
     }
 
-    /// Upper bound of the ids of nodes, per primitive.
+    /// Returns an upper bound of the IDs of nodes, per primitive.
     pub fn ids_per_primitive(quality: Quality) -> usize {
         build::lines_per_primitive(quality)
     }
 
-    /// Builds the hierarchy over all primitives but the `unbounded`, whose indices
-    /// ascend; over at most [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES). The result does
-    /// not depend on the number of threads. Calls `report` with each finished share of the
-    /// build, from any thread; the shares add up to 1.
+    /// Builds the hierarchy over all primitives except the `unbounded`, whose indices ascend; over
+    /// at most [`MAX_PRIMITIVES`](Self::MAX_PRIMITIVES). The result does not depend on the number
+    /// of threads. Calls `report` with each finished share of the build, from any thread; the
+    /// shares add up to 1.
     ///
     /// # Errors
-    /// If it is larger than 8 GiB, which takes at least 100 million primitives.
+    /// If the hierarchy is larger than 8 GiB, which takes at least 100 million primitives.
     pub fn new(
         primitives: &[Primitive],
         unbounded: &[u32],
@@ -49,24 +49,24 @@ impl Bvh {
         Ok(Self { arena })
     }
 
-    /// The hierarchy with boxes around other primitives, as many and of the same kinds; `None`
-    /// for others.
+    /// Returns the hierarchy refitted to other primitives, or `None` if their number or kinds
+    /// differ.
     pub(super) fn refitted(&self, primitives: &[Primitive]) -> Option<Self> {
         let arena = build::refitted(Simd::best(), &self.arena, primitives)?;
         Some(Self { arena })
     }
 
-    /// Whether it is over these triangles.
+    /// Returns true if the hierarchy is over these triangles.
     pub(super) fn is_of_triangles(&self, triangles: &[Primitive]) -> bool {
         build::has_triangles(&self.arena, triangles)
     }
 
-    /// Its size and expected cost.
+    /// Returns the size and expected cost.
     pub fn statistics(&self) -> BvhStatistics {
         BvhStatistics::of(&self.arena)
     }
 
-    /// The surface area of the root's box; 0 if it is empty.
+    /// Returns the surface area of the root's box; 0 if it is empty.
     pub(super) fn surface_area(&self) -> f64 {
         if self.arena.is_empty() {
             return 0.0;
@@ -75,12 +75,12 @@ impl Bvh {
         node_bounds(root).surface_area().into()
     }
 
-    /// Its nodes and leaves.
+    /// Returns the nodes and leaves.
     pub(super) fn arena(&self) -> &Arena {
         &self.arena
     }
 
-    /// Traverses it with one ray, which has had `n_tests` tests before.
+    /// Traverses the hierarchy with one ray, which has had `n_tests` tests before.
     #[inline]
     pub(super) fn traverse<S: Search, P: Probe>(
         &self,

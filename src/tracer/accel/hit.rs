@@ -9,14 +9,14 @@ use scene::world::{InstanceId, ObjectId, PlacedPrimitive};
 pub struct Hit {
     /// Parameter along the ray, greater than 0.
     pub t: f32,
-    /// The primitive's index in the scene.
+    /// Index of the primitive in the scene.
     pub primitive: u32,
-    /// The instance, if the primitive is one of a mesh that is placed many times.
+    /// The instance, for a primitive of an instanced mesh.
     pub instance: Option<InstanceId>,
 }
 
 impl Hit {
-    /// The primitive that was hit.
+    /// Returns the primitive that was hit.
     #[inline]
     pub fn placed(&self) -> PlacedPrimitive {
         PlacedPrimitive {
@@ -42,32 +42,32 @@ pub struct ShadowRay {
 pub struct ShadowStream {
     /// The rays.
     pub(super) rays: RayStream,
-    /// The end of each ray, with room for whole lanes.
+    /// The `t_max` of each ray, padded to whole lanes.
     pub(super) t_max: Vec<f32>,
     /// The object that each ray ignores; empty if none ignores any.
     pub ignored: Vec<Option<ObjectId>>,
 }
 
 impl ShadowStream {
-    /// The rays.
+    /// Returns the rays.
     #[inline]
     pub fn rays(&self) -> &RayStream {
         &self.rays
     }
 
-    /// Only hits with a smaller `t` count for ray `i`.
+    /// Returns the parameter before which hits count for ray `i`.
     #[inline]
     pub fn t_max(&self, i: usize) -> f32 {
         self.t_max[i]
     }
 
-    /// Number of rays.
+    /// Returns the number of rays.
     #[inline]
     pub fn len(&self) -> usize {
         self.rays.len()
     }
 
-    /// Whether there are no rays.
+    /// Returns true if there are no rays.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.rays.is_empty()
@@ -80,8 +80,8 @@ impl ShadowStream {
         self.ignored.clear();
     }
 
-    /// Adds the rays of the lanes of `mask`, which end at `t_max`. The objects that they
-    /// ignore, if any, are added apart.
+    /// Adds the rays of the lanes of `mask`, which end at `t_max`. The objects that they ignore, if
+    /// any, are added separately.
     #[inline(always)]
     pub(crate) fn push_lanes<L: Lanes>(
         &mut self,
@@ -97,13 +97,13 @@ impl ShadowStream {
         *lanes_mut(&mut self.t_max, first) = t_max.compress(mask).to_array();
     }
 
-    /// The object that ray `i` ignores.
+    /// Returns the object that ray `i` ignores.
     #[inline(always)]
     pub(super) fn ignored(&self, i: usize) -> Option<ObjectId> {
         self.ignored.get(i).copied().flatten()
     }
 
-    /// Ray `i`.
+    /// Returns ray `i`.
     #[inline]
     pub fn get(&self, i: usize) -> ShadowRay {
         ShadowRay {
@@ -113,7 +113,7 @@ impl ShadowStream {
         }
     }
 
-    /// All rays.
+    /// Returns all rays.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = ShadowRay> {
         (0..self.len()).map(|i| self.get(i))
     }

@@ -13,18 +13,18 @@ use scene::world::{InstanceId, Instances, World};
 #[derive(Debug, PartialEq)]
 pub struct AccelIndex {
     pub(super) upper: SearchLevel,
-    /// The structures of meshes that are placed many times.
+    /// The structures of instanced meshes.
     pub(super) lower: Vec<Arc<SearchLevel>>,
-    /// The id of the first node of each of them.
+    /// The ID of the first node of each of these structures.
     pub(super) first_ids: Vec<u32>,
-    /// Whether it is another one, refitted.
+    /// True if this index was refitted from another one.
     pub(super) is_refitted: bool,
 }
 
 impl AccelIndex {
     /// Builds the index over these primitives; keeps the structures of those `meshes` that have not
-    /// changed. Calls `report` with each finished share of the build, from any thread; the
-    /// shares add up to at most 1.
+    /// changed. Calls `report` with each finished share of the build, from any thread; the shares
+    /// add up to at most 1.
     ///
     /// # Errors
     /// If the hierarchy is larger than 8 GiB.
@@ -59,9 +59,8 @@ impl AccelIndex {
         })
     }
 
-    /// The index refitted to primitives that have moved, with the structures of meshes that have
-    /// not changed; `None` if these are not as many and of the same kinds, or without a
-    /// hierarchy.
+    /// Returns the index refitted to primitives that have moved, with the structures of meshes that
+    /// have not changed, or `None` if their number or kinds differ, or if there is no hierarchy.
     pub(super) fn refitted(&self, world: World) -> Option<Self> {
         let upper = self.upper.refitted(world.upper_level())?;
         let meshes = world.instances.map_or(&[][..], Instances::meshes);
@@ -84,8 +83,8 @@ impl AccelIndex {
         })
     }
 
-    /// Size and expected cost of the hierarchy, with those of meshes that are placed many times;
-    /// `None` for brute force.
+    /// Returns the size and expected cost of the hierarchy, including the hierarchies of instanced
+    /// meshes; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         let upper = self.upper.bvh.as_ref()?.statistics();
         let lower = self.lower.iter().filter_map(|level| level.bvh.as_ref());
@@ -96,8 +95,8 @@ impl AccelIndex {
         })
     }
 
-    /// The expected number of node visits and primitive tests of a ray through the root's box,
-    /// by the surface area heuristic, in both levels; 0 without a hierarchy.
+    /// Returns the expected number of node visits and primitive tests of a ray through the root's
+    /// box, by the surface area heuristic, in both levels; 0 without a hierarchy.
     pub(super) fn sah_cost(&self, world: World) -> f64 {
         let of_level = |level: &SearchLevel| {
             let bvh = level.bvh.as_ref();
@@ -131,7 +130,7 @@ mod tests {
     use scene::world::{Geometries, Scene};
     use scene::yaml;
 
-    /// Two instances of a mesh, one of which moves.
+    /// Returns a scene with two instances of a mesh, one of which moves.
     fn scene(x: f32) -> Scene {
         let text = format!(
             "image: {{ width: 1, height: 1 }}\n\

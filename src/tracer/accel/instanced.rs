@@ -1,15 +1,15 @@
 //! Searches through both levels of a scene with instances.
 //!
 //! An instance is a primitive of the upper level. Its test moves the ray into the space of the
-//! mesh, where its parameter stays the same, and traverses the mesh's own hierarchy with the
-//! same search.
+//! mesh, where its parameter stays the same, and traverses the mesh's hierarchy with the same
+//! search.
 //!
 //! # Why the hierarchy of the upper level hides no hit
 //!
-//! Rounding in the space of the mesh may move a hit out of the instance's box in world space. So
-//! a hit counts only within the slabs of that box, whose margin is at most that of the
-//! hierarchy's boxes around it: by their arithmetic, which is monotonic, a ray that enters it
-//! enters these, and not later. Brute force has the same rule.
+//! Rounding in the space of the mesh may move a hit out of the instance's box in world space. So a
+//! hit counts only within the slabs of that box, whose margin is at most the margin of the
+//! hierarchy's boxes around it: their arithmetic is monotonic, so a ray that enters the box enters
+//! these, and not later. Brute force has the same rule.
 
 use std::sync::Arc;
 
@@ -24,11 +24,11 @@ use scene::world::{InstanceId, Instances, PlacedPrimitive, World};
 
 /// A search that distinguishes instances.
 pub(super) trait PlacedSearch: Search {
-    /// [`Search::found`] on a primitive of an instance's mesh.
+    /// Reports [`Search::found`] on a primitive of an instance's mesh.
     fn found_in(&mut self, instance: InstanceId, t: f32, primitive: u32);
-    /// Called before the tests of an instance, by the index of its box.
+    /// Called before the tests of an instance, with the index of its box.
     fn enter(&mut self, _primitive: u32) {}
-    /// Called after them.
+    /// Called after the tests of an instance.
     fn leave(&mut self) {}
 }
 
@@ -39,7 +39,7 @@ pub(super) struct LowerLevels<'a> {
     pub(super) instances: &'a Instances,
     /// The structure of each mesh.
     pub(super) levels: &'a [Arc<SearchLevel>],
-    /// The id of the first node of each mesh.
+    /// The ID of the first node of each mesh.
     pub(super) first_ids: &'a [u32],
     pub(super) simd: Simd,
 }
@@ -52,7 +52,7 @@ pub(super) struct Instanced<'a, S> {
     pub(super) counts: LevelCounts,
 }
 
-/// Node visits and primitive tests.
+/// Numbers of node visits and primitive tests.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LevelCounts {
     pub(super) n_visits: u32,
@@ -74,7 +74,7 @@ impl Probe for LevelCounts {
 }
 
 impl<'a, S: PlacedSearch> Instanced<'a, S> {
-    /// The search of a ray through the upper level and these lower ones.
+    /// Returns the search of a ray through the upper level and these lower levels.
     pub(super) fn new(search: S, lower: LowerLevels<'a>) -> Self {
         Self {
             search,
@@ -83,7 +83,7 @@ impl<'a, S: PlacedSearch> Instanced<'a, S> {
         }
     }
 
-    /// Searches both levels; returns the counters of both.
+    /// Searches both levels. Returns the counters of both.
     pub(super) fn run(&mut self, upper: &SearchLevel, ray: &Ray) -> LevelCounts {
         let mut counts = LevelCounts::default();
         upper.search(self.lower.simd, ray, self, &mut counts);
@@ -155,13 +155,13 @@ struct InMesh<'s, 'a, S> {
     /// The ray in world space.
     ray: &'s Ray,
     id: InstanceId,
-    /// The mesh's first triangle among the primitives, and the id of its first node.
+    /// Index of the mesh's first triangle among the primitives, and the ID of its first node.
     first: u32,
     first_id: u32,
 }
 
 impl<S> InMesh<'_, '_, S> {
-    /// Whether a hit at `t` is within the slabs of the instance's box.
+    /// Returns true if a hit at `t` is within the slabs of the instance's box.
     fn is_in_box(&self, t: f32) -> bool {
         let of_box = self.lower.instances.box_of(self.id);
         let bounds = self.lower.world.primitives[of_box as usize].bounds();
@@ -217,9 +217,9 @@ impl<S: PlacedSearch> Search for InMesh<'_, '_, S> {
 #[derive(Clone, Copy)]
 pub(super) struct NearestPlaced<'a> {
     world: World<'a>,
-    /// The nearest hit so far, if there is one.
+    /// The nearest hit so far, if any.
     pub(super) nearest: Option<Hit>,
-    /// The next number after the `t` of that hit: hits at equal distance count.
+    /// The next float after the `t` of that hit: hits at equal distance count.
     limit: f32,
 }
 
@@ -232,8 +232,8 @@ impl<'a> NearestPlaced<'a> {
         }
     }
 
-    /// Of two hits at the same distance the one in world space counts, then the one on the
-    /// instance and on the primitive with the lower index.
+    /// Records a hit if it is nearer. Among hits at the same distance the one in world space
+    /// counts, then the one with the lowest instance, then the lowest primitive index.
     fn found_at(&mut self, t: f32, at: PlacedPrimitive) {
         let order = |at: PlacedPrimitive| (at.instance, at.primitive);
         let is_nearer = self.nearest.is_none_or(|nearest| {
@@ -245,7 +245,7 @@ impl<'a> NearestPlaced<'a> {
                 primitive: at.primitive,
                 instance: at.instance,
             });
-            // The next greater number, since `t` is finite and not negative.
+            // The next greater float, since `t` is finite and not negative.
             self.limit = f32::from_bits(t.to_bits() + 1);
         }
     }

@@ -1,17 +1,15 @@
 //! The memory layout of the hierarchy: an arena of cache lines.
 //!
-//! A node is four cache lines: the boxes of up to eight children as six rows of
-//! eight numbers, and a [`NodeRef`] per child. The leaves of a node follow it,
-//! then the nodes below it, in depth-first order.
+//! A node is four cache lines: the boxes of up to eight children as six rows of eight numbers, and
+//! a [`NodeRef`] per child. The leaves of a node follow it, then the nodes below it, in depth-first
+//! order.
 //!
-//! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles
-//! the coordinates of the three vertices, for spheres the coordinates of the
-//! center and the squared radius; then the indices of the primitives, ascending.
-//! A leaf of capsules has the indices first, then the coordinates of both ends and the
-//! radii.
-//! A load of eight lanes reads a row and the numbers behind it, so that the
-//! lanes from `n` on have no meaning. None of them is subnormal, which would
-//! slow down arithmetic: hence [`ID_BIT`].
+//! A leaf of `n` primitives is a block of rows of `n` numbers: for triangles the coordinates of the
+//! three vertices, for spheres the coordinates of the center and the squared radius; then the
+//! indices of the primitives, ascending. A leaf of capsules has the indices first, then the
+//! coordinates of both ends and the radii. A load of eight lanes reads a row and the numbers after
+//! it, so the lanes from `n` on are meaningless. None of them is subnormal, which would slow down
+//! arithmetic: hence [`ID_BIT`].
 
 use bytemuck::{Pod, Zeroable};
 
@@ -26,8 +24,7 @@ pub(super) struct CacheLine([f32; 16]);
 
 /// Cache lines of a [`WideNode`].
 pub(super) const NODE_LINES: usize = size_of::<WideNode>() / size_of::<CacheLine>();
-/// Cache lines that may be read from the start of each leaf on; the largest leaf
-/// has five.
+/// Cache lines that may be read from the start of each leaf on; the largest leaf has five.
 pub(super) const LEAF_WINDOW_LINES: usize = 9;
 /// Numbers in that window.
 pub(super) const LEAF_WINDOW: usize = LEAF_WINDOW_LINES * 16;
@@ -39,11 +36,11 @@ pub(super) const MAX_LEAF: usize = N_LANES;
 pub(super) const TRIANGLE_ROWS: usize = 9;
 /// Rows of a sphere leaf before the indices.
 pub(super) const SPHERE_ROWS: usize = 4;
-/// Rows of a capsule leaf behind the indices.
+/// Rows of a capsule leaf after the indices.
 pub(super) const CAPSULE_ROWS: usize = 8;
 /// Set in the indices of leaves of capsules: a [`NodeRef`] has no room for a fourth kind.
 pub(super) const CAPSULE_BIT: u32 = 1 << 29;
-/// Set in the indices of leaves: as floating-point numbers they are normal.
+/// Set in the indices of leaves, which makes them normal as floating-point numbers.
 pub(super) const ID_BIT: u32 = 1 << 30;
 
 /// A node: the boxes of up to eight children. Missing children have empty boxes.
@@ -56,9 +53,8 @@ pub(super) struct WideNode {
     pub(super) max: [[f32; N_LANES]; 3],
     /// The children, as the bits of [`NodeRef`]s.
     pub(super) children: [u32; N_LANES],
-    /// The children sorted from far to near, for each octant of ray directions:
-    /// the three bits from `3 * octant` on of entry `i` are the lane of child
-    /// number `i` in that order.
+    /// The children sorted from far to near, for each octant of ray directions: the three bits from
+    /// `3 * octant` on of entry `i` are the lane of child number `i` in that order.
     pub(super) order: [u32; N_LANES],
 }
 
@@ -71,8 +67,8 @@ impl WideNode {
         order: [0; N_LANES],
     };
 
-    /// The row of coordinates that begins at number `start`: 0, 8 and 16 are
-    /// those of `min`, 24, 32 and 40 those of `max`.
+    /// Returns the row of coordinates that starts at number `start`: `min` has rows 0, 8 and 16,
+    /// `max` has rows 24, 32 and 40.
     #[inline(always)]
     pub(super) fn row(&self, start: usize) -> &[f32; N_LANES] {
         let numbers: &[f32; 64] = bytemuck::cast_ref(self);
@@ -81,7 +77,7 @@ impl WideNode {
         row.expect("eight numbers follow the last multiple of eight")
     }
 
-    /// The number of children.
+    /// Returns the number of children.
     pub(super) fn n_children(&self) -> usize {
         self.min[0].iter().take_while(|min| min.is_finite()).count()
     }
@@ -101,7 +97,7 @@ pub(super) enum LeafKind {
 }
 
 impl LeafKind {
-    /// The kind of leaf for a primitive.
+    /// Returns the kind of leaf for a primitive.
     pub(super) fn of(primitive: &Primitive) -> Self {
         match primitive.world_shape() {
             Some(Shape::Triangle(_)) => Self::Triangles,
@@ -111,7 +107,7 @@ impl LeafKind {
         }
     }
 
-    /// The kind with this number.
+    /// Returns the kind with this number.
     #[inline(always)]
     pub(super) fn from_number(number: u32) -> Option<Self> {
         match number {
@@ -123,7 +119,7 @@ impl LeafKind {
         }
     }
 
-    /// The kind of the leaf of a reference that begins with this number.
+    /// Returns the kind of a leaf, given its reference and its first number.
     #[inline(always)]
     pub(super) fn of_leaf(node_ref: NodeRef, first: f32) -> Self {
         match node_ref.0 & 3 {
@@ -134,13 +130,13 @@ impl LeafKind {
         }
     }
 
-    /// Whether all of its primitives are tested at once.
+    /// Returns true if all primitives of the leaf are tested at once.
     #[inline(always)]
     pub(super) fn is_tested_at_once(self) -> bool {
         self != Self::Others
     }
 
-    /// Number of rows before the indices.
+    /// Returns the number of rows before the indices.
     #[inline(always)]
     pub(super) fn n_rows(self) -> usize {
         match self {
@@ -150,11 +146,11 @@ impl LeafKind {
         }
     }
 
-    /// Cache lines of a leaf of `n` primitives.
+    /// Returns the number of cache lines of a leaf of `n` primitives.
     pub(super) fn n_lines(self, n: usize) -> usize {
         let len = match self {
             Self::Triangles => (TRIANGLE_ROWS + 1) * n,
-            // Eight lanes load the last row: they must not read beyond the leaf.
+            // Eight lanes load the last row: they must not read past the leaf.
             Self::Spheres => ((SPHERE_ROWS + 1) * n).max((SPHERE_ROWS - 1) * n + N_LANES),
             Self::Capsules => (CAPSULE_ROWS + 1) * n + N_LANES - n,
             Self::Others => n,
@@ -163,10 +159,9 @@ impl LeafKind {
     }
 }
 
-/// A reference to a node, or to a leaf with its kind and size. From the top: 27 bits
-/// for the index of its first cache line, 3 bits for the size of a leaf minus one, 2
-/// bits for its kind (0 for a node, 3 for capsules too). So twice the reference to a node is the number of
-/// bytes before it.
+/// A reference to a node, or to a leaf with its kind and size. From the top: 27 bits for the index
+/// of its first cache line, 3 bits for the size of a leaf minus one, 2 bits for its kind (0 for a
+/// node, 3 for capsules too). So twice the reference to a node is the number of bytes before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct NodeRef(pub(super) u32);
 
@@ -176,48 +171,47 @@ impl NodeRef {
     /// Number of cache lines that a reference can address: 8 GiB.
     pub(super) const MAX_LINES: usize = 1 << 27;
 
-    /// The sentinel for a finished traversal: a leaf at the address of the root.
-    /// The address is valid because the kernel prefetches it; a prefetch of
-    /// unmapped memory is slow.
+    /// The sentinel for a finished traversal: a leaf at the address of the root. The address is
+    /// valid because the kernel prefetches it; a prefetch of unmapped memory is slow.
     pub(super) const END: Self = Self(LeafKind::Others as u32);
 
-    /// The node at this line.
+    /// Returns a reference to the node at this line.
     pub(super) fn node(line: u32) -> Self {
         Self(line << 5)
     }
 
-    /// The leaf of `n` primitives at this line.
+    /// Returns a reference to the leaf of `n` primitives at this line.
     pub(super) fn leaf(kind: LeafKind, n: usize, line: u32) -> Self {
         let kind = (kind as u32).min(LeafKind::Others as u32);
         Self(line << 5 | (n as u32 - 1) << 2 | kind)
     }
 
-    /// Whether this refers to a leaf.
+    /// Returns true if this refers to a leaf.
     #[inline(always)]
     pub(super) fn is_leaf(self) -> bool {
         self.0 & 3 != 0
     }
 
-    /// The number of primitives in the leaf, from 1 to 8.
+    /// Returns the number of primitives in the leaf, from 1 to 8.
     #[inline(always)]
     pub(super) fn leaf_size(self) -> usize {
         (self.0 >> 2 & 7) as usize + 1
     }
 
-    /// The index of its first cache line.
+    /// Returns the index of the first cache line.
     #[inline(always)]
     pub(super) fn line(self) -> usize {
         (self.0 >> 5) as usize
     }
 }
 
-/// The kind of the leaf of a reference, with bounds checks.
+/// Returns the kind of the leaf of a reference, with bounds checks.
 pub(super) fn leaf_kind(lines: &[CacheLine], node_ref: NodeRef) -> LeafKind {
     let CacheLine([first, ..]) = lines[node_ref.line()];
     LeafKind::of_leaf(node_ref, first)
 }
 
-/// The node of a reference, with bounds checks.
+/// Returns the node of a reference, with bounds checks.
 pub(super) fn node(lines: &[CacheLine], node_ref: NodeRef) -> &WideNode {
     let lines = lines[node_ref.line()..].first_chunk::<NODE_LINES>();
     bytemuck::cast_ref(lines.expect("nodes lie within the lines"))

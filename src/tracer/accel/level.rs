@@ -1,4 +1,4 @@
-//! One level of an acceleration structure: a hierarchy, and what has no bounds.
+//! One level of an acceleration structure: a hierarchy, and the unbounded primitives.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub(super) struct SearchLevel {
 }
 
 impl SearchLevel {
-    /// The structure of this kind over the primitives. Calls `report` with each finished share
+    /// Builds a structure of this kind over the primitives. Calls `report` with each finished share
     /// of the build, from any thread; the shares add up to at most 1.
     ///
     /// # Errors
@@ -53,8 +53,8 @@ impl SearchLevel {
         })
     }
 
-    /// The structure refitted to other primitives; `None` if these are not as many and of the
-    /// same kinds, or for brute force.
+    /// Returns the structure refitted to other primitives, or `None` if their number or kinds
+    /// differ, or for brute force.
     pub(super) fn refitted(&self, primitives: &[Primitive]) -> Option<Self> {
         let unbounded = Unbounded::new(primitives, unbounded_of(primitives));
         let is_alike = primitives.len() == self.n_primitives
@@ -67,15 +67,15 @@ impl SearchLevel {
         })
     }
 
-    /// Whether it is the structure over these triangles.
+    /// Returns true if this is the structure over these triangles.
     pub(super) fn is_of_triangles(&self, triangles: &[Primitive]) -> bool {
         let bvh = self.bvh.as_ref();
         triangles.len() == self.n_primitives
             && bvh.is_some_and(|bvh| bvh.is_of_triangles(triangles))
     }
 
-    /// Tests the search against all primitives that the ray may hit; reports the
-    /// counters to the probe.
+    /// Tests the search against all primitives that the ray may hit. Reports the counters to the
+    /// probe.
     #[inline]
     pub(super) fn search<S: Search, P: Probe>(
         &self,
@@ -92,24 +92,24 @@ impl SearchLevel {
         }
     }
 
-    /// Number of cache lines of the hierarchy: its nodes have smaller ids.
+    /// Returns the number of cache lines of the hierarchy, an upper bound of its node IDs.
     pub(super) fn n_ids(&self) -> u64 {
         let lines = self.bvh.as_ref().map(|bvh| bvh.arena().lines().len());
         lines.unwrap_or(0) as u64
     }
 }
 
-/// The indices of the primitives without bounds.
+/// Returns the indices of the primitives without bounds.
 fn unbounded_of(primitives: &[Primitive]) -> Vec<u32> {
     let is_unbounded = |&i: &u32| primitives[i as usize].is_unbounded();
     let all = (0..primitives.len() as u32).into_par_iter();
     all.filter(is_unbounded).collect()
 }
 
-/// The id of the first node of each lower level: ids ascend from level to level.
+/// Returns the ID of the first node of each lower level: IDs ascend from level to level.
 ///
 /// # Errors
-/// 32 bits do not suffice.
+/// If 32 bits do not suffice.
 pub(super) fn first_ids(
     upper: &SearchLevel,
     lower: &[Arc<SearchLevel>],

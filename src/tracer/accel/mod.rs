@@ -1,16 +1,14 @@
-//! Primitives → the nearest hit of a ray, or whether there is any.
+//! Primitives → the nearest hit of a ray, or its occlusion.
 //!
-//! Two structures with the same results: [`Bvh`], and brute force, which tests
-//! every primitive and serves as the reference in tests. Planes have no bounds
-//! and stay outside the hierarchy. Of two hits at the same distance the one on
-//! the primitive with the lower index counts.
+//! Two structures give the same results: [`Bvh`], and brute force, which tests every primitive and
+//! serves as the reference in tests. Planes have no bounds and stay outside the hierarchy. Of two
+//! hits at the same distance, the hit on the primitive with the lower index counts.
 //!
 //! A scene with instances has two levels ([`World`]): a ray that is tested against an instance
 //! traverses the structure of its mesh (`instanced`).
 //!
-//! `build` writes the hierarchy as cache lines (`layout`, `arena`); `kernel`
-//! traverses it, with eight lanes (`simd`), for a nearest-hit or an any-hit
-//! `search`.
+//! `build` writes the hierarchy as cache lines (`layout`, `arena`); `kernel` traverses it, with
+//! eight lanes (`simd`), for a nearest-hit or an any-hit `search`.
 
 mod layout;
 mod arena;
@@ -62,24 +60,21 @@ pub struct Accel<'a> {
 }
 
 impl<'a> Accel<'a> {
-    /// The structure of this kind over the primitives, at most
-    /// [`Bvh::MAX_PRIMITIVES`], for the fastest instruction set of the CPU.
+    /// Builds a structure of this kind over the primitives, at most [`Bvh::MAX_PRIMITIVES`], for
+    /// the fastest instruction set of the CPU.
     ///
     /// # Panics
-    /// If the hierarchy is too large: where [`build`](Self::build) returns an
-    /// error.
+    /// If the hierarchy is too large: where [`build`](Self::build) returns an error.
     pub fn new(world: impl Into<World<'a>>, kind: Acceleration) -> Self {
         let built = Self::build(world, kind, |_| {});
         built.unwrap_or_else(|too_large| panic!("{too_large}"))
     }
 
-    /// Builds the structure, as [`new`](Self::new) does. Calls `report` with each
-    /// finished share of the build, from any thread; the shares add up to at
-    /// most 1.
+    /// Builds the structure, as [`new`](Self::new) does. Calls `report` with each finished share of
+    /// the build, from any thread; the shares add up to at most 1.
     ///
     /// # Errors
-    /// If the hierarchy is larger than 8 GiB, which takes at least 100 million
-    /// primitives.
+    /// If the hierarchy is larger than 8 GiB, which takes at least 100 million primitives.
     pub fn build(
         world: impl Into<World<'a>>,
         kind: Acceleration,
@@ -88,7 +83,7 @@ impl<'a> Accel<'a> {
         Self::of_frame(world, kind, None, report)
     }
 
-    /// The structure with an index that was built over the same primitives.
+    /// Returns the structure with an index that was built over the same primitives.
     pub fn of_index(world: impl Into<World<'a>>, index: Arc<AccelIndex>) -> Self {
         Self {
             world: world.into(),
@@ -98,41 +93,40 @@ impl<'a> Accel<'a> {
         }
     }
 
-    /// Its index, to build it again without the work.
+    /// Returns the index, from which the same structure can be made again without building.
     pub fn index(&self) -> Arc<AccelIndex> {
         Arc::clone(&self.index)
     }
 
-    /// The same structure, traversed with another instruction set: same hits,
-    /// same counters.
+    /// Returns the same structure, traversed with another instruction set: same hits, same
+    /// counters.
     pub fn with_simd(self, simd: Simd) -> Self {
         Self { simd, ..self }
     }
 
-    /// The same structure, whose streams of rays are traced in this way: same hits, same
+    /// Returns the same structure, whose streams of rays are traced in this way: same hits, same
     /// counters.
     pub fn with_traversal(self, traversal: Traversal) -> Self {
         Self { traversal, ..self }
     }
 
-    /// How streams of rays are traced.
+    /// Returns the way in which streams of rays are traced.
     pub fn traversal(&self) -> Traversal {
         self.traversal
     }
 
-    /// The instruction set.
+    /// Returns the instruction set.
     pub fn simd(&self) -> Simd {
         self.simd
     }
 
-    /// Size and expected cost of the hierarchy, with those of meshes that are placed many times;
-    /// `None` for brute force.
+    /// Returns the size and expected cost of the hierarchy, including the hierarchies of instanced
+    /// meshes; `None` for brute force.
     pub fn statistics(&self) -> Option<BvhStatistics> {
         self.index.statistics()
     }
 
-    /// The nearest hit with `t > 0` of the ray, whose direction is a unit
-    /// vector.
+    /// Returns the nearest hit with `t > 0` of the ray, whose direction is a unit vector.
     pub fn nearest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
         if let Some(lower) = self.lower_levels() {
             return self.nearest_placed(lower, ray, probe);
@@ -142,11 +136,11 @@ impl<'a> Accel<'a> {
         nearest.hit()
     }
 
-    /// Whether the ray, whose direction is a unit vector, hits anything with `t`
-    /// in (0, `t_max`) that does not belong to `ignored`.
+    /// Returns true if the ray, whose direction is a unit vector, hits anything with `t` in (0,
+    /// `t_max`) that does not belong to `ignored`.
     ///
-    /// Brute force tests all primitives even after a hit: it counts as many
-    /// tests as there are primitives.
+    /// Brute force tests all primitives even after a hit: its count of tests is the number of
+    /// primitives.
     pub fn occluded<P: Probe>(
         &self,
         ray: &Ray,
@@ -162,8 +156,7 @@ impl<'a> Accel<'a> {
         any.found
     }
 
-    /// [`nearest`](Self::nearest); appends every step of the traversal to
-    /// `steps`.
+    /// Finds the [`nearest`](Self::nearest) hit and appends every step of the traversal to `steps`.
     pub fn record_nearest(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         let primitives = self.world.primitives;
         if let Some(lower) = self.lower_levels() {
@@ -178,8 +171,8 @@ impl<'a> Accel<'a> {
         recorder.into_parts().0.hit()
     }
 
-    /// [`occluded`](Self::occluded); appends every step of the traversal to
-    /// `steps` and returns the hit that occludes the ray.
+    /// Tests if the ray is [`occluded`](Self::occluded), appends every step of the traversal to
+    /// `steps`, and returns the hit that occludes the ray.
     pub fn record_occluded(
         &self,
         shadow: &ShadowRay,
@@ -195,8 +188,8 @@ impl<'a> Accel<'a> {
         recorder.into_parts().1
     }
 
-    /// The nodes and leaves of the hierarchy, parents before their children; then those of
-    /// each mesh that is placed many times, in the space of the mesh.
+    /// Returns the nodes and leaves of the hierarchy, parents before their children; then, for each
+    /// instanced mesh, its nodes and leaves in the space of the mesh.
     pub fn nodes(&self) -> Vec<BvhNode> {
         let list = |level: &SearchLevel| {
             let arena = level.bvh.as_ref().map(Bvh::arena);
@@ -211,9 +204,8 @@ impl<'a> Accel<'a> {
         nodes
     }
 
-    /// [`nearest`](Self::nearest) of many rays at once. Overwrites `hits` with one
-    /// entry per ray, and reports the counters of each ray to the probe by its
-    /// index, in any order.
+    /// Finds the [`nearest`](Self::nearest) hits of many rays at once. Overwrites `hits` with one
+    /// entry per ray, and reports the counters of each ray to the probe by its index, in any order.
     pub fn nearest_stream<P: StreamProbe>(
         &self,
         rays: &RayStream,
@@ -228,7 +220,7 @@ impl<'a> Accel<'a> {
         });
     }
 
-    /// [`occluded`](Self::occluded) of many rays at once, in the manner of
+    /// Tests if many rays are [`occluded`](Self::occluded) at once, in the manner of
     /// [`nearest_stream`](Self::nearest_stream).
     pub fn occluded_stream<P: StreamProbe>(
         &self,
@@ -245,7 +237,7 @@ impl<'a> Accel<'a> {
         });
     }
 
-    /// Whether many rays are traced at a time: not in scenes with instances.
+    /// Returns true if many rays are traced at a time: not in scenes with instances.
     fn is_traced_in_streams(&self) -> bool {
         self.traversal == Traversal::Stream && self.lower_levels().is_none()
     }
@@ -280,14 +272,14 @@ impl<'a> Accel<'a> {
         }
     }
 
-    /// Tests the search against all primitives that the ray may hit; reports the
-    /// counters to the probe.
+    /// Tests the search against all primitives that the ray may hit. Reports the counters to the
+    /// probe.
     #[inline]
     fn search<S: Search, P: Probe>(&self, ray: &Ray, search: &mut S, probe: &mut P) {
         self.index.upper.search(self.simd, ray, search, probe);
     }
 
-    /// The lower levels of a scene with instances.
+    /// Returns the lower levels of a scene with instances.
     #[inline]
     fn lower_levels(&self) -> Option<LowerLevels<'_>> {
         Some(LowerLevels {
@@ -299,7 +291,7 @@ impl<'a> Accel<'a> {
         })
     }
 
-    /// [`nearest`](Self::nearest) in a scene with instances.
+    /// Finds the [`nearest`](Self::nearest) hit in a scene with instances.
     fn nearest_placed<P: Probe>(
         &self,
         lower: LowerLevels,
@@ -325,7 +317,8 @@ impl<'a> Accel<'a> {
     }
 }
 
-/// Answers queries one after the other, by the index of each and what receives its counters.
+/// Answers queries one after the other; `answer` gets each query's index and the probe for its
+/// counters.
 fn one_by_one<A, P: StreamProbe>(
     rays: &RayStream,
     answers: &mut Vec<A>,

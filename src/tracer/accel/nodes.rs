@@ -8,31 +8,29 @@ use scene::geometry::Aabb;
 /// A node or a leaf of the hierarchy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BvhNode {
-    /// The id that [`TraversalStep`](super::TraversalStep)s refer to: 0 for the
-    /// root, ascending in the list, with gaps.
+    /// The ID that [`TraversalStep`](super::TraversalStep)s refer to: 0 for the root, ascending in
+    /// the list, with gaps.
     pub id: u32,
-    /// The id of its parent, which precedes it in the list; `None` for the root.
+    /// The ID of the parent, which precedes the node in the list; `None` for the root.
     pub parent: Option<u32>,
-    /// Its box in world space.
+    /// The node's box in world space.
     pub bounds: Aabb,
     /// Number of edges from the root.
     pub depth: u32,
-    /// Whether it has primitives instead of children.
+    /// True if the node has primitives instead of children.
     pub is_leaf: bool,
-    /// References in the leaves below it; a primitive that was split has several.
+    /// References in the leaves below the node; a primitive that was split has several.
     pub n_primitives: u32,
-    /// The expected number of node visits and primitive tests in this node and
-    /// below it, for a ray through the root's box, by the surface area heuristic.
-    /// At the root, it is
+    /// The expected number of node visits and primitive tests in this node and below it, for a ray
+    /// through the root's box, by the surface area heuristic. At the root, it is
     /// [`BvhStatistics::sah_cost`](super::BvhStatistics::sah_cost).
     pub sah_cost: f32,
-    /// The index of its mesh among those that are placed many times, for a node in the space
-    /// of such a mesh.
+    /// For a node in the space of an instanced mesh: the index of the mesh among such meshes.
     pub mesh: Option<u32>,
 }
 
 impl BvhNode {
-    /// The node as one of a mesh that is placed many times, whose root has this id.
+    /// Returns the node as a node of an instanced mesh, whose root has the ID `first_id`.
     pub(super) fn of_mesh(self, mesh: u32, first_id: u32) -> Self {
         Self {
             id: first_id + self.id,
@@ -43,7 +41,7 @@ impl BvhNode {
     }
 }
 
-/// All nodes and leaves in depth-first order.
+/// Returns all nodes and leaves in depth-first order.
 pub(super) fn list(arena: &Arena) -> Vec<BvhNode> {
     let mut nodes = Vec::new();
     let lines = arena.lines();
@@ -68,8 +66,8 @@ struct NodeList<'a> {
 }
 
 impl NodeList<'_> {
-    /// Adds the node or leaf of a reference and the subtree below it; returns its
-    /// number of primitives and its cost.
+    /// Adds the node or leaf of a reference and the subtree below it. Returns its number of
+    /// primitives and its cost.
     fn add(
         &mut self,
         node_ref: NodeRef,

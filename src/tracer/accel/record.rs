@@ -13,21 +13,21 @@ pub enum TraversalStep {
     Node {
         /// The node, as in [`BvhNode`](super::BvhNode).
         id: u32,
-        /// Whether the ray entered a child.
+        /// True if the ray entered a child.
         hit: bool,
     },
     /// A visit to a leaf; the tests of its primitives follow.
     Leaf {
         /// The leaf, as in [`BvhNode`](super::BvhNode).
         id: u32,
-        /// Whether the ray hit one of them.
+        /// True if the ray hit one of its primitives.
         hit: bool,
     },
     /// A test against a primitive.
     Test {
-        /// The primitive's index in the scene.
+        /// Index of the primitive in the scene.
         primitive: u32,
-        /// Whether the ray hit it, before the limit at that time.
+        /// True if the ray hit it, before the limit at that time.
         hit: bool,
     },
 }
@@ -37,12 +37,12 @@ pub(super) struct Recorder<'a, S> {
     search: S,
     primitives: &'a [Primitive],
     steps: &'a mut Vec<TraversalStep>,
-    /// The index of the last leaf among the steps.
+    /// Index of the last leaf among the steps.
     leaf: Option<usize>,
-    /// The index of the test of the instance that the ray is in, and that of the last leaf
-    /// outside.
+    /// Index of the test of the instance that the ray is in, and index of the last leaf outside the
+    /// instance.
     entered: Option<(usize, Option<usize>)>,
-    /// The hit that ended the search, if one did.
+    /// The hit that ended the search, if any.
     end: Option<Hit>,
 }
 
@@ -63,7 +63,7 @@ impl<'a, S> Recorder<'a, S> {
         }
     }
 
-    /// The recorded search, and the hit that ended it, if one did.
+    /// Returns the recorded search and the hit that ended it, if any.
     pub(super) fn into_parts(self) -> (S, Option<Hit>) {
         (self.search, self.end)
     }
@@ -148,8 +148,8 @@ impl<S: PlacedSearch> PlacedSearch for Recorder<'_, S> {
 }
 
 impl<S: Search> Recorder<'_, S> {
-    /// Marks the last test of a primitive as a hit, with its leaf, and with the instance around
-    /// it and its leaf.
+    /// Marks the last test of a primitive as a hit, with its leaf and, inside an instance, with the
+    /// test of the instance and its leaf.
     fn mark(&mut self, primitive: u32) {
         let was_tested = |step: &TraversalStep| matches!(step, TraversalStep::Test { primitive: tested, .. } if *tested == primitive);
         let test = self.steps.iter().rposition(was_tested);

@@ -1,4 +1,4 @@
-//! The two queries about a ray: its nearest hit, and whether there is any.
+//! The two queries about a ray: its nearest hit, and if there is any.
 
 use super::hit::{Hit, ShadowStream};
 use scene::geometry::{Ray, RayStream};
@@ -6,58 +6,59 @@ use scene::world::{ObjectId, Primitive};
 
 /// The state of a query while its ray is traversed.
 pub(super) trait Search {
-    /// Whether the traversal should visit near children before far ones.
+    /// True if the traversal should visit near children before far ones.
     const NEAREST_FIRST: bool;
-    /// Only hits before this parameter count.
+    /// Returns the parameter before which hits count.
     fn limit(&self) -> f32;
-    /// Whether no further primitive can change the answer.
+    /// Returns true if no further primitive can change the answer.
     fn is_done(&self) -> bool;
     /// Tests the ray against the primitive with this index.
     fn test(&mut self, ray: &Ray, primitive: u32);
-    /// Whether the traversal calls [`visit_node`](Self::visit_node) and
+    /// True if the traversal calls [`visit_node`](Self::visit_node) and
     /// [`visit_leaf`](Self::visit_leaf).
     const RECORDS: bool = false;
-    /// Called after a visit to the node at this cache line of the arena, with
-    /// whether the ray enters a child.
+    /// Called after a visit to the node at this cache line of the arena; `enters` is true if the
+    /// ray enters a child.
     fn visit_node(&mut self, _line: usize, _enters: bool) {}
-    /// Called before the primitives of the leaf at this cache line are tested at
-    /// once; without primitives where [`test`](Self::test) follows for each.
+    /// Called before the primitives of the leaf at this cache line are tested at once; without
+    /// primitives where [`test`](Self::test) follows for each.
     fn visit_leaf(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}
-    /// Called before the test of a primitive by a search that records, unless it was among
-    /// those of a leaf.
+    /// Called before the test of a primitive by a search that records, unless it was passed to
+    /// [`visit_leaf`](Self::visit_leaf).
     fn visit_test(&mut self, _primitive: u32) {}
-    /// Called for a hit on a primitive, at `t > 0`, and before the limit that
-    /// applied at the start of its group of primitives.
+    /// Called for a hit on a primitive, at `t > 0` and before the limit that applied at the start
+    /// of its group of primitives.
     fn found(&mut self, t: f32, primitive: u32);
 }
 
-/// A search that has its state in lanes beside those of other rays.
+/// A search whose state is kept in lanes beside the searches of other rays.
 pub(super) trait LaneSearch: Search + Copy {
-    /// Its limit, negative infinity if it is done, and the primitive of the nearest hit.
+    /// Returns the limit, negative infinity if the search is done, and the primitive of the nearest
+    /// hit.
     fn state(&self) -> (f32, u32);
-    /// This search, which has found nothing yet, in such a state.
+    /// Returns this search, which has found nothing yet, in such a state.
     fn resumed(self, limit: f32, nearest: u32) -> Self;
 }
 
-/// Questions about rays.
+/// Queries about rays.
 pub(super) trait Queries {
     /// The state of a traversal.
     type Search<'a>: LaneSearch
     where
         Self: 'a;
-    /// An answer.
+    /// The answer to a query.
     type Answer: Default;
-    /// The rays.
+    /// Returns the rays.
     fn rays(&self) -> &RayStream;
-    /// The search for the answer about ray `i` among these primitives.
+    /// Returns the search that answers query `i` among these primitives.
     fn search<'a>(&'a self, i: usize, primitives: &'a [Primitive]) -> Self::Search<'a>;
-    /// Whether a search may ignore hits before its limit.
+    /// Returns true if a search may ignore hits before its limit.
     fn ignores(&self) -> bool;
-    /// The answer that a finished search has found.
+    /// Returns the answer that a finished search has found.
     fn answer(search: &Self::Search<'_>) -> Self::Answer;
 }
 
-/// The nearest hits of the rays.
+/// Queries for the nearest hits of the rays.
 impl Queries for RayStream {
     type Search<'a> = NearestHit<'a>;
     type Answer = Option<Hit>;
@@ -83,7 +84,7 @@ impl Queries for RayStream {
     }
 }
 
-/// Whether the rays are occluded.
+/// Queries for the occlusion of the rays.
 impl Queries for ShadowStream {
     type Search<'a> = AnyHit<'a>;
     type Answer = bool;
@@ -113,9 +114,9 @@ impl Queries for ShadowStream {
 #[derive(Clone, Copy)]
 pub(super) struct NearestHit<'a> {
     primitives: &'a [Primitive],
-    /// The parameter and the primitive of the nearest hit so far; at infinity if there is none.
+    /// Parameter and primitive of the nearest hit so far; infinity if there is none.
     nearest: (f32, u32),
-    /// The next number after the `t` of that hit: hits at equal distance count.
+    /// The next float after the `t` of that hit: hits at equal distance count.
     limit: f32,
 }
 
@@ -128,7 +129,7 @@ impl<'a> NearestHit<'a> {
         }
     }
 
-    /// The hit, if there is one.
+    /// Returns the hit, if any.
     #[inline(always)]
     pub(super) fn hit(&self) -> Option<Hit> {
         let (t, primitive) = self.nearest;
@@ -165,7 +166,7 @@ impl Search for NearestHit<'_> {
         let (nearest, of_primitive) = self.nearest;
         if t < nearest || t == nearest && primitive < of_primitive {
             self.nearest = (t, primitive);
-            // The next greater number, since `t` is finite and not negative.
+            // The next greater float, since `t` is finite and not negative.
             self.limit = f32::from_bits(t.to_bits() + 1);
         }
     }
@@ -179,7 +180,7 @@ impl LaneSearch for NearestHit<'_> {
 
     #[inline(always)]
     fn resumed(self, limit: f32, nearest: u32) -> Self {
-        // The number before, or infinity where there is no hit.
+        // The float before the limit, or infinity without a hit.
         let has_hit = limit < f32::INFINITY;
         Self {
             nearest: (

@@ -4,8 +4,7 @@ use super::arena::Arena;
 use super::layout::{self, CacheLine, NodeRef, WideNode};
 use scene::geometry::Aabb;
 
-/// Cost of a node in the count SAH: one node visit counts as much as one
-/// primitive test.
+/// Cost of a node in the count SAH: one node visit counts as much as one primitive test.
 pub(super) const NODE_COUNT: f64 = 1.0;
 
 /// Size and expected cost of a hierarchy.
@@ -15,34 +14,31 @@ pub struct BvhStatistics {
     pub n_nodes: usize,
     /// Leaves of up to eight primitives.
     pub n_leaves: usize,
-    /// References to primitives in all leaves; a primitive that was split has
-    /// several.
+    /// References to primitives in all leaves; a primitive that was split has several.
     pub n_references: usize,
     /// Number of edges from the root to the deepest leaf.
     pub depth: usize,
-    /// The count SAH: the expected number of node visits and primitive tests of a
-    /// ray through the root's box, by the surface area heuristic. The build
-    /// minimizes another one, the time SAH, in which a leaf costs the same
-    /// however many primitives are tested at once (`build/collapse.rs`).
+    /// The count SAH: the expected number of node visits and primitive tests of a ray through the
+    /// root's box, by the surface area heuristic. The build minimizes another quantity, the time
+    /// SAH, in which a leaf costs the same however many primitives are tested at once
+    /// (`build/forests.rs`).
     pub sah_cost: f32,
     /// Memory of nodes and leaves, in bytes.
     pub bytes: usize,
-    /// Bytes that a node visit reads; a quarter less where the ray enters no
-    /// child.
+    /// Bytes that a node visit reads; a quarter less where the ray enters no child.
     pub bytes_per_visit: usize,
-    /// Bytes of a leaf per primitive, which a visit to the leaf reads: the mean
-    /// over all leaves; 0 if there are none.
+    /// Bytes of a leaf per primitive, which a visit to the leaf reads: the mean over all leaves; 0
+    /// if there are none.
     pub bytes_per_test: f32,
-    /// Whether it is the hierarchy of the first frame of an animation, with boxes around the
-    /// moved objects; left out if not.
+    /// True for the hierarchy of an animation's first frame with boxes around the moved objects;
+    /// left out otherwise.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_refitted: bool,
 }
 
 impl BvhStatistics {
-    /// With the hierarchies of meshes that are placed many times: sums, the depth of the
-    /// deepest path through both levels, and the expected cost of the upper level, in which an
-    /// instance counts as one test.
+    /// Adds the hierarchies of instanced meshes: sums, the depth of the deepest path through both
+    /// levels, and the expected cost of the upper level, in which an instance counts as one test.
     pub(super) fn with_lower(self, lower: impl Iterator<Item = Self>) -> Self {
         let mut sum = self;
         for mesh in lower {
@@ -59,7 +55,7 @@ impl BvhStatistics {
         sum
     }
 
-    /// The statistics of an arena, which may be empty.
+    /// Measures an arena, which may be empty.
     pub(super) fn of(arena: &Arena) -> Self {
         let lines = arena.lines();
         let mut sums = NodeSums::default();
@@ -116,13 +112,13 @@ impl NodeSums {
     }
 }
 
-/// The box around all children of a node.
+/// Returns the box around all children of a node.
 pub(super) fn node_bounds(node: &WideNode) -> Aabb {
     let bounds = (0..node.n_children()).map(|i| child_bounds(node, i));
     bounds.fold(Aabb::EMPTY, Aabb::union)
 }
 
-/// The box of a node's child `i`.
+/// Returns the box of a node's child `i`.
 pub(super) fn child_bounds(node: &WideNode, i: usize) -> Aabb {
     Aabb {
         min: node.min.map(|row| row[i]).into(),

@@ -8,14 +8,14 @@ use scene::world::Primitive;
 /// The unbounded primitives; with brute force, all primitives.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Unbounded {
-    /// Those that are tested against rays in lanes, with their indices.
+    /// Planes, tested against rays in lanes, with their indices.
     planes: Vec<(u32, Plane)>,
-    /// Those that are tested one by one.
+    /// Primitives tested one by one.
     others: Vec<u32>,
 }
 
 impl Unbounded {
-    /// The unbounded primitives with these indices.
+    /// Returns the unbounded primitives with these indices.
     pub(super) fn new(primitives: &[Primitive], indices: Vec<u32>) -> Self {
         let mut unbounded = Self::default();
         for index in indices {
@@ -27,7 +27,7 @@ impl Unbounded {
         unbounded
     }
 
-    /// All of them, one by one.
+    /// Returns these primitives, all tested one by one.
     pub(super) fn one_by_one(others: Vec<u32>) -> Self {
         Self {
             planes: Vec::new(),
@@ -35,25 +35,25 @@ impl Unbounded {
         }
     }
 
-    /// The indices of all of them.
+    /// Returns the indices of all primitives.
     pub(super) fn indices(&self) -> impl Iterator<Item = u32> {
         let planes = self.planes.iter().map(|(index, _)| *index);
         planes.chain(self.others.iter().copied())
     }
 
-    /// The planes, with their indices.
+    /// Returns the planes, with their indices.
     #[inline(always)]
     pub(super) fn planes(&self) -> &[(u32, Plane)] {
         &self.planes
     }
 
-    /// Number of primitives.
+    /// Returns the number of primitives.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.planes.len() + self.others.len()
     }
 
-    /// Tests all of them against one ray.
+    /// Tests all primitives against one ray.
     #[inline]
     pub(super) fn test<S: Search>(&self, ray: &Ray, search: &mut S) {
         for (primitive, plane) in &self.planes {
@@ -66,7 +66,7 @@ impl Unbounded {
         self.test_others(ray, search);
     }
 
-    /// Tests those that are not planes against one ray.
+    /// Tests the primitives that are not planes against one ray.
     #[inline(always)]
     pub(super) fn test_others<S: Search>(&self, ray: &Ray, search: &mut S) {
         for &primitive in &self.others {
@@ -74,14 +74,14 @@ impl Unbounded {
         }
     }
 
-    /// Whether all are planes.
+    /// Returns true if all primitives are planes.
     #[inline(always)]
     pub(super) fn are_planes(&self) -> bool {
         self.others.is_empty()
     }
 
-    /// Tests the planes against a ray per lane. Calls `found` for each hit
-    /// before the limit of its ray, with the lane, the parameter and the primitive.
+    /// Tests the planes against a ray per lane. Calls `found` for each hit before the limit of its
+    /// ray, with the lane, the parameter and the primitive.
     #[inline(always)]
     pub(super) fn test_planes<I: InstructionSet>(
         &self,

@@ -1,4 +1,4 @@
-//! The structure of a frame of an animation: built, or that of the first frame, refitted.
+//! The structure of an animation's frame: built, or refitted from the first frame.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use scene::world::World;
 /// The origin of a frame's structure.
 #[derive(Debug, Clone)]
 pub struct FrameBase {
-    /// The structures of meshes that are placed many times.
+    /// The structures of instanced meshes.
     meshes: Vec<Arc<SearchLevel>>,
     first: Option<FirstIndex>,
 }
@@ -22,13 +22,13 @@ pub struct FrameBase {
 #[derive(Debug, Clone)]
 struct FirstIndex {
     index: Arc<AccelIndex>,
-    /// Its expected cost per ray.
+    /// Expected cost per ray.
     sah_cost: f64,
     update: HierarchyUpdate,
 }
 
 impl FrameBase {
-    /// The structure of the first frame, from which those of others come in this way.
+    /// Starts from the structure of the first frame; other frames are derived from it by `update`.
     pub fn of(accel: &Accel, update: HierarchyUpdate) -> Self {
         let first = FirstIndex {
             index: accel.index(),
@@ -41,7 +41,7 @@ impl FrameBase {
         }
     }
 
-    /// Only the structures of the meshes of another frame.
+    /// Starts from only the structures of the meshes of another frame.
     pub fn of_meshes(index: &AccelIndex) -> Self {
         Self {
             meshes: index.lower.clone(),
@@ -49,7 +49,7 @@ impl FrameBase {
         }
     }
 
-    /// The index of the first frame; `None` if it has only the meshes of another one.
+    /// Returns the index of the first frame, or `None` if only meshes are shared.
     pub fn first_index(&self) -> Option<Arc<AccelIndex>> {
         let first = self.first.as_ref();
         first.map(|first| Arc::clone(&first.index))
@@ -57,8 +57,8 @@ impl FrameBase {
 }
 
 impl FirstIndex {
-    /// The index refitted to the primitives of a frame of `n_rays` camera rays; `None` if the
-    /// frame has to build its own.
+    /// Returns the index refitted to the primitives of a frame of `n_rays` camera rays, or `None`
+    /// if building a new one pays.
     fn refitted(&self, world: World, kind: Acceleration, n_rays: u64) -> Option<AccelIndex> {
         let refitted = self.index.refitted(world)?;
         let more_per_ray = refitted.sah_cost(world) - self.sah_cost;
@@ -69,9 +69,9 @@ impl FirstIndex {
     }
 }
 
-/// What it takes to build a hierarchy, per primitive: so many node visits or primitive tests of
-/// a ray take as long. Measured once, since the choice between refit and build must not depend
-/// on a clock.
+/// Returns the cost of building a hierarchy, per primitive, in node visits or primitive tests that
+/// take the same time. Measured once, since the choice between refit and build must not depend on a
+/// clock.
 fn build_cost(kind: Acceleration) -> f64 {
     match kind {
         Acceleration::BruteForce => 0.0,
@@ -82,8 +82,8 @@ fn build_cost(kind: Acceleration) -> f64 {
 }
 
 impl<'a> Accel<'a> {
-    /// The structure of a frame of `n_rays` camera rays: refitted from that of another frame
-    /// where this pays, or [built](Self::build), with the structures of its meshes that have not
+    /// Returns the structure of a frame of `n_rays` camera rays: refitted from another frame where
+    /// this pays, otherwise [built](Self::build), reusing the structures of meshes that have not
     /// changed.
     ///
     /// # Errors
@@ -109,13 +109,13 @@ impl<'a> Accel<'a> {
         Ok(Self::of_index(world, Arc::new(index)))
     }
 
-    /// Whether it is that of another frame, refitted.
+    /// Returns true if the structure was refitted from another frame.
     pub fn is_refitted(&self) -> bool {
         self.index.is_refitted
     }
 
-    /// The structure over other primitives, refitted to these; `None` if they are not as many
-    /// and of the same kinds, or without a hierarchy.
+    /// Returns the structure refitted to these primitives, or `None` if their number or kinds
+    /// differ, or if there is no hierarchy.
     pub fn refitted<'b>(&self, world: impl Into<World<'b>>) -> Option<Accel<'b>> {
         let world = world.into();
         let index = self.index.refitted(world)?;

@@ -1,14 +1,14 @@
 //! Rays by the number of bounces before them.
 
-/// Numbers of rays of a pixel, by the number of bounces between the camera and their start:
-/// the last one has those of all later bounces, too. Shadow rays count at the bounce of
-/// the point that they leave.
+/// Numbers of rays of a pixel, by the number of bounces between the camera and their start: the
+/// last entry includes all later bounces. Shadow rays count at the bounce of the point that they
+/// leave.
 pub type RaysByBounce = [u32; N_BOUNCES];
 
-/// How many numbers of bounces are counted separately.
+/// Number of bounce counts kept separately.
 pub const N_BOUNCES: usize = 8;
 
-/// The rays of many pixels by bounce, if they are asked for.
+/// Rays of many pixels by bounce, if requested.
 #[derive(Debug, Clone, Default)]
 pub struct BounceCounts {
     is_kept: bool,
@@ -16,7 +16,7 @@ pub struct BounceCounts {
 }
 
 impl BounceCounts {
-    /// Counts only if it is to keep them.
+    /// Creates counts that are kept only if `is_kept`.
     pub fn new(is_kept: bool) -> Self {
         Self {
             is_kept,
@@ -24,13 +24,13 @@ impl BounceCounts {
         }
     }
 
-    /// Whether it counts.
+    /// Returns true if rays are counted.
     #[inline]
     pub fn is_kept(&self) -> bool {
         self.is_kept
     }
 
-    /// Resets all counts to those of `n_pixels` pixels.
+    /// Resets the counts for `n_pixels` pixels.
     pub fn reset(&mut self, n_pixels: usize) {
         if self.is_kept {
             self.counts.clear();
@@ -45,7 +45,7 @@ impl BounceCounts {
         }
     }
 
-    /// Adds rays of a pixel, unless it does not count.
+    /// Adds rays of a pixel, if rays are counted.
     #[inline]
     pub fn add(&mut self, pixel: usize, bounce: u32, n_rays: u32) {
         if self.is_kept {
@@ -53,7 +53,7 @@ impl BounceCounts {
         }
     }
 
-    /// The counts of each pixel; empty if it does not count.
+    /// Returns the counts of each pixel; empty if rays are not counted.
     pub fn get(&self) -> &[RaysByBounce] {
         &self.counts
     }

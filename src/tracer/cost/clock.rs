@@ -1,11 +1,11 @@
 //! A clock cheap enough to be read for every pixel.
 //!
-//! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1)
-//! it reads that counter, calibrated once against the operating system's
-//! clock; elsewhere it reads the operating system's clock itself.
+//! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1) it reads that
+//! counter, calibrated once against the operating system's clock; elsewhere it reads the operating
+//! system's clock.
 //!
-//! A reading also holds the CPU of the thread: a time during which the thread
-//! migrated to another CPU includes the migration and its cache misses.
+//! A reading also holds the CPU of the thread: a time during which the thread migrated to another
+//! CPU includes the migration and its cache misses.
 
 use std::time::Instant as OsInstant;
 
@@ -38,14 +38,13 @@ enum ClockSource {
 #[derive(Debug, Clone, Copy)]
 pub struct Instant {
     ticks: u64,
-    /// The CPU that the thread ran on; always 0 where the system does not report
-    /// it.
+    /// The CPU that the thread ran on; always 0 where the system does not report it.
     cpu: u32,
 }
 
 impl Instant {
-    /// Whether both readings were made on the same CPU; true where the system
-    /// does not report CPUs.
+    /// Returns true if both readings were made on the same CPU, or if the system does not report
+    /// CPUs.
     #[inline]
     pub fn is_on_cpu_of(self, other: Self) -> bool {
         self.cpu == other.cpu
@@ -53,12 +52,12 @@ impl Instant {
 }
 
 impl Instant {
-    /// A reading of a simulated clock.
+    /// Returns a reading of a simulated clock.
     pub fn from_ticks(ticks: u64) -> Self {
         Self { ticks, cpu: 0 }
     }
 
-    /// The ticks since the clock's start.
+    /// Returns the ticks since the clock's start.
     pub fn ticks(self) -> u64 {
         self.ticks
     }
@@ -91,19 +90,19 @@ impl Clock {
         }
     }
 
-    /// Returns the nanoseconds from one reading to a later one, less the cost of
-    /// one reading; at least 1.
+    /// Returns the nanoseconds from one reading to a later one, less the cost of one reading; at
+    /// least 1.
     #[inline]
     pub fn elapsed_ns(&self, from: Instant, to: Instant) -> f32 {
         (self.raw_ns(from, to) - self.overhead_ns).max(1.0) as f32
     }
 
-    /// The cost of one reading in nanoseconds.
+    /// Returns the cost of one reading in nanoseconds.
     pub fn overhead_ns(&self) -> f64 {
         self.overhead_ns
     }
 
-    /// The name of its source: `"tsc"` or `"os"`.
+    /// Returns the name of the clock's source: `"tsc"` or `"os"`.
     pub fn source_name(&self) -> &'static str {
         match self.source {
             #[cfg(target_arch = "x86_64")]
@@ -163,8 +162,8 @@ mod tests {
     #[test]
     fn it_agrees_with_the_operating_system() {
         let clock = Clock::calibrated();
-        // Even if the test is interrupted, the span of the clock lies between
-        // those of the inner and the outer readings.
+        // Even if the test is interrupted, the span of the clock lies between the spans of the
+        // inner and the outer readings.
         let os = OsInstant::now();
         let [outer_from, from, inner_from] = bracketed_ns(&clock, os);
         std::thread::sleep(Duration::from_millis(20));
@@ -177,8 +176,7 @@ mod tests {
         );
     }
 
-    /// Reads the clock between two readings of the operating system's; in
-    /// nanoseconds.
+    /// Reads the clock between two readings of the operating system's clock; in nanoseconds.
     fn bracketed_ns(clock: &Clock, os: OsInstant) -> [f64; 3] {
         let os_ns = || os.elapsed().as_nanos() as f64;
         let before = os_ns();

@@ -39,8 +39,8 @@ counters! {
     NodeVisits: |cost| cost.node_visits,
     /// Ray-primitive tests.
     PrimitiveTests: |cost| cost.primitive_tests,
-    /// Samples, each of which has one camera ray. Where all pixels have the same number,
-    /// this is not counted.
+    /// Samples, each of which has one camera ray. Not counted where all pixels have the same
+    /// number.
     Samples: |cost| cost.rays[RayKind::Camera as usize],
     /// Rays toward lights.
     ShadowRays: |cost| cost.rays[RayKind::Shadow as usize],

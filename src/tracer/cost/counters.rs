@@ -4,21 +4,21 @@ use super::{Cost, Counter, RayKind, Traversals};
 
 /// The counters of some pixels: one array per counter, one entry per pixel.
 ///
-/// To keep counting cheap, camera rays are stored as the number of samples where all
-/// pixels have the same, and the array of a counter that few pictures need is empty while it is 0 for all
+/// To keep counting cheap, camera rays are stored as the number of samples where all pixels have
+/// the same, and the array of a counter that few pictures need is empty while it is 0 for all
 /// pixels.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
     n_pixels: usize,
     /// Camera rays of every pixel; 0 if they are counted.
     n_samples: u32,
-    /// In the order of [`Counter::ALL`]. Those of traversals are never empty.
+    /// In the order of [`Counter::ALL`]. The counters of traversals are never empty.
     counts: [Vec<u64>; Counter::ALL.len()],
 }
 
 impl Counters {
-    /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
-    /// rays each; 0 if they will be counted.
+    /// Resets all counters for `n_pixels` pixels with `n_samples` camera rays each; 0 if camera
+    /// rays will be counted.
     pub fn reset(&mut self, n_pixels: usize, n_samples: u32) {
         (self.n_pixels, self.n_samples) = (n_pixels, n_samples);
         self.counts.iter_mut().for_each(Vec::clear);
@@ -33,7 +33,7 @@ impl Counters {
         &self.counts[counter as usize]
     }
 
-    /// The number of pixels.
+    /// Returns the number of pixels.
     #[inline]
     pub fn n_pixels(&self) -> usize {
         self.n_pixels
@@ -93,8 +93,8 @@ impl Counters {
         traversals: &Traversals<N>,
     ) {
         const { assert!(Counter::NodeVisits as usize == 0 && Counter::PrimitiveTests as usize == 1) }
-        // Slices, so that the compiler keeps their lengths in registers: a write
-        // through a `Vec` could alias the length of either.
+        // Slices, so that the compiler keeps their lengths in registers: a write through a `Vec`
+        // could alias the length of either.
         let [all_visits, all_tests, ..] = &mut self.counts;
         let (all_visits, all_tests) = (&mut all_visits[..], &mut all_tests[..]);
         traversals.for_each(|i, visits, tests| {
@@ -104,7 +104,7 @@ impl Counters {
         });
     }
 
-    /// A path of the pixel has reached `depth` bounces.
+    /// Records that a path of the pixel has reached `depth` bounces.
     #[inline(always)]
     pub(super) fn bounce(&mut self, pixel: usize, depth: u64) {
         let deepest = &mut self.allocated(Counter::Depth)[pixel];

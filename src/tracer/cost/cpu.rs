@@ -1,7 +1,7 @@
 //! The CPU that runs a thread.
 
-/// Returns the number of the CPU that runs the calling thread; 0 where the
-/// system does not report it.
+/// Returns the number of the CPU that runs the calling thread; 0 where the system does not report
+/// it.
 #[inline]
 pub(super) fn current() -> u32 {
     #[cfg(target_os = "linux")]

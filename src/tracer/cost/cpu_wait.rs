@@ -1,4 +1,4 @@
-//! The time for which a thread is without a CPU.
+//! The time that a thread spends without a CPU.
 
 use std::time::{Duration, Instant};
 
@@ -6,12 +6,12 @@ use cpu_time::ThreadTime;
 
 use super::Interruptions;
 
-/// For how long the clocks of wall time and of CPU time are taken to run alike.
+/// The clocks of wall time and of CPU time are assumed to agree for this long.
 const MOST_AGE: Duration = Duration::from_millis(10);
 
-/// Measures how long the calling thread is without a CPU, because other threads have it or
-/// because it waits for one of them. The CPU clock, whose system call takes as long as a
-/// cheap pixel, is read only after an interruption.
+/// Measures how long the calling thread is without a CPU, because other threads have it or because
+/// it waits for one of them. The CPU clock, whose system call takes as long as a cheap pixel, is
+/// read only after an interruption.
 #[derive(Debug)]
 pub struct CpuWait {
     interruptions: Interruptions,
@@ -21,7 +21,7 @@ pub struct CpuWait {
 }
 
 impl CpuWait {
-    /// Observes the calling thread from now on.
+    /// Starts observing the calling thread.
     pub fn of_this_thread() -> Self {
         Self {
             interruptions: Interruptions::of_this_thread(),
@@ -30,7 +30,7 @@ impl CpuWait {
         }
     }
 
-    /// Begins again with no time waited.
+    /// Starts again with no time waited.
     pub fn begin(&mut self) {
         if self.interruptions.take() || self.since.0.elapsed() > MOST_AGE {
             self.since = (Instant::now(), ThreadTime::now());
@@ -38,7 +38,7 @@ impl CpuWait {
         self.waited_ns = 0;
     }
 
-    /// Whether the thread was interrupted since the last call; always false where the
+    /// Returns true if the thread was interrupted since the last call; always false where the
     /// system does not report it.
     #[inline]
     pub fn is_interrupted(&mut self) -> bool {
@@ -49,7 +49,7 @@ impl CpuWait {
         is_interrupted
     }
 
-    /// The time since the begin that the thread was without a CPU, as far as interruptions
+    /// Returns the time since the start that the thread was without a CPU, as far as interruptions
     /// were noticed, in nanoseconds.
     #[inline]
     pub fn waited_ns(&self) -> u64 {
@@ -82,7 +82,7 @@ mod tests {
         assert!(is_interrupted);
         let waited = Duration::from_nanos(wait.waited_ns());
         assert!(waited > Duration::from_millis(4) && waited <= begin.elapsed());
-        // What a thread works is never waited, however often it is interrupted.
+        // Working time never counts as waiting, however often the thread is interrupted.
         wait.begin();
         let (begin, cpu) = (Instant::now(), ThreadTime::now());
         while cpu.elapsed() < Duration::from_millis(2) {}

@@ -1,16 +1,13 @@
 //! Detects context switches of a thread with a single load from memory.
 //!
-//! Linux has a small structure per thread for restartable sequences
-//! (`linux/rseq.h`), which the C library registers. Its field `rseq_cs` points to
-//! a critical section, which restarts when it is interrupted. When the kernel
-//! preempts or migrates a thread outside of that section, or delivers a signal to
-//! it, it clears the field. An empty section contains no instruction: with a
-//! pointer to one, the field is null exactly if the thread was preempted,
-//! migrated or signaled since.
+//! Linux has a small structure per thread for restartable sequences (`linux/rseq.h`), which the C
+//! library registers. Its field `rseq_cs` points to a critical section, which restarts when it is
+//! interrupted. When the kernel preempts or migrates a thread outside of that section, or delivers
+//! a signal to it, it clears the field. With a pointer to an empty section, which contains no
+//! instruction, the field is null exactly if the thread was preempted, migrated or signaled since.
 //!
-//! `getrusage(RUSAGE_THREAD)` counts the same switches, but its system call takes
-//! as long as a cheap pixel. Neither reports interrupts that return to the thread
-//! at once, such as a timer tick.
+//! `getrusage(RUSAGE_THREAD)` counts the same switches, but its system call takes as long as a
+//! cheap pixel. Neither reports interrupts that return to the thread at once, such as a timer tick.
 
 /// Detects interruptions of one thread.
 #[derive(Debug)]
@@ -20,8 +17,8 @@ pub struct Interruptions {
 }
 
 impl Interruptions {
-    /// Detects interruptions of the calling thread from now on. The value is not
-    /// [`Send`], so that it stays on this thread.
+    /// Starts detecting interruptions of the calling thread. The value is not [`Send`], so it stays
+    /// on this thread.
     pub fn of_this_thread() -> Self {
         let mut interruptions = Self {
             field: rseq::field_of_this_thread(),
@@ -30,13 +27,13 @@ impl Interruptions {
         interruptions
     }
 
-    /// Whether the system reports interruptions.
+    /// Returns true if the system reports interruptions.
     pub fn is_reported(&self) -> bool {
         !self.field.is_null()
     }
 
-    /// Whether the thread was interrupted since the last call; always false where
-    /// the system does not report it.
+    /// Returns true if the thread was interrupted since the last call; always false where the
+    /// system does not report it.
     #[inline]
     pub fn take(&mut self) -> bool {
         self.is_reported() && rseq::rearm(self.field)
@@ -57,13 +54,12 @@ mod rseq {
         abort_ip: *const u32,
     }
 
-    // SAFETY: this program never writes to it and never dereferences its
-    // pointers.
+    // SAFETY: this program never writes to it and never dereferences its pointers.
     #[expect(unsafe_code, reason = "a constant with pointers for the kernel")]
     unsafe impl Sync for CriticalSection {}
 
-    /// The signature that the C library registers on x86-64, which precedes each
-    /// abort handler: `RSEQ_SIG`.
+    /// The signature that the C library registers on x86-64, which precedes each abort handler:
+    /// `RSEQ_SIG`.
     const SIGNATURE: u32 = 0x5305_3053;
 
     /// The signature, and the abort handler, which is never executed.
@@ -81,8 +77,8 @@ mod rseq {
     /// Offset of the field `rseq_cs` in `struct rseq`.
     const FIELD_OFFSET: isize = 8;
 
-    /// Returns the thread's field `rseq_cs`; null if the C library has not
-    /// registered it, as glibc does since version 2.35.
+    /// Returns the thread's field `rseq_cs`; null if the C library has not registered it, as glibc
+    /// does since version 2.35.
     #[expect(
         unsafe_code,
         reason = "the C library's symbols and the thread's pointer"
@@ -96,25 +92,25 @@ mod rseq {
         if offset.is_null() || size.is_null() {
             return ptr::null_mut();
         }
-        // SAFETY: glibc documents them as `const ptrdiff_t` and `const unsigned
-        // int`, the latter 0 if nothing was registered.
+        // SAFETY: glibc documents them as `const ptrdiff_t` and `const unsigned int`, the latter 0
+        // if nothing was registered.
         let (offset, size) = unsafe { (*offset.cast::<isize>(), *size.cast::<u32>()) };
         if size == 0 {
             return ptr::null_mut();
         }
         let thread: *mut u8;
-        // SAFETY: on x86-64 the word at fs:0 is the thread's own address, by the
-        // ABI of thread-local storage.
+        // SAFETY: on x86-64 the word at fs:0 is the thread's own address, by the ABI of
+        // thread-local storage.
         unsafe { std::arch::asm!("mov {}, fs:0", out(reg) thread, options(nostack, readonly)) };
         thread.wrapping_offset(offset + FIELD_OFFSET).cast()
     }
 
-    /// Whether the kernel has cleared the field; points it to [`EMPTY`] again.
+    /// Returns true if the kernel has cleared the field; points it to [`EMPTY`] again.
     #[inline]
     #[expect(unsafe_code, reason = "the kernel also writes to this memory")]
     pub(super) fn rearm(field: *mut u64) -> bool {
-        // SAFETY: the field belongs to this running thread; glibc permits its
-        // use, and `EMPTY` is static.
+        // SAFETY: the field belongs to this running thread; glibc permits its use, and `EMPTY` is
+        // static.
         unsafe {
             if field.read_volatile() != 0 {
                 return false;
@@ -144,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    /// Context switches of this thread so far, as counted by the kernel.
+    /// Returns the context switches of this thread so far, as counted by the kernel.
     fn n_switches() -> i64 {
         let usage: Usage = getrusage(UsageWho::RUSAGE_THREAD).unwrap();
         usage.voluntary_context_switches() + usage.involuntary_context_switches()

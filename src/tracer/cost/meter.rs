@@ -17,8 +17,8 @@ pub enum Meter {
 }
 
 impl Meter {
-    /// Creates the instruments of a mode. If there are times, calibrates a
-    /// clock, which takes about 0.5 ms.
+    /// Creates the instruments of a mode. If there are times, calibrates a clock, which takes about
+    /// 0.5 ms.
     pub fn new(mode: CostMode) -> Self {
         match mode {
             CostMode::None => Self::Off,
@@ -28,7 +28,7 @@ impl Meter {
         }
     }
 
-    /// The mode of these instruments.
+    /// Returns the mode of these instruments.
     pub fn mode(&self) -> CostMode {
         match self {
             Self::Off => CostMode::None,
@@ -38,7 +38,7 @@ impl Meter {
         }
     }
 
-    /// The clock, if there is one.
+    /// Returns the clock, if there is one.
     pub fn clock(&self) -> Option<&Clock> {
         match self {
             Self::SingleRayTime(clock) | Self::Time(clock) => Some(clock),

@@ -1,9 +1,8 @@
-//! The cost metrics of pixels: one table, from which films, files, pictures,
-//! tables and pages take names, labels and units.
+//! The cost metrics of pixels: one table, from which films, files, pictures, tables and pages take
+//! names, labels and units.
 //!
-//! To add a metric, add its row to [`Metric::ALL`]; one that is counted also needs
-//! its row in the list of [`Counter`]s, its field in [`Cost`], and the code that counts
-//! it.
+//! To add a metric, add its row to [`Metric::ALL`]; a counted metric also needs its row in the list
+//! of [`Counter`]s, its field in [`Cost`], and the code that counts it.
 
 use std::time::Duration;
 
@@ -16,21 +15,21 @@ use scene::config::CostMode;
 /// A cost metric of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Metric {
-    /// Name of its array in files.
+    /// Name of the metric's array in files.
     pub name: &'static str,
     /// Name in tables and menus.
     pub label: &'static str,
     /// Name of one value, in a sentence.
     pub title: &'static str,
-    /// Description in a line.
+    /// Description in one line.
     pub about: &'static str,
     /// Unit.
     pub unit: MetricUnit,
     /// How the values of several pixels combine.
     pub aggregation: Aggregation,
-    /// Whether values usually span decades, so that a logarithmic scale suits.
+    /// True if values usually span decades, so that a logarithmic scale suits.
     pub spans_decades: bool,
-    /// Where the values come from.
+    /// Origin of the values.
     pub source: MetricSource,
 }
 
@@ -39,14 +38,14 @@ pub struct Metric {
 pub enum MetricUnit {
     /// Time.
     Nanoseconds,
-    /// A count of what the label names.
+    /// A count of the things that the label names.
     Count,
 }
 
 /// How the values of several pixels combine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aggregation {
-    /// Their sum.
+    /// The sum of the values.
     Sum,
     /// The greatest value.
     Max,
@@ -55,7 +54,7 @@ pub enum Aggregation {
 /// The origin of a metric's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MetricSource {
-    /// The clock. The only one with noise.
+    /// The clock: the only source with noise.
     Clock,
     /// A counter.
     Counter(Counter),
@@ -125,8 +124,8 @@ impl Metric {
         ..counter("depth", "bounces", Counter::Depth)
     };
 
-    /// All metrics: in files, tables and menus they have this order, and heatmaps
-    /// show the first two that are not zero.
+    /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
+    /// two that are not zero.
     pub const ALL: [Self; 10] = [
         Self::TIME,
         Self::NODE_VISITS,
@@ -171,7 +170,7 @@ impl Metric {
         Self::ALL.into_iter().filter(is_counted)
     }
 
-    /// Returns the metric of the times that a mode measures, if it does.
+    /// Returns the metric of the times that a mode measures, if any.
     pub fn of_times(mode: CostMode) -> Option<Self> {
         match mode {
             CostMode::None | CostMode::Counters => None,
@@ -179,12 +178,12 @@ impl Metric {
         }
     }
 
-    /// Whether its values come from the clock.
+    /// Returns true if the values come from the clock.
     pub fn is_timed(self) -> bool {
         self.source == MetricSource::Clock
     }
 
-    /// Returns its value of a counted cost; 0 for a time.
+    /// Returns the value of a counted cost; 0 for a time.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
             MetricSource::Clock => 0,
@@ -201,7 +200,7 @@ impl Metric {
         }
     }
 
-    /// The unit in legends: "ns", or the label of what is counted.
+    /// Returns the unit in legends: "ns", or the label of a count.
     pub const fn unit_label(self) -> &'static str {
         match self.unit {
             MetricUnit::Nanoseconds => "ns",

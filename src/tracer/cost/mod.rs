@@ -54,8 +54,7 @@ impl RayKind {
     ];
 }
 
-/// Counted work, which depends neither on the machine nor on the number of
-/// threads.
+/// Counted work, which depends neither on the machine nor on the number of threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Cost {
     /// BVH nodes visited.
@@ -69,12 +68,12 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// The number of rays of one kind.
+    /// Returns the number of rays of one kind.
     pub fn rays_of(&self, kind: RayKind) -> u64 {
         self.rays[kind as usize]
     }
 
-    /// The number of all rays.
+    /// Returns the number of all rays.
     pub fn n_rays(&self) -> u64 {
         self.rays.iter().sum()
     }

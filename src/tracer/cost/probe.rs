@@ -2,21 +2,20 @@
 
 use super::{Cost, Counters, RayKind, Traversals};
 
-/// Receives the counters of one pixel. Kernels count in local variables and
-/// report once per ray.
+/// Receives the counters of one pixel. Kernels count in local variables and report once per ray.
 pub trait Probe {
-    /// Whether it uses what it receives.
+    /// True if the probe uses the counts; otherwise the kernel compiles without counters.
     const COUNTS: bool;
-    /// A ray starts.
+    /// Records that a ray starts.
     fn ray(&mut self, kind: RayKind);
-    /// The traversal of a ray has ended, with these numbers of node visits and
+    /// Records that the traversal of a ray has ended, with these numbers of node visits and
     /// primitive tests.
     fn traversal(&mut self, node_visits: u32, primitive_tests: u32);
-    /// A path has reached this number of bounces.
+    /// Records that a path has reached this number of bounces.
     fn bounce(&mut self, depth: u32);
 }
 
-/// Ignores everything and costs nothing.
+/// A probe that ignores everything and costs nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoProbe;
 
@@ -53,9 +52,9 @@ impl Probe for Cost {
 
 /// Receives the counters of rays that are traced many at a time.
 pub trait StreamProbe {
-    /// Whether [`traversals`](Self::traversals) has to be called.
+    /// True if [`traversals`](Self::traversals) has to be called.
     const COUNTS: bool;
-    /// The traversals of the rays from index `first` on have ended.
+    /// Records that the traversals of the rays from index `first` on have ended.
     fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>);
 }
 
@@ -68,18 +67,18 @@ impl StreamProbe for NoProbe {
 
 /// Receives the counters of many pixels, numbered from 0.
 pub trait PixelProbe: Default {
-    /// Whether it uses what it receives.
+    /// True if the probe uses the counts; otherwise the kernel compiles without counters.
     const COUNTS: bool;
-    /// Resets all counters to those of `n_pixels` pixels with `n_samples` camera
-    /// rays each; 0 if they will be counted.
+    /// Resets all counters for `n_pixels` pixels with `n_samples` camera rays each; 0 if camera
+    /// rays will be counted.
     fn reset(&mut self, n_pixels: usize, n_samples: u32);
-    /// `n` rays of this kind start for a pixel; camera rays only if they are counted.
+    /// Records that `n` rays of this kind start for a pixel; camera rays only if they are counted.
     fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
-    /// The traversal of one ray of each of these pixels has ended.
+    /// Records that the traversal of one ray of each of these pixels has ended.
     fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
-    /// A path of a pixel has reached this number of bounces.
+    /// Records that a path of a pixel has reached this number of bounces.
     fn bounce(&mut self, pixel: usize, depth: u32);
-    /// The counters, if it counts.
+    /// Returns the counters, if it counts.
     fn counted(&self) -> Option<&Counters>;
 }
 
@@ -134,17 +133,17 @@ pub struct ByPixel<'a, P> {
 }
 
 impl<'a, P: PixelProbe> ByPixel<'a, P> {
-    /// The pixel of ray `i` is `pixels[i]`.
+    /// Attributes the counters of ray `i` to `pixels[i]`.
     pub fn new(probe: &'a mut P, pixels: &'a [u32]) -> Self {
         Self { probe, pixels }
     }
 
-    /// The pixel of ray `i`.
+    /// Returns the pixel of ray `i`.
     pub fn pixel(&self, i: usize) -> u32 {
         self.pixels[i]
     }
 
-    /// The same for other rays.
+    /// Attributes the counters of other rays to these pixels.
     pub(crate) fn with_pixels<'b>(&'b mut self, pixels: &'b [u32]) -> ByPixel<'b, P> {
         ByPixel::new(self.probe, pixels)
     }

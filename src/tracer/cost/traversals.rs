@@ -12,8 +12,7 @@ pub struct Traversals<'a, const N: usize> {
 }
 
 impl<const N: usize> Traversals<'_, N> {
-    /// Calls `visit` with the index, the node visits and the primitive tests of
-    /// each active ray.
+    /// Calls `visit` with the index, the node visits and the primitive tests of each active ray.
     #[inline(always)]
     pub fn for_each(&self, mut visit: impl FnMut(usize, u32, u32)) {
         let mut visit = |i: usize| visit(i, self.node_visits[i], self.primitive_tests[i]);

@@ -3,16 +3,16 @@
 use std::arch::x86_64::{__cpuid, __rdtscp};
 use std::time::{Duration, Instant};
 
-/// Duration of the calibration. The operating system's clock is accurate to
-/// about 50 ns, so that the rate is accurate to 0.01 % after 0.5 ms.
+/// Duration of the calibration. The operating system's clock is accurate to about 50 ns, so the
+/// rate is accurate to 0.01 % after 0.5 ms.
 const CALIBRATION: Duration = Duration::from_micros(500);
 
-/// Comparisons of both clocks at each end of the calibration. The one with the
-/// least time between its readings is used: an interrupt may delay the others.
+/// Comparisons of both clocks at each end of the calibration. The comparison with the least time
+/// between its readings is used: an interrupt may delay the others.
 const N_COMPARISONS: usize = 4;
 
-/// Whether the counter is invariant and RDTSCP is available: CPUID leaf
-/// 0x80000007, EDX bit 8, and leaf 0x80000001, EDX bit 27.
+/// Returns true if the counter is invariant and RDTSCP is available: CPUID leaf 0x80000007, EDX bit
+/// 8, and leaf 0x80000001, EDX bit 27.
 pub(super) fn is_usable() -> bool {
     let has = |leaf: u32, bit: u32| {
         __cpuid(0x8000_0000).eax >= leaf && __cpuid(leaf).edx & (1 << bit) != 0
@@ -20,12 +20,10 @@ pub(super) fn is_usable() -> bool {
     has(0x8000_0007, 8) && has(0x8000_0001, 27)
 }
 
-/// Reads the counter and IA32_TSC_AUX, which on Linux, macOS and Windows
-/// identifies the CPU.
+/// Reads the counter and IA32_TSC_AUX, which on Linux, macOS and Windows identifies the CPU.
 ///
-/// RDTSCP waits for all earlier instructions, so that no load of a pixel
-/// adds to the time of the next one. This takes a few nanoseconds more than
-/// RDTSC (`cargo bench --bench clock`).
+/// RDTSCP waits for all earlier instructions, so that no load of a pixel adds to the time of the
+/// next one. This takes a few nanoseconds more than RDTSC (`cargo bench --bench clock`).
 #[inline]
 #[expect(unsafe_code, reason = "the instruction has no safe wrapper")]
 pub(super) fn read() -> (u64, u32) {
@@ -46,7 +44,7 @@ pub(super) fn ns_per_tick() -> f64 {
     })
 }
 
-/// A reading of the operating system's clock between two of the counter.
+/// A reading of the operating system's clock between two readings of the counter.
 #[derive(Debug, Clone, Copy)]
 struct Comparison {
     before: u64,
@@ -55,8 +53,8 @@ struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the comparison with the smallest gap, each made right after a tick
-    /// of the operating system's clock, which may be coarse.
+    /// Returns the comparison with the smallest gap, each made right after a tick of the operating
+    /// system's clock, which may be coarse.
     fn closest(compare: &mut impl FnMut() -> Self) -> Self {
         let mut after_tick = || {
             let first = compare();
@@ -86,8 +84,7 @@ impl Comparison {
     }
 }
 
-/// Measures the counter's period in nanoseconds with `compare` for about
-/// [`CALIBRATION`].
+/// Measures the counter's period in nanoseconds with `compare` for about [`CALIBRATION`].
 fn period_ns(mut compare: impl FnMut() -> Comparison) -> f64 {
     let start = Comparison::closest(&mut compare);
     loop {
@@ -104,8 +101,8 @@ fn period_ns(mut compare: impl FnMut() -> Comparison) -> f64 {
 mod tests {
     use super::*;
 
-    /// Simulates a counter of 3 GHz and a coarse clock of the operating system,
-    /// read by a thread that is interrupted for 10 ms now and then.
+    /// Simulates a counter of 3 GHz and a coarse clock of the operating system, read by a thread
+    /// that is interrupted for 10 ms now and then.
     #[test]
     fn calibration_is_robust_to_interrupts_and_coarse_clocks() {
         for (step_ns, n_undisturbed) in [(1, 7), (1, 1000), (1000, 5), (1_000_000, u64::MAX)] {

@@ -32,6 +32,7 @@ impl<M: Model> SimdKernel for AddAmbient<'_, M> {
             for at in group.lanes() {
                 let color = self.points.colors(set, at);
                 let reflected = self.model.ambient(material, ambient, color);
+                // Points on the hidden side of a one-sided surface reflect none.
                 let lanes = set.mask(self.points.scattering_sides(set, at, material));
                 let none = set.splat_vector(Vec3::ZERO);
                 self.radiance
@@ -41,12 +42,12 @@ impl<M: Model> SimdKernel for AddAmbient<'_, M> {
     }
 }
 
-/// Where the paths of a wave start.
+/// The points where the paths of a wave start.
 #[derive(Debug, Clone, Copy)]
 pub enum Eyes<'a> {
-    /// All at one point.
+    /// The same point for all paths.
     One(Vec3),
-    /// Each at its own point, by slot.
+    /// One point per path, by slot.
     OfSlots(&'a [Vec3]),
 }
 
@@ -58,7 +59,7 @@ pub(super) struct AddLight<'a, M> {
     pub(super) eyes: Eyes<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
-    /// Whether the light reaches each point: 0 or 1.
+    /// 1 for each point that the light reaches, else 0.
     pub(super) reached: &'a [u8],
     pub(super) radiance: &'a mut VectorColumn,
 }
@@ -71,10 +72,12 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
         for group in self.points.groups() {
             let material = self.scene.material(group.material);
             for at in group.lanes() {
+                // Skip eight points that the light does not reach.
                 let reached = bits_of(lanes(self.reached, at.first));
                 if reached == 0 {
                     continue;
                 }
+                // Find the light, the viewer and the boundary at each point.
                 let point = self.points.shading(set, at);
                 let light = self.light.at(set, at.first, point.position);
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
@@ -86,6 +89,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                 } else {
                     Boundary::of_no_medium(point.side)
                 };
+                // Add the reflected light where it arrives.
                 let reflected = self
                     .model
                     .reflected(material, &boundary, &point, &light, to_viewer);
@@ -98,7 +102,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
 }
 
 impl<M> AddLight<'_, M> {
-    /// Where the paths of eight points start.
+    /// Returns the starts of the paths of eight points.
     #[inline(always)]
     fn eyes<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
         let eyes = match self.eyes {

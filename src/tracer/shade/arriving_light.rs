@@ -38,7 +38,7 @@ impl ArrivingLight {
         *lanes_mut(&mut self.density, first) = light.density.to_array();
     }
 
-    /// The light at eight points.
+    /// Returns the light at eight points.
     #[inline(always)]
     fn load<I: InstructionSet>(&self, set: I, first: usize) -> Illumination<I::Lanes> {
         Illumination {
@@ -53,15 +53,14 @@ impl ArrivingLight {
 /// The light of one light sample.
 #[derive(Clone, Copy)]
 pub(super) enum SampledLight<'a> {
-    /// The light of a [plain](scene::world::Lights::plain) light, which is computed where it is
-    /// needed.
+    /// The light of a [plain](scene::world::Lights::plain) light, computed where it is needed.
     Plain(&'a Light),
     /// The light that was stored for each point.
     Stored(&'a ArrivingLight),
 }
 
 impl<'a> SampledLight<'a> {
-    /// The light of sample `sample`; `arriving` is that of a light that is not plain.
+    /// Returns the light of sample `sample`; `arriving` holds it for a light that is not plain.
     pub(super) fn of(lights: &'a Lights, sample: usize, arriving: &'a ArrivingLight) -> Self {
         match lights.plain(sample) {
             Some(light) => Self::Plain(light),
@@ -69,7 +68,7 @@ impl<'a> SampledLight<'a> {
         }
     }
 
-    /// The light at eight points with these positions.
+    /// Returns the light at eight points with these positions.
     #[inline(always)]
     pub(super) fn at<I: InstructionSet>(
         self,
@@ -87,7 +86,7 @@ impl<'a> SampledLight<'a> {
 /// Computes the light of a sample at all points that it may light.
 pub(super) struct SampleLights<'a> {
     pub(super) scene: &'a Scene,
-    /// The number of the light sample.
+    /// Number of the light sample.
     pub(super) sample: usize,
     pub(super) numbers: WaveNumbers<'a>,
     pub(super) wave: &'a PathWave,
@@ -103,11 +102,13 @@ impl SimdKernel for SampleLights<'_> {
         let lights = &self.scene.lights;
         let lit = lit_groups(self.scene, self.points);
         for (group, at) in lit.flat_map(|group| group.lanes().map(move |at| (group, at))) {
+            // Sample a light by the random numbers of each point.
             let point = self.points.shading(set, at);
             let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
             let numbers = numbers.light(lights, self.sample);
             let at_point = ([point.position, point.normal], point.error);
             let (mut light, _) = lights.illuminate(self.sample, at_point, &numbers);
+            // Weaken it by the media on the way.
             if self.scene.weakens_lights() {
                 let is_behind = point.is_backed_by(light.direction).bits();
                 let media = self.media_of_lights(group.material, at, point.side.signs(), is_behind);
@@ -121,8 +122,8 @@ impl SimdKernel for SampleLights<'_> {
 }
 
 impl SampleLights<'_> {
-    /// The media between eight points of a material and their lights; `flipped` are the points
-    /// that rays met from inside, `behind` those whose light is behind the surface.
+    /// Returns the media between eight points of a material and their lights; `flipped` marks
+    /// points that rays met from inside, `behind` marks points whose light is behind the surface.
     #[inline(always)]
     fn media_of_lights(
         &self,

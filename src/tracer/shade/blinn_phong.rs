@@ -12,13 +12,11 @@ pub(super) struct Reflected<R> {
     pub(super) highlight: R,
 }
 
-/// Returns the diffuse and specular light reflected toward `to_viewer` (V) at a
-/// point of `color` with normal `normal` (N), lit from L; all three are unit
-/// vectors.
+/// Returns the diffuse and specular light reflected toward `to_viewer` (V) at a point of `color`
+/// with normal `normal` (N), lit from L; all three are unit vectors.
 ///
-/// Blinn, "Models of Light Reflection for Computer Synthesized Pictures",
-/// SIGGRAPH 1977: the highlight depends on the angle between N and the half
-/// vector of L and V.
+/// Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977: the
+/// highlight depends on the angle between N and the half vector of L and V.
 #[inline(always)]
 pub(super) fn reflected<R: Real>(
     material: &Material,
@@ -49,18 +47,18 @@ pub(super) fn reflected<R: Real>(
     }
 }
 
-/// Largest exponent that is computed by squaring: its rounding errors, 2^-53
-/// each, then stay far below those of f32, 2^-24.
+/// Largest exponent that is computed by squaring: its rounding errors, 2^-53 each, then stay far
+/// below the 2^-24 of f32.
 const MAX_SQUARED: u32 = 1 << 16;
 
-/// Smallest highlight that is not flushed to zero: 2^-100. No picture shows
-/// less, and its products with specular, radiance and path weight stay above
-/// 2^-126: arithmetic on subnormal numbers is many times slower.
+/// Smallest highlight that is not flushed to zero: 2^-100. No picture shows less, and its products
+/// with specular, radiance and path weight stay above 2^-126: arithmetic on subnormal numbers is
+/// many times slower.
 const MIN_HIGHLIGHT: f64 = 1.0 / (1_u128 << 100) as f64;
 
-/// Returns `base`, at least 0, to the power of `exponent`, at least 0, computed
-/// in double precision; 0 if the result is below [`MIN_HIGHLIGHT`]. All machines
-/// return the same bits, and no intermediate result is subnormal.
+/// Returns `base`, at least 0, to the power of `exponent`, at least 0, computed in double
+/// precision; 0 if the result is below [`MIN_HIGHLIGHT`]. All machines return the same bits, and no
+/// intermediate result is subnormal.
 #[inline(always)]
 fn power<R: Real>(base: R, exponent: f32) -> R {
     let base = base.to_double();
@@ -73,14 +71,14 @@ fn power<R: Real>(base: R, exponent: f32) -> R {
     R::from_double(power.zero_below(MIN_HIGHLIGHT))
 }
 
-/// Computes the power by repeated squaring, in a fraction of the time of `pow`;
-/// may return 0 if the result is below [`MIN_HIGHLIGHT`].
+/// Computes the power by repeated squaring, in a fraction of the time of `pow`; may return 0 if the
+/// result is below [`MIN_HIGHLIGHT`].
 #[inline(always)]
 fn whole_power<D: Double>(base: D, mut exponent: u32) -> D {
     let (mut power, mut square) = (base.splat(1.0), base);
     while exponent > 0 {
-        // The result is at most this square: if the base is below 1, `power` is
-        // at most 1; otherwise no square is small.
+        // The result is at most this square: if the base is below 1, `power` is at most 1;
+        // otherwise no square is small.
         square = square.zero_below(MIN_HIGHLIGHT);
         if exponent % 2 == 1 {
             power = power * square;
@@ -97,7 +95,7 @@ mod tests {
 
     use super::*;
 
-    /// The reference: libm's power in single precision, which may be subnormal.
+    /// Returns the reference: libm's power in single precision, which may be subnormal.
     fn expected(base: f32, exponent: f32) -> f32 {
         let power = libm::powf(base, exponent);
         if f64::from(power) < MIN_HIGHLIGHT {
@@ -146,8 +144,7 @@ mod tests {
         }
     }
 
-    /// On `seed_sphere` N.H^50 was subnormal on a crescent, whose pixels cost
-    /// 40 % more.
+    /// On `seed_sphere` N.H^50 was subnormal on a crescent, whose pixels cost 40 % more.
     #[test]
     fn an_underflowing_highlight_is_none() {
         for n_dot_h in [0.13_f32, 0.15, 0.17, 0.2, 0.24] {

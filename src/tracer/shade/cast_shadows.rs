@@ -15,9 +15,9 @@ use scene::world::Scene;
 pub struct ShadowWave {
     /// The rays.
     pub rays: ShadowStream,
-    /// The point that each ray leaves, with room for whole lanes.
+    /// The point that each ray leaves, padded to whole lanes.
     points: Vec<u32>,
-    /// The pixel of each ray, with room for whole lanes.
+    /// The pixel of each ray, padded to whole lanes.
     pixels: Vec<u32>,
 }
 
@@ -27,12 +27,12 @@ impl ShadowWave {
         self.rays.clear();
     }
 
-    /// The point that each ray leaves.
+    /// Returns the point that each ray leaves.
     pub(super) fn points(&self) -> &[u32] {
         &self.points[..self.rays.len()]
     }
 
-    /// The pixel of each ray.
+    /// Returns the pixel of each ray.
     #[inline]
     pub fn pixels(&self) -> &[u32] {
         &self.pixels[..self.rays.len()]
@@ -68,9 +68,11 @@ impl<M: Model> CastShadows<'_, M> {
     /// Collects the shadow rays of these lanes.
     #[inline(always)]
     fn cast<I: InstructionSet>(&mut self, set: I, material: &Material, at: PointLanes, lanes: u8) {
+        // Keep the points that the light may reach.
         let point = self.points.shading(set, at);
         let light = self.light.at(set, at.first, point.position);
         let mut lanes = self.model.may_arrive(material, &point, &light).bits() & lanes;
+        // Append their rays, which end at the light.
         let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);
         let shadows = &mut *self.shadows;
@@ -81,6 +83,7 @@ impl<M: Model> CastShadows<'_, M> {
             .push_lanes(origin, light.direction, t_max, mask);
         grow(&mut shadows.points, next + N_LANES);
         grow(&mut shadows.pixels, next + N_LANES);
+        // Note the point and the pixel of each ray.
         let rays = self.points.rays(at);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;

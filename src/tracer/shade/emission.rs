@@ -1,5 +1,5 @@
-//! The light that surfaces emit toward the rays that hit them, and the background toward
-//! those that hit nothing.
+//! The light that surfaces emit toward the rays that hit them, and the background toward rays that
+//! hit nothing.
 
 use glam::Vec3;
 
@@ -15,13 +15,13 @@ use scene::world::{Emitter, Lights, Scene};
 pub(super) struct Arrival<R> {
     /// The origin of the ray.
     pub(super) from: Vector<R>,
-    /// The density with which its direction was chosen.
+    /// The density with which the ray's direction was chosen.
     pub(super) density: R,
     pub(super) seen: Seen<R>,
     pub(super) shape: [R; N_PARAMETERS],
 }
 
-/// The radiance that a material emits at a point, to the side that is seen.
+/// Returns the radiance that a material emits at a point, to the side that is seen.
 #[inline(always)]
 pub(super) fn emitted<R: Real>(material: &Material, at: &ShadingPoint<R>) -> Vector<R> {
     let side = at.side;
@@ -33,8 +33,8 @@ pub(super) fn emitted<R: Real>(material: &Material, at: &ShadingPoint<R>) -> Vec
     Vector::select(side.splat(0.0).lt(side), radiance, none)
 }
 
-/// The weight of the light of an emitter, with this index, that a ray has found, beside that
-/// of light samples.
+/// Returns the weight of light from this emitter that a ray has found, when combined with light
+/// samples.
 #[inline(always)]
 pub(super) fn weight<R: Real>(
     lights: &Lights,
@@ -51,8 +51,8 @@ pub(super) fn weight<R: Real>(
     power_heuristic(*density, of_light)
 }
 
-/// The radiance of the background that a ray finds, from a point in a direction that was
-/// chosen with a density, weighted beside that of light samples.
+/// Returns the radiance of the background that a ray finds, from a point in a direction that was
+/// chosen with a density, weighted for its combination with light samples.
 #[inline(always)]
 pub(super) fn of_background<R: Real>(
     scene: &Scene,
@@ -62,10 +62,12 @@ pub(super) fn of_background<R: Real>(
     let (background, lights) = (&scene.background, &scene.lights);
     let density = density.max(density.splat(f32::MIN_POSITIVE));
     let mut radiance = background.without_sun(direction);
+    // The environment may also be found by light samples.
     if let Some((environment, index)) = lights.environment() {
         let of_light = environment.density(direction) * lights.probability(index, from);
         radiance = radiance * power_heuristic(density, of_light);
     }
+    // The sun is added separately, with its own weight.
     let Some(sun) = background.sun() else {
         return radiance;
     };
@@ -111,11 +113,13 @@ impl AddEmission<'_> {
         let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {
             return set.splat(1.0);
         };
+        // Gather the rays' origins and the densities of their directions.
         let (mut from, mut density) = ([[0.0; N_LANES]; 3], [0.0; N_LANES]);
         for (lane, &ray) in self.points.rays(at).iter().enumerate() {
             set_lane(&mut from, lane, self.wave.rays.get(ray as usize).origin);
             density[lane] = self.wave.branches[ray as usize].density;
         }
+        // Weight the light by the chance that a light sample finds it.
         let point = self.points.shading(set, at);
         let direction = self.points.directions(set, at);
         let arrival = Arrival {

@@ -13,14 +13,14 @@ use math::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn, bits_
 use scene::material::Material;
 use scene::world::{MaterialId, Scene};
 
-/// Adds the radiance of points to their paths, and collects the reflected rays, unless the
-/// model scatters them.
+/// Adds the radiance of points to their paths, and collects the reflected rays, unless the model
+/// scatters them.
 pub(super) struct EndPoints<'a, M> {
     pub(super) model: M,
     pub(super) scene: &'a Scene,
     pub(super) points: &'a Points,
     pub(super) radiance: &'a VectorColumn,
-    /// Whether some light reaches each point: 0 or 1.
+    /// 1 for each point that some light reaches, else 0.
     pub(super) lit: &'a [u8],
     pub(super) wave: &'a PathWave,
     pub(super) next: &'a mut PathWave,
@@ -39,11 +39,13 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
             let material = self.scene.material(group.material);
             let reflects = may_bounce && material.mirrors();
             for at in group.lanes() {
+                // Add the radiance to the colors of the paths.
                 let mut ended = at.bits();
                 if M::NEEDS_LIGHT {
                     ended &= bits_of(lanes(self.lit, at.first));
                 }
                 self.add(set, at, ended);
+                // Continue the paths: a mirror reflects, the surface of a medium splits.
                 ended &= self.points.scattering_sides(set, at, material);
                 match material.dielectric {
                     None if reflects => self.reflect(set, material, at, ended),
@@ -97,8 +99,7 @@ impl<M: Model> EndPoints<'_, M> {
         self.next.bounce(set, &reflected, self.wave, lanes);
     }
 
-    /// Collects the reflected and the refracted rays of these lanes, at the surface of a
-    /// medium.
+    /// Collects the reflected and the refracted rays of these lanes, at the surface of a medium.
     #[inline(always)]
     fn split<I: InstructionSet>(
         &mut self,
@@ -110,6 +111,7 @@ impl<M: Model> EndPoints<'_, M> {
         let point = self.points.shading(set, at);
         let direction = self.points.directions(set, at);
         let rays = self.points.rays(at);
+        // Split the light by Fresnel's equations.
         let Interfaces {
             eta,
             visible,
@@ -121,6 +123,7 @@ impl<M: Model> EndPoints<'_, M> {
         } = split_at(&point, direction, set.load(&eta), set.mask(visible));
         let mirrored = point.mirrored(direction);
         let refraction = set.splat(1.0) - reflectance;
+        // Collect the two rays of each point, if they have enough weight.
         let before = self.wave.weights.gather(set, rays);
         for (kind, direction, factor, media) in [
             (RayKind::Reflection, mirrored, reflectance, None),
@@ -141,7 +144,7 @@ impl<M: Model> EndPoints<'_, M> {
         }
     }
 
-    /// The lanes whose rays would still have enough weight after a factor.
+    /// Returns the lanes whose rays still have enough weight after this factor.
     #[inline(always)]
     fn worth(&self, rays: &[u32; N_LANES], factors: [f32; N_LANES]) -> u8 {
         let mut lanes = 0;
@@ -156,7 +159,7 @@ impl<M: Model> EndPoints<'_, M> {
 /// Adds the background to the paths whose rays hit nothing.
 pub(super) struct AddBackground<'a> {
     pub(super) scene: &'a Scene,
-    /// The rays that hit nothing.
+    /// Indices of the rays that hit nothing.
     pub(super) missed: &'a [u32],
     pub(super) wave: &'a PathWave,
     /// The color of each path, by slot.
@@ -169,6 +172,7 @@ impl SimdKernel for AddBackground<'_> {
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
         for missed in self.missed.chunks(N_LANES) {
+            // Gather eight rays that hit nothing.
             let mut rays = [missed[0]; N_LANES];
             rays[..missed.len()].copy_from_slice(missed);
             let mut densities = [f32::INFINITY; N_LANES];
@@ -177,6 +181,7 @@ impl SimdKernel for AddBackground<'_> {
                     *density = branch.density;
                 }
             }
+            // Add the background that they see.
             let ray = self.wave.rays.gather(set, &rays);
             let radiance = of_background(self.scene, ray, set.load(&densities));
             let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());

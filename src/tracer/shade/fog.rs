@@ -7,8 +7,8 @@ use crate::accel::Hit;
 use crate::trace::SurfacePoint;
 
 impl Shader<'_> {
-    /// What a ray of a path meets, which would hit this point or nothing: a particle of fog, if
-    /// one is nearer.
+    /// Returns the point that a ray of a path meets: a particle of fog if one is nearer than this
+    /// hit, else the hit.
     pub fn met_in_fog(&self, path: &PathRay, hit: Option<SurfacePoint>) -> Option<SurfacePoint> {
         let Some(fog) = self.scene.scattering_fog().filter(|_| path.media.is_none()) else {
             return hit;
@@ -20,19 +20,19 @@ impl Shader<'_> {
         }
     }
 
-    /// Whether a point is a particle of fog.
+    /// Returns true if a point is a particle of fog.
     pub fn is_particle(&self, point: &SurfacePoint) -> bool {
         point.primitive == self.scene.particles()
     }
 }
 
 impl WaveShader<'_> {
-    /// Whether rays may meet particles of fog.
+    /// Returns true if rays may meet particles of fog.
     pub fn has_particles(&self) -> bool {
         self.scene.scattering_fog().is_some()
     }
 
-    /// Replaces hits by those of particles of fog that rays meet before.
+    /// Replaces hits by the particles of fog that rays meet before.
     pub fn meet_particles(&self, ids: &SampleIds, wave: &PathWave, hits: &mut [Option<Hit>]) {
         let Some(fog) = self.scene.scattering_fog() else {
             return;
@@ -42,6 +42,7 @@ impl WaveShader<'_> {
             if !wave.branches[i].media.is_none() {
                 continue;
             }
+            // Sample the distance to the next particle.
             let numbers = PointNumbers {
                 sampler: self.sampler,
                 id: ids.of_slot(wave.slots()[i]),

@@ -1,4 +1,4 @@
-//! Light at the surfaces of mirrors, metals and clear media, for points of surfaces.
+//! Fresnel reflection at mirrors, metals and clear media, for points of surfaces.
 
 use glam::Vec3;
 
@@ -7,8 +7,7 @@ use math::optics::{Split, reflectance_of_metal, split};
 use math::simd::{Real, Vector};
 use scene::material::Material;
 
-/// The share of the mirrored ray's light that a material reflects, for a ray in
-/// `direction`.
+/// Returns the share of light that a material mirrors, for a ray in `direction`.
 #[inline(always)]
 pub(super) fn mirrored_share<R: Real>(
     material: &Material,
@@ -25,9 +24,9 @@ pub(super) fn mirrored_share<R: Real>(
     reflectance_of_metal(conductor.index, conductor.extinction, cos)
 }
 
-/// Splits a ray in `direction` at a point; where the surface is not visible, the ray goes
-/// straight on. By the shading normal, unless the ray comes from behind it; a ray that it
-/// would refract away from the surface is reflected.
+/// Splits a ray in `direction` at a point; where the surface is not visible, the ray goes straight
+/// on. Uses the shading normal, unless the ray comes from behind it; a ray that it would refract
+/// away from the surface is reflected.
 #[inline(always)]
 pub(super) fn split_at<R: Real>(
     point: &ShadingPoint<R>,

@@ -8,17 +8,17 @@ use scene::world::{MaterialId, Scene};
 
 /// The surfaces of a medium that eight rays met.
 pub(super) struct Interfaces {
-    /// The indices of refraction before the surfaces over those behind them.
+    /// Ratios of the indices of refraction, before the surface over behind it.
     pub(super) eta: [f32; N_LANES],
-    /// The lanes where the medium that counts changes.
+    /// The lanes where the effective medium changes.
     pub(super) visible: u8,
     /// The media behind the surfaces.
     pub(super) behind: [Media; N_LANES],
 }
 
 impl Interfaces {
-    /// The surfaces of a material that rays of a wave met; `flipped` are those that they
-    /// met from inside.
+    /// Returns the surfaces of a material that rays of a wave met; `flipped` marks surfaces met
+    /// from inside.
     #[inline(always)]
     pub(super) fn met(
         scene: &Scene,
@@ -43,7 +43,7 @@ impl Interfaces {
         interfaces
     }
 
-    /// What scattering reads of them.
+    /// Returns the boundaries that scattering needs.
     #[inline(always)]
     pub(super) fn boundary<I: InstructionSet>(&self, set: I) -> Boundary<I::Lanes> {
         Boundary {

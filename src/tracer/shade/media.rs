@@ -8,19 +8,18 @@ use math::simd::{N_LANES, set_lane};
 use scene::material::{Dielectric, Material};
 use scene::world::MaterialId;
 
-/// Most media that may overlap at a point; a ray does not enter further ones.
+/// Greatest number of media that may overlap at a point; a ray does not enter further ones.
 const MAX_MEDIA: usize = 4;
 
-/// The media that a ray is in, in the order in which it entered them, before empty
-/// places; none is the vacuum. Where they overlap, one of them counts.
+/// The media that a ray is in, in the order in which it entered them, followed by empty places;
+/// empty in a vacuum. Where media overlap, one of them is effective.
 ///
-/// Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of
-/// Graphics Tools 7(2), 2002.
+/// Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images", Journal of Graphics Tools
+/// 7(2), 2002.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Media([Option<MediumId>; MAX_MEDIA]);
 
-/// A medium by its material: one more than the material's index, so that an empty place
-/// takes no room.
+/// A medium by its material: the material's index plus one, so that an empty place takes no room.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct MediumId(NonZeroU32);
 
@@ -37,24 +36,25 @@ impl MediumId {
 /// The surface of a medium, met by a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Interface {
-    /// The index of refraction before the surface over that behind it.
+    /// Ratio of the indices of refraction, before the surface over behind it.
     pub(super) eta: f32,
-    /// Whether the medium that counts changes: else the ray goes straight on.
+    /// True if the effective medium changes; otherwise the ray goes straight on.
     pub(super) is_visible: bool,
     /// The media behind the surface.
     pub(super) behind: Media,
 }
 
 impl Media {
-    /// Whether it is in none.
+    /// Returns true if the ray is in no medium.
     #[inline(always)]
     pub(super) fn is_none(self) -> bool {
         self.0[0].is_none()
     }
 
-    /// The surface of this material, which the ray enters or leaves. A ray that leaves
-    /// what it did not enter started inside.
+    /// Returns the surface of this material, which the ray enters or leaves. A ray that leaves a
+    /// medium without having entered it started inside.
     pub(super) fn cross(self, material: MaterialId, enters: bool, all: &[Material]) -> Interface {
+        // List the media on both sides.
         let [outside, inside] = if enters {
             [self, self.with(material)]
         } else if let Some(entered) = self.place_of(material) {
@@ -62,11 +62,13 @@ impl Media {
         } else {
             [self, self.with(material)]
         };
+        // Order them along the ray.
         let [before, behind] = if enters {
             [outside, inside]
         } else {
             [inside, outside]
         };
+        // Compare the effective media.
         let [from, to] = [before, behind].map(|media| media.counting(all));
         let index = |medium: Option<(MaterialId, &Dielectric)>| medium.map_or(1.0, |of| of.1.index);
         Interface {
@@ -76,8 +78,8 @@ impl Media {
         }
     }
 
-    /// The fraction of the light of each channel that arrives from a distance, greater
-    /// than 0, which may be infinite.
+    /// Returns the fraction of the light of each channel that arrives from a distance, greater than
+    /// 0, which may be infinite.
     #[inline]
     pub(super) fn transmittance(self, distance: f32, all: &[Material]) -> Vec3 {
         let Some((_, medium)) = self.counting(all) else {
@@ -91,13 +93,13 @@ impl Media {
         Vec3::new(r, g, b)
     }
 
-    /// The index of refraction of the medium that counts.
+    /// Returns the index of refraction of the effective medium.
     #[inline]
     pub(super) fn index(self, all: &[Material]) -> f32 {
         self.counting(all).map_or(1.0, |(_, medium)| medium.index)
     }
 
-    /// The medium that counts: the last one of those with the highest priority.
+    /// Returns the effective medium: the last one entered among the highest priority.
     #[inline(always)]
     fn counting(self, all: &[Material]) -> Option<(MaterialId, &Dielectric)> {
         let [first, second, ..] = self.0;
@@ -121,13 +123,13 @@ impl Media {
         self
     }
 
-    /// The place of the medium of this material that it entered last.
+    /// Returns the place of the medium of this material that was entered last.
     fn place_of(self, material: MaterialId) -> Option<usize> {
         let medium = Some(MediumId::of(material));
         self.0.iter().rposition(|entered| *entered == medium)
     }
 
-    /// Without the one at a place.
+    /// Removes the medium at a place.
     fn without(mut self, place: usize) -> Self {
         self.0[place..].rotate_left(1);
         self.0[MAX_MEDIA - 1] = None;
@@ -135,7 +137,7 @@ impl Media {
     }
 }
 
-/// The material of a medium, and what it is.
+/// Returns the material of a medium, and its dielectric.
 #[inline(always)]
 fn dielectric(medium: MediumId, all: &[Material]) -> (MaterialId, &Dielectric) {
     let material = medium.material();
@@ -143,7 +145,7 @@ fn dielectric(medium: MediumId, all: &[Material]) -> (MaterialId, &Dielectric) {
     (material, dielectric.expect("media have dielectrics"))
 }
 
-/// The fractions of light that media let pass over these distances: a column for each channel.
+/// Returns the fractions of light that media let pass over these distances: one column per channel.
 pub(super) fn transmittances(
     media: &[Media; N_LANES],
     distances: &[f32; N_LANES],
@@ -165,7 +167,7 @@ mod tests {
     const WATER: MaterialId = MaterialId(1);
     const ICE: MaterialId = MaterialId(2);
 
-    /// Glass counts where it overlaps water.
+    /// Returns materials where glass is effective when it overlaps water.
     fn materials() -> Vec<Material> {
         let texts = [
             "{ dielectric: { index: 1.5, priority: 2 } }",
@@ -175,7 +177,7 @@ mod tests {
         texts.map(|text| yaml::from_str(text).unwrap()).into()
     }
 
-    /// Crosses surfaces, each entered or left; returns the visible ones with their eta.
+    /// Crosses surfaces, each entered or left. Returns the visible ones with their eta.
     fn crossed(surfaces: &[(MaterialId, bool)]) -> (Vec<(usize, f32)>, Media) {
         let materials = materials();
         let (mut media, mut visible) = (Media::default(), Vec::new());

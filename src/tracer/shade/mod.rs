@@ -1,13 +1,12 @@
 //! Surface points → radiance and the next rays.
 //!
-//! This module traces no rays, so that rays traced one by one and rays in
-//! streams share the same shading. [`Shader::light_samples`] returns the lights
-//! that may reach a point with their shadow rays. Given the unoccluded ones,
-//! [`Shader::shade`] returns the radiance that the point adds to its path, and the rays
-//! that continue it: none, a reflected one, or, at the surface of a clear medium, a
-//! reflected and a refracted one. [`WaveShader`] does the same for many points at once.
-//! Both use the formulas of the shading models, which are written once, for one point and
-//! for lanes of points.
+//! This module traces no rays, so that rays traced one by one and rays in streams share the same
+//! shading. [`Shader::light_samples`] returns the lights that may reach a point with their shadow
+//! rays. Given the unoccluded ones, [`Shader::shade`] returns the radiance that the point adds to
+//! its path, and the rays that continue it: none, a reflected one, or, at the surface of a clear
+//! medium, a reflected and a refracted one. [`WaveShader`] does the same for many points at once.
+//! Both use the formulas of the shading models, which are written once, for one point and for lanes
+//! of points.
 
 mod blinn_phong;
 mod fresnel;
@@ -72,10 +71,9 @@ pub struct Shader<'a> {
 pub struct LightSample {
     /// The illumination if the shadow ray is unoccluded.
     pub light: Illumination<f32>,
-    /// The index of the light: those of the scene file come first, then surfaces that
-    /// emit light.
+    /// Index of the light: lights of the scene file come first, then surfaces that emit light.
     pub index: u32,
-    /// From the point to the light.
+    /// The ray from the point to the light.
     pub shadow: ShadowRay,
 }
 
@@ -85,18 +83,18 @@ impl<'a> Shader<'a> {
         Self { scene, sampler }
     }
 
-    /// Creates a shader of waves, by this instruction set.
+    /// Creates a shader of waves for this instruction set.
     pub fn of_waves(&self, simd: Simd) -> WaveShader<'a> {
         WaveShader::new(self.scene, self.sampler, simd)
     }
 
-    /// Whether shadow rays decide which lights reach a point.
+    /// Returns true if shadow rays decide which lights reach a point.
     pub fn casts_shadows(&self) -> bool {
         self.scene.shading.shadows
     }
 
-    /// Returns the lights that may reach the point, hit by a ray of a path, in the order
-    /// of the scene file.
+    /// Returns the lights that may reach the point, hit by a ray of a path, in the order of the
+    /// scene file.
     pub fn light_samples(
         &self,
         path: &PathRay,
@@ -107,7 +105,7 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// Number of light samples at a point.
+    /// Returns the number of light samples at a point.
     fn n_light_samples(&self, path: &PathRay, point: &SurfacePoint) -> usize {
         let material = self.scene.material(point.material);
         if !scatters(material, point) {
@@ -122,7 +120,7 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// Light sample `i` at a point; `None` if it cannot arrive.
+    /// Returns light sample `i` at a point, or `None` if it cannot arrive.
     fn light_sample<M: Model>(
         &self,
         model: M,
@@ -132,6 +130,7 @@ impl<'a> Shader<'a> {
     ) -> Option<LightSample> {
         let at = point.shading();
         let material = self.scene.material(point.material);
+        // Sample the light, and weaken it by the media on the way.
         let lights = &self.scene.lights;
         let (light, index) = match lights.plain(i) {
             Some(light) => (light.illuminate(at.position), i as f32),
@@ -142,6 +141,7 @@ impl<'a> Shader<'a> {
                 (self.weakened_by_media(light, path, point), index)
             }
         };
+        // Cast a shadow ray if the light may arrive.
         let direction = light.direction;
         model
             .may_arrive(material, &at, &light)
@@ -156,7 +156,8 @@ impl<'a> Shader<'a> {
             })
     }
 
-    /// The light of a sample behind the media between it and the point that a ray hits.
+    /// Returns the light of a sample weakened by the media between it and the point that a ray
+    /// hits.
     fn weakened_by_media(
         &self,
         light: Illumination<f32>,
@@ -176,7 +177,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The random numbers of the point that a ray hits.
+    /// Returns the random numbers of the point that a ray hits.
     fn numbers(&self, path: &PathRay) -> PointNumbers<u32> {
         PointNumbers {
             sampler: self.sampler,
@@ -185,9 +186,9 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the
-    /// path; appends the rays that continue it to `next`. `lights` are the unoccluded
-    /// light samples of the point, in their order.
+    /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the path;
+    /// appends the rays that continue it to `next`. `lights` are the unoccluded light samples of
+    /// the point, in their order.
     pub fn shade(
         &self,
         eye: Vec3,
@@ -200,7 +201,7 @@ impl<'a> Shader<'a> {
             .shade_by(model, eye, path, point, lights, next))
     }
 
-    /// [`shade`](Self::shade) by a model.
+    /// Shades a point, as [`shade`](Self::shade) does, by a model.
     fn shade_by<M: Model>(
         &self,
         model: M,
@@ -214,6 +215,7 @@ impl<'a> Shader<'a> {
         let (at, direction) = (point.shading(), path.ray.direction.into());
         let to_viewer = model.to_viewer(&at, eye.into(), direction);
         let scatters = scatters(material, point);
+        // Ambient and emitted light.
         let mut color = Vector::from(Vec3::ZERO);
         if scatters {
             color = model.ambient(material, self.scene.shading.ambient, at.color);
@@ -221,6 +223,7 @@ impl<'a> Shader<'a> {
         if material.emits() {
             color = color + self.emission(path, point);
         }
+        // The light samples that arrive.
         let boundary = boundary(self.interface(path, point).as_ref());
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
@@ -230,7 +233,9 @@ impl<'a> Shader<'a> {
         if !is_lit {
             return Vec3::ZERO;
         }
+        // The light that is left at the viewer.
         let (arriving, gained) = self.weakened(path, point.distance);
+        // The rays that continue the path.
         if scatters && path.depth < u32::from(self.scene.shading.max_depth) {
             match M::BOUNCE {
                 Bounce::None => {}
@@ -241,7 +246,7 @@ impl<'a> Shader<'a> {
         arriving.weight * Vec3::from(color) + gained
     }
 
-    /// The light that the point emits toward the ray, weighted.
+    /// Returns the light that the point emits toward the ray, weighted.
     fn emission(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
         let at = point.shading();
         let emitted = emitted(self.scene.material(point.material), &at);
@@ -264,7 +269,7 @@ impl<'a> Shader<'a> {
         emitted * emission::weight(&self.scene.lights, emitter, &arrival)
     }
 
-    /// The surface of a medium that a ray has met at a point, if the point is on one.
+    /// Returns the surface of a medium that a ray has met at a point, or `None` for other surfaces.
     fn interface(&self, path: &PathRay, point: &SurfacePoint) -> Option<Interface> {
         let (all, enters) = (&self.scene.materials, !point.is_flipped);
         let material = self.scene.material(point.material);
@@ -272,7 +277,7 @@ impl<'a> Shader<'a> {
         is_medium.then(|| path.media.cross(point.material, enters, all))
     }
 
-    /// The ray that continues a path in a direction chosen at random.
+    /// Returns the ray that continues a path in a direction chosen at random, if any.
     fn scattered(
         &self,
         model: impl Model,
@@ -283,6 +288,7 @@ impl<'a> Shader<'a> {
         if !material.scatters() {
             return None;
         }
+        // Sample a direction.
         let interface = self.interface(path, point);
         let boundary = boundary(interface.as_ref());
         let at = Leaving::new(point.shading(), -Vector::from(path.ray.direction));
@@ -292,16 +298,19 @@ impl<'a> Shader<'a> {
         let scattered = by_kind!(Bsdf::of(material), |of| sample(
             of, &at, &boundary, direction, lobe
         ));
+        // Enter the medium behind the surface if the ray is refracted.
         let media = match interface {
             Some(interface) if scattered.is_refracted => interface.behind,
             _ => path.media,
         };
+        // Russian roulette: end a path of little weight, and raise the weight of one that survives.
         let weight = path.weight * Vec3::from(scattered.factor);
         let index = media.index(&self.scene.materials);
         let probability = survival(weight.into(), index, path.depth);
         if roulette >= probability {
             return None;
         }
+        // Continue the path.
         let kind = scattered_kind(scattered.is_refracted, scattered.is_diffuse);
         let ray = departing(model, &at.point, scattered.direction);
         let share = Vec3::from(scattered.factor * (1.0 / probability));
@@ -312,8 +321,8 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// Attenuates `path` over `distance`, by which it becomes longer; returns it with the light
-    /// that it gains on the way.
+    /// Attenuates `path` over `distance` and adds `distance` to its length. Returns it with the
+    /// light that it gains on the way.
     fn weakened(&self, path: &PathRay, distance: f32) -> (PathRay, Vec3) {
         let mut weight = path.weight * path.media.transmittance(distance, &self.scene.materials);
         let mut gained = Vec3::ZERO;
@@ -340,6 +349,7 @@ impl<'a> Shader<'a> {
     ) {
         let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), Vector::from(path.ray.direction));
+        // A mirror reflects the ray.
         let reflected = |share: Vec3| {
             let ray = departing(model, &at, at.mirrored(direction));
             path.continued(RayKind::Reflection, ray, share)
@@ -350,6 +360,7 @@ impl<'a> Shader<'a> {
             }
             return;
         };
+        // The surface of a medium splits it.
         let split = split_at(&at, direction, interface.eta, interface.is_visible);
         let refracted = PathRay {
             media: interface.behind,
@@ -363,8 +374,7 @@ impl<'a> Shader<'a> {
         next.extend(both.into_iter().filter(PathRay::has_weight));
     }
 
-    /// Returns the radiance of the background that a ray which hit nothing adds to its
-    /// path.
+    /// Returns the radiance of the background that a ray that hit nothing adds to its path.
     pub fn miss(&self, path: &PathRay) -> Vec3 {
         let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
         let color = emission::of_background(self.scene, ray, path.density);
@@ -373,7 +383,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// The ray that leaves a point in this direction.
+/// Returns the ray that leaves a point in this direction.
 fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) -> Ray {
     Ray {
         origin: model.origin(at, direction).into(),
@@ -381,7 +391,7 @@ fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) 
     }
 }
 
-/// What scattering reads of the surface of a medium, or of another surface.
+/// Returns the boundary that scattering needs: the surface of a medium, or any other surface.
 fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
     interface.map_or(Boundary::of_no_medium(1.0), |of| Boundary {
         eta: of.eta,
@@ -389,7 +399,7 @@ fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
     })
 }
 
-/// Whether a point is on a side of its surface that reflects or refracts light.
+/// Returns true if a point is on a side of its surface that reflects or refracts light.
 fn scatters(material: &Material, point: &SurfacePoint) -> bool {
     material.two_sided || !point.is_flipped
 }

@@ -9,10 +9,10 @@ use scene::light::Illumination;
 use scene::material::Material;
 use scene::world::Lights;
 
-/// How paths go on from a point.
+/// How paths continue from a point.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Bounce {
-    /// Not at all.
+    /// They end.
     None,
     /// As reflected and refracted rays.
     Mirrored,
@@ -20,28 +20,28 @@ pub(super) enum Bounce {
     Scattered,
 }
 
-/// A model of how surfaces reflect light. All formulas are for one point or for one
-/// per lane, all of which have the same material.
+/// A model of how surfaces reflect light. All formulas are for one point or for one point per lane,
+/// all with the same material.
 pub(super) trait Model: Copy {
-    /// Whether a shadow ray ignores the object that it leaves.
+    /// True if a shadow ray ignores the object that it leaves.
     const IGNORES_OWN_OBJECT: bool = false;
-    /// Whether a point that no light reaches is black and ends its path.
+    /// True if a point that no light reaches is black and ends its path.
     const NEEDS_LIGHT: bool = false;
-    /// How paths go on.
+    /// How paths continue.
     const BOUNCE: Bounce;
 
-    /// Whether light samples contribute to what surfaces of a material reflect.
+    /// Returns true if light samples contribute to the light that surfaces of a material reflect.
     fn is_lit(self, material: &Material) -> bool {
         material.is_lit()
     }
 
-    /// Number of light samples at a point after this number of bounces, of at most
+    /// Returns the number of light samples at a point after this number of bounces, of at most
     /// `max_depth`.
     fn n_light_samples(self, lights: &Lights, _depth: u32, _max_depth: u32) -> usize {
         lights.n_samples()
     }
 
-    /// Whether the light may arrive: not if the surface itself is in its way.
+    /// Returns true if the light may arrive: if the surface itself is not in its way.
     fn may_arrive<R: Real>(
         self,
         material: &Material,
@@ -49,20 +49,20 @@ pub(super) trait Model: Copy {
         light: &Illumination<R>,
     ) -> R::Mask;
 
-    /// The origin of a ray that leaves the point in this direction.
+    /// Returns the origin of a ray that leaves the point in this direction.
     #[inline(always)]
     fn origin<R: Real>(self, point: &ShadingPoint<R>, direction: Vector<R>) -> Vector<R> {
         point.origin(direction)
     }
 
-    /// The parameter at which a shadow ray ends: at its light.
+    /// Returns the parameter at which a shadow ray ends: at its light.
     #[inline(always)]
     fn end<R: Real>(self, light: &Illumination<R>) -> R {
         light.distance
     }
 
-    /// The unit vector to the viewer: of a path from `eye`, by a ray in `direction`, to
-    /// whose origin it points.
+    /// Returns the unit vector to the viewer: to the origin of a ray in `direction`, of a path from
+    /// `eye`.
     #[inline(always)]
     fn to_viewer<R: Real>(
         self,
@@ -73,13 +73,13 @@ pub(super) trait Model: Copy {
         -direction
     }
 
-    /// The reflected ambient light: none.
+    /// Returns the reflected ambient light: none.
     #[inline(always)]
     fn ambient<R: Real>(self, _material: &Material, _ambient: Vec3, color: Vector<R>) -> Vector<R> {
         Vector::splat(color.x, Vec3::ZERO)
     }
 
-    /// The light that the point reflects to the viewer. `boundary` is that of a medium.
+    /// Returns the light that the point reflects to the viewer. `boundary` matters only for media.
     fn reflected<R: Real>(
         self,
         material: &Material,

@@ -29,7 +29,7 @@ macro_rules! by_model {
 }
 pub(super) use by_model;
 
-/// The groups of points to whose reflection light samples contribute.
+/// Returns the groups of points whose reflection light samples contribute to.
 pub(super) fn lit_groups<'a>(
     scene: &'a Scene,
     points: &'a Points,

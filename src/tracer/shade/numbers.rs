@@ -5,26 +5,26 @@ use math::sampling::{Dimension, Sampler};
 use math::simd::{InstructionSet, Integer, N_LANES, Real, lanes_mut};
 use scene::world::{LightNumbers, Lights};
 
-/// The sample of a picture that a path is, or one per lane.
+/// The sample of a picture that a path belongs to, or one per lane.
 #[derive(Debug, Clone, Copy)]
 pub struct SampleId<N> {
-    /// The number of the pixel in the picture.
+    /// Number of the pixel in the picture.
     pub pixel: N,
-    /// The number of the sample in its pixel.
+    /// Number of the sample in its pixel.
     pub sample: N,
 }
 
-/// The random numbers at the point that a path reaches after some bounces, or at one per
+/// The random numbers at the point that a path reaches after some bounces, or at one point per
 /// lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PointNumbers<N> {
     pub(super) sampler: Sampler,
     pub(super) id: SampleId<N>,
-    /// The number of bounces.
+    /// Number of bounces.
     pub(super) depth: u32,
 }
 
-/// The samples that paths are, by slot.
+/// The samples of the paths, by slot.
 #[derive(Debug, Default)]
 pub struct SampleIds {
     pixels: Vec<u32>,
@@ -38,14 +38,14 @@ impl SampleIds {
         self.samples.resize(n_slots, 0);
     }
 
-    /// Sets the samples of eight slots from `first` on: the same of eight pixels.
+    /// Sets the sample of eight slots from `first` on: the same sample of eight pixels.
     #[inline(always)]
     pub fn set(&mut self, first: usize, pixels: &[u32; N_LANES], sample: u32) {
         *lanes_mut(&mut self.pixels, first) = *pixels;
         *lanes_mut(&mut self.samples, first) = [sample; N_LANES];
     }
 
-    /// The sample of the path in this slot.
+    /// Returns the sample of the path in this slot.
     pub(super) fn of_slot(&self, slot: u32) -> SampleId<u32> {
         SampleId {
             pixel: self.pixels[slot as usize],
@@ -53,7 +53,7 @@ impl SampleIds {
         }
     }
 
-    /// The samples of the paths of eight rays of a wave.
+    /// Returns the samples of the paths of eight rays of a wave.
     #[inline(always)]
     fn of_rays<I: InstructionSet>(
         &self,
@@ -81,7 +81,7 @@ pub(super) struct WaveNumbers<'a> {
 }
 
 impl WaveNumbers<'_> {
-    /// Numbers of the points that eight rays have hit.
+    /// Returns the numbers of the points that eight rays have hit.
     #[inline(always)]
     pub(super) fn of_rays<I: InstructionSet>(
         &self,
@@ -97,40 +97,40 @@ impl WaveNumbers<'_> {
     }
 }
 
-/// What pairs of numbers choose at a point.
+/// Choices at a point, each of which gets a pair of numbers.
 const DIRECTION: u32 = 0;
 const LOBE: u32 = 1;
-/// Of light sample `i`: `FIRST_LIGHT + 2 * i` chooses the light and its shape, the next
-/// one the point of the shape.
+/// For light sample `i`: pair `FIRST_LIGHT + 2 * i` chooses the light and its shape, the next pair
+/// the point on the shape.
 const FIRST_LIGHT: u32 = 2;
 
-/// Where a ray in fog meets a particle.
+/// Distance at which a ray in fog meets a particle.
 const FLIGHT: u32 = (1 << 20) - 1;
 
-/// Light samples with numbers of their own; the others repeat them.
+/// Number of light samples with separate numbers; further ones repeat them.
 const N_LIGHTS: u32 = (1 << 19) - 2;
 
 impl<N: Integer> PointNumbers<N> {
-    /// The numbers that choose a direction.
+    /// Returns the numbers that choose a direction.
     #[inline(always)]
     pub(super) fn direction<R: Real<Integer = N>>(&self) -> [R; 2] {
         self.pair(DIRECTION)
     }
 
-    /// The numbers that choose how light is scattered, and whether the path ends.
+    /// Returns the numbers that choose how light is scattered, and if the path ends.
     #[inline(always)]
     pub(super) fn lobe<R: Real<Integer = N>>(&self) -> [R; 2] {
         self.pair(LOBE)
     }
 
-    /// The number that chooses where the ray to the point meets a particle of fog.
+    /// Returns the number that chooses where the ray to the point meets a particle of fog.
     #[inline(always)]
     pub(super) fn flight<R: Real<Integer = N>>(&self) -> R {
         let [number, _] = self.pair(FLIGHT);
         number
     }
 
-    /// The numbers that choose the light of sample `i`.
+    /// Returns the numbers that choose the light of sample `i`.
     #[inline(always)]
     pub(super) fn light<R: Real<Integer = N>>(&self, lights: &Lights, i: usize) -> LightNumbers<R> {
         let first = FIRST_LIGHT + 2 * (i as u32 % N_LIGHTS);

@@ -1,9 +1,9 @@
-//! Ambient occlusion: how much of the space around a point is free.
+//! Ambient occlusion: the share of free space around a point.
 //!
-//! Zhukov, Iones and Kronin, "An Ambient Light Illumination Model", Rendering Techniques
-//! 1998. Each sample of a pixel sends one ray, with a density in proportion to the cosine
-//! of its angle with the normal: the mean is the color times the share of the rays that
-//! hit nothing within a distance. No path goes on.
+//! Zhukov, Iones and Kronin, "An Ambient Light Illumination Model", Rendering Techniques 1998. Each
+//! sample of a pixel sends one ray, with a density proportional to the cosine of its angle with the
+//! normal: the mean is the color times the share of the rays that hit nothing within a distance.
+//! Paths end there.
 
 use super::bsdf::Boundary;
 use super::model::{Bounce, Model};
@@ -12,7 +12,7 @@ use math::simd::{Real, Vector};
 use scene::light::Illumination;
 use scene::material::Material;
 
-/// See the file's documentation.
+/// The ambient occlusion model; see the module's documentation.
 #[derive(Clone, Copy)]
 pub(super) struct AmbientOcclusion;
 

@@ -12,25 +12,25 @@ use scene::geometry::Ray;
 pub struct PathRay {
     /// The ray.
     pub ray: Ray,
-    /// Its kind.
+    /// The kind of the ray.
     pub kind: RayKind,
-    /// The number of bounces before it.
+    /// Number of bounces before the ray.
     pub depth: u32,
-    /// The length of the path before it, in world units.
+    /// Length of the path before the ray, in world units.
     pub length: f32,
-    /// The share of the radiance that it meets which reaches the camera.
+    /// The share of the radiance met by the ray that reaches the camera.
     pub(super) weight: Vec3,
-    /// The media that it is in.
+    /// The media that the ray is in.
     pub(super) media: Media,
-    /// The density with which its direction was chosen, per steradian; infinite if it
-    /// was the only one.
+    /// The density with which the ray's direction was chosen, per steradian; infinite if there was
+    /// no choice.
     pub(super) density: f32,
-    /// The sample that the path is.
+    /// The sample that the path belongs to.
     pub(super) id: SampleId<u32>,
 }
 
 impl PathRay {
-    /// The camera ray of a sample.
+    /// Returns the camera ray of a sample.
     pub fn from_camera(ray: Ray, id: SampleId<u32>) -> Self {
         Self {
             ray,
@@ -44,7 +44,7 @@ impl PathRay {
         }
     }
 
-    /// The ray of the path after a bounce which leaves this share of the light.
+    /// Returns the ray of the path after a bounce that leaves this share of the light.
     pub(super) fn continued(&self, kind: RayKind, ray: Ray, share: Vec3) -> Self {
         Self {
             ray,
@@ -56,17 +56,17 @@ impl PathRay {
         }
     }
 
-    /// Whether it is worth tracing.
+    /// Returns true if the ray is worth tracing.
     pub(super) fn has_weight(&self) -> bool {
         is_worth_tracing(self.weight)
     }
 }
 
-/// Least weight of a ray that is split off at the surface of a medium, in its greatest
-/// channel: without a limit, the number of rays doubles with each bounce.
+/// Least weight of a ray that is split off at the surface of a medium, in its greatest channel:
+/// without a limit, the number of rays doubles with each bounce.
 const MIN_WEIGHT: f32 = 1.0 / 4096.0;
 
-/// Whether a ray of this weight, split off at the surface of a medium, is traced.
+/// Returns true if a ray of this weight, split off at the surface of a medium, is traced.
 #[inline(always)]
 pub(super) fn is_worth_tracing(weight: Vec3) -> bool {
     weight.max_element() >= MIN_WEIGHT

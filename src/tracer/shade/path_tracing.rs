@@ -1,8 +1,8 @@
-//! Path tracing: light samples at each point, and one direction to go on.
+//! Path tracing: light samples at each point, and one direction to continue.
 //!
-//! Kajiya, "The Rendering Equation", SIGGRAPH 1986. Light that both a light sample and a
-//! scattered ray may find is weighted by the power heuristic: Veach and Guibas, "Optimally
-//! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
+//! Kajiya, "The Rendering Equation", SIGGRAPH 1986. Light that both a light sample and a scattered
+//! ray may find is weighted by the power heuristic: Veach and Guibas, "Optimally Combining Sampling
+//! Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
 
 use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind, evaluate};
 use super::model::{Bounce, Model};
@@ -12,7 +12,7 @@ use scene::light::Illumination;
 use scene::material::Material;
 use scene::world::Lights;
 
-/// See the file's documentation.
+/// The path tracing model; see the module's documentation.
 #[derive(Clone, Copy)]
 pub(super) struct PathTracing;
 
@@ -23,7 +23,7 @@ impl Model for PathTracing {
         by_kind!(Bsdf::of(material), |of| of.is_lit())
     }
 
-    /// None where the scattered ray is not traced.
+    /// Returns 0 where the scattered ray is not traced.
     fn n_light_samples(self, lights: &Lights, depth: u32, max_depth: u32) -> usize {
         if depth < max_depth {
             lights.n_samples()
@@ -68,9 +68,9 @@ impl Model for PathTracing {
     }
 }
 
-/// The weight of a sample whose direction one method chooses with density `own`, while
-/// another one might have chosen it with density `other`, by the power heuristic. An
-/// infinite density is that of a method without alternative.
+/// Returns the weight of a sample whose direction one method chose with density `own` and another
+/// might have chosen with density `other`, by the power heuristic. The density of a method without
+/// alternative is infinite.
 #[inline(always)]
 pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     let one = own.splat(1.0);
@@ -78,13 +78,12 @@ pub(super) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     one / (one + ratio * ratio)
 }
 
-/// The probability with which a path goes on after `depth` bounces, if a ray of it would
-/// carry this share of the light to the camera from a medium with this index of
-/// refraction.
+/// Returns the probability that a path continues after `depth` bounces, if its ray would carry this
+/// share of the light to the camera from a medium with this index of refraction.
 ///
-/// Russian roulette: Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH
-/// 1990. By the square root of the share, as in Blender's Cycles: variance decreases by more
-/// than the longer paths take. The spread of light at the surfaces of media does not count.
+/// Russian roulette: Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990. By the
+/// square root of the share, as in Blender's Cycles: the variance decreases by more than the time
+/// of the longer paths increases. The spread of light at the surfaces of media does not count.
 #[inline(always)]
 pub(super) fn survival<R: Real>(weight: Vector<R>, index: R, depth: u32) -> R {
     let (zero, one) = (index.splat(0.0), index.splat(1.0));

@@ -10,26 +10,26 @@ use scene::fog::FogSphere;
 use scene::geometry::RayStream;
 use scene::material::Material;
 
-/// Rays of one kind and the paths that they continue, as a structure of arrays. All
-/// paths have the same number of bounces.
+/// Rays of one kind and the paths that they continue, as a structure of arrays. All paths have the
+/// same number of bounces.
 #[derive(Debug, Default)]
 pub struct PathWave {
     /// The rays.
     pub rays: RayStream,
-    /// The pixel of each ray, with room for whole lanes.
+    /// The pixel of each ray, padded to whole lanes.
     pixels: Vec<u32>,
-    /// The index of each path's color, with room for whole lanes.
+    /// The index of each path's color, padded to whole lanes.
     slots: Vec<u32>,
-    /// The share of the radiance that each ray meets which reaches the camera.
+    /// The share of the radiance met by each ray that reaches the camera.
     pub(super) weights: VectorColumn,
-    /// The length of each path before its ray, in a scene with pictures; else empty.
+    /// Length of each path before its ray, in a scene with textures; else empty.
     lengths: Vec<f32>,
-    /// What only paths through media and paths of path tracing have; else empty.
+    /// Data of paths through media and of path tracing; else empty.
     pub(super) branches: Vec<Branch>,
-    /// What the fog adds to the light that each ray meets, weighted, in a scene whose fog does
-    /// not scatter; else empty.
+    /// Light that the fog adds along each ray, weighted, in a scene whose fog does not scatter;
+    /// else empty.
     gained: VectorColumn,
-    /// The number of bounces so far.
+    /// Number of bounces so far.
     pub depth: u32,
 }
 
@@ -39,19 +39,19 @@ pub(super) struct Branch {
     /// The media that the ray is in.
     pub(super) media: Media,
     pub(super) kind: RayKind,
-    /// The density with which its direction was chosen, per steradian; infinite if it
-    /// was the only one.
+    /// The density with which the ray's direction was chosen, per steradian; infinite if there was
+    /// no choice.
     pub(super) density: f32,
-    /// Its place among the rays of its wave: twice that of the ray that it continues,
-    /// and one more if it is refracted.
+    /// Place among the rays of the wave: twice the place of the ray that it continues, plus one if
+    /// it is refracted.
     place: u32,
 }
 
-/// The eight rays that continue rays of a wave, in lanes.
+/// Eight rays that continue rays of a wave, in lanes.
 pub(super) struct Continued<'a, L> {
     pub(super) origin: Vector<L>,
     pub(super) direction: Vector<L>,
-    /// The share of the light that they meet which reaches the camera.
+    /// The share of the light met by each ray that reaches the camera.
     pub(super) weight: Vector<L>,
     /// The rays that they continue.
     pub(super) rays: &'a [u32; N_LANES],
@@ -60,12 +60,12 @@ pub(super) struct Continued<'a, L> {
     pub(super) kinds: [RayKind; N_LANES],
     /// The densities with which their directions were chosen.
     pub(super) densities: [f32; N_LANES],
-    /// The media that refracted rays are in; all other rays stay in those before.
+    /// The media that refracted rays enter; all other rays stay in their media.
     pub(super) media: Option<&'a [Media; N_LANES]>,
 }
 
 impl PathWave {
-    /// Removes all rays; their paths will have had this number of bounces.
+    /// Removes all rays; the next paths have this number of bounces.
     pub fn restart(&mut self, depth: u32) {
         self.rays.clear();
         self.branches.clear();
@@ -73,19 +73,19 @@ impl PathWave {
         self.depth = depth;
     }
 
-    /// Begins to add up the lengths of all paths, which start at the camera.
+    /// Starts adding up the lengths of all paths, which start at the camera.
     pub fn measure(&mut self) {
         self.lengths.clear();
         self.lengths.resize(self.rays.len(), 0.0);
     }
 
-    /// The length of each path before its ray, if they are [measured](Self::measure).
+    /// Returns the length of each path before its ray, if they are [measured](Self::measure).
     #[inline]
     pub fn lengths(&self) -> &[f32] {
         &self.lengths
     }
 
-    /// Lets all paths start in the vacuum, in a scene where they have branches.
+    /// Starts all paths in a vacuum, in a scene where they have branches.
     pub fn start_in_vacuum(&mut self) {
         let camera = |place| Branch {
             media: Media::default(),
@@ -98,7 +98,7 @@ impl PathWave {
             .extend((0..self.rays.len() as u32).map(camera));
     }
 
-    /// The kind of ray `i`, which continues a path.
+    /// Returns the kind of ray `i`, which continues a path.
     #[inline(always)]
     pub fn kind(&self, i: usize) -> RayKind {
         let branch = self.branches.get(i);
@@ -117,12 +117,12 @@ impl PathWave {
         }
     }
 
-    /// The media of eight rays.
+    /// Returns the media of eight rays.
     pub(super) fn media(&self, rays: &[u32; N_LANES]) -> [Media; N_LANES] {
         rays.map(|ray| self.branches[ray as usize].media)
     }
 
-    /// Lets the light fade in fog on the way to the hits.
+    /// Fades the light in fog on the way to the hits.
     pub(super) fn fade(&mut self, hits: &[Option<Hit>], fog: &FogSphere) {
         self.gained.reset(self.rays.len().next_multiple_of(N_LANES));
         for (i, hit) in hits.iter().enumerate() {
@@ -141,7 +141,7 @@ impl PathWave {
         }
     }
 
-    /// The light that these rays bring, and what they gain in fog.
+    /// Returns the light that these rays bring, plus the light that they gain in fog.
     #[inline(always)]
     pub(super) fn with_gained<I: InstructionSet>(
         &self,
@@ -155,9 +155,9 @@ impl PathWave {
         light + self.gained.gather(set, rays)
     }
 
-    /// Overwrites `sorted` with its rays in the order of the rays that they continue, of
-    /// which there were `n_before`; of two, the reflected one comes first. So the order
-    /// depends on each path alone. `order` is a reused buffer.
+    /// Overwrites `sorted` with the rays in the order of the rays that they continue, of which
+    /// there were `n_before`; of two, the reflected one comes first. So the order depends only on
+    /// each path. `order` is a reused buffer.
     pub(super) fn sort_into(
         &self,
         sorted: &mut PathWave,
@@ -182,13 +182,13 @@ impl PathWave {
         }
     }
 
-    /// The pixel of each ray.
+    /// Returns the pixel of each ray.
     #[inline]
     pub fn pixels(&self) -> &[u32] {
         &self.pixels[..self.rays.len()]
     }
 
-    /// The index of each path's color.
+    /// Returns the index of each path's color.
     #[inline]
     pub fn slots(&self) -> &[u32] {
         &self.slots[..self.rays.len()]
@@ -226,7 +226,7 @@ impl PathWave {
         }
     }
 
-    /// Adds these lanes of rays that continue those of the `wave`.
+    /// Adds these lanes of rays, which continue rays of `wave`.
     #[inline(always)]
     pub(super) fn bounce<I: InstructionSet>(
         &mut self,
@@ -247,9 +247,11 @@ impl PathWave {
             distances,
             media,
         } = *continued;
+        // Append rays and weights in lanes.
         let mask = set.mask(lanes);
         self.rays.push_lanes(origin, direction, mask);
         self.weights.store_lanes(next, weight, mask);
+        // Append the other data ray by ray.
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize % N_LANES;
             let ray = rays[lane] as usize;
@@ -274,8 +276,8 @@ impl PathWave {
         }
     }
 
-    /// The indices under which these rays add to colors, and their weights: the indices
-    /// of paths, but those of rays if paths may be split.
+    /// Returns the indices under which these rays add to colors, and their weights: indices of
+    /// paths, or of rays if paths may be split.
     #[inline(always)]
     pub(super) fn of_rays<I: InstructionSet>(
         &self,

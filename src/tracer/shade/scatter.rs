@@ -1,5 +1,4 @@
-//! Surface points → the rays of paths that go on in a direction chosen at random, in
-//! lanes.
+//! Surface points → the rays of paths that continue in a random direction, in lanes.
 
 use super::bsdf::{Boundary, Leaving, Scatters, sample};
 use super::interfaces::Interfaces;
@@ -41,6 +40,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
     /// Collects the scattered rays of these lanes.
     #[inline(always)]
     fn scatter<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
+        // Find the boundaries of media that the rays met.
         let material = self.group.material;
         let point = self.points.shading(set, at);
         let rays = self.points.rays(at);
@@ -56,6 +56,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             None => Boundary::of_no_medium(set.splat(1.0)),
             Some(interfaces) => interfaces.boundary(set),
         };
+        // Sample a direction for each point.
         let at_point = Leaving::new(point, -self.points.directions(set, at));
         let numbers = self.numbers.of_rays(set, self.wave, rays);
         let [lobe, roulette] = numbers.lobe();
@@ -66,6 +67,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             numbers.direction(),
             lobe,
         );
+        // Russian roulette: paths of little weight may end.
         let refracted = scattered.is_refracted.bits();
         let behind = interfaces.as_ref().map(|of| &of.behind);
         let before = self.wave.weights.gather(set, rays);
@@ -76,6 +78,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         };
         let probability = survival(before.times(scattered.factor), index, self.wave.depth);
         let alive = roulette.lt(probability).bits();
+        // Collect the rays that continue the paths.
         let direction = scattered.direction;
         let continued = Continued {
             origin: point.origin(direction),
@@ -90,7 +93,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         self.next.bounce(set, &continued, self.wave, lanes & alive);
     }
 
-    /// The indices of refraction where the scattered rays are.
+    /// Returns the indices of refraction where the scattered rays are.
     #[inline(always)]
     fn indices(
         &self,
@@ -110,7 +113,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
     }
 }
 
-/// The kinds of rays by bits of lanes.
+/// Returns the kinds of rays by bits of lanes.
 #[inline(always)]
 fn kinds(refracted: u8, diffuse: u8) -> [RayKind; N_LANES] {
     let mut kinds = [RayKind::Reflection; N_LANES];
@@ -120,7 +123,7 @@ fn kinds(refracted: u8, diffuse: u8) -> [RayKind; N_LANES] {
     kinds
 }
 
-/// The kind of a scattered ray.
+/// Returns the kind of a scattered ray.
 #[inline(always)]
 pub(super) fn scattered_kind(is_refracted: bool, is_diffuse: bool) -> RayKind {
     if is_refracted {

@@ -1,11 +1,10 @@
 //! The model of the course's NumPy code, kept for comparison with it.
 //!
-//! It differs from the standard model: only the highlight has the light's color,
-//! and only the diffuse light the surface's; normals are not flipped toward the
-//! ray; V points to the camera even after a bounce; a shadow ray ignores the
-//! object that it leaves and does not end at its light; a point that no light
-//! reaches is black, without ambient light, and ends the path; new rays start
-//! 1e-4 off the surface, along its normal.
+//! It differs from the standard model: only the highlight has the light's color, and only the
+//! diffuse light has the surface's color; normals are not flipped toward the ray; V points to the
+//! camera even after a bounce; a shadow ray ignores the object that it leaves and does not end at
+//! its light; a point that no light reaches is black, without ambient light, and ends the path; new
+//! rays start 1e-4 off the surface, along its normal.
 
 use glam::Vec3;
 
@@ -20,7 +19,7 @@ use scene::material::Material;
 /// Distance of the origin of new rays from the surface, in world units.
 const OFFSET: f32 = 1e-4;
 
-/// See the file's documentation.
+/// The model of the course; see the module's documentation.
 #[derive(Clone, Copy)]
 pub(super) struct Seed;
 

@@ -1,8 +1,8 @@
 //! The standard model: Blinn-Phong with shadows and reflected rays.
 //!
-//! Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6),
-//! 1980. V points to the origin of the ray, shadow rays end at their lights, and
-//! a point in shadow keeps its ambient light.
+//! Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980. V points to the
+//! origin of the ray, shadow rays end at their lights, and a point in shadow keeps its ambient
+//! light.
 
 use glam::Vec3;
 
@@ -14,14 +14,14 @@ use math::simd::{Real, Vector};
 use scene::light::Illumination;
 use scene::material::Material;
 
-/// See the file's documentation.
+/// The standard model; see the module's documentation.
 #[derive(Clone, Copy)]
 pub(super) struct Standard;
 
 impl Model for Standard {
     const BOUNCE: Bounce = Bounce::Mirrored;
 
-    /// Not from behind the surface, and not from a light that is off.
+    /// Rejects light from behind the surface, and from a light that is off.
     #[inline(always)]
     fn may_arrive<R: Real>(
         self,

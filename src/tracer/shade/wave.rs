@@ -17,7 +17,7 @@ use math::sampling::Sampler;
 use math::simd::{Simd, VectorColumn};
 use scene::world::Scene;
 
-/// Where the paths of a wave start.
+/// The starts of the paths of a wave.
 #[derive(Debug, Clone, Copy)]
 pub struct PathStarts<'a> {
     /// The origins of the camera rays.
@@ -26,10 +26,10 @@ pub struct PathStarts<'a> {
     pub ids: &'a SampleIds,
 }
 
-/// Shades waves of points. For each light in turn, [`cast`](Self::cast) collects the
-/// shadow rays of all points, so that rays toward one light are neighbors, and
-/// [`add_light`](Self::add_light) adds the light of those that are not occluded. At
-/// last `end` adds the points' radiance to their paths.
+/// Shades waves of points. For each light in turn, [`cast`](Self::cast) collects the shadow rays of
+/// all points, so that rays toward one light are neighbors, and [`add_light`](Self::add_light) adds
+/// the light of the unoccluded rays. Finally [`end`](Self::end) adds the points' radiance to their
+/// paths.
 #[derive(Debug)]
 pub struct WaveShader<'a> {
     pub(super) scene: &'a Scene,
@@ -37,22 +37,22 @@ pub struct WaveShader<'a> {
     simd: Simd,
     /// The shadow rays toward the current light.
     pub shadows: ShadowWave,
-    /// The light of those rays, by point.
+    /// The light of the shadow rays, by point.
     arriving: ArrivingLight,
     /// The radiance of each point.
     radiance: VectorColumn,
-    /// Whether the current light reaches each point: 0 or 1.
+    /// 1 for each point that the current light reaches, else 0.
     reached: Vec<u8>,
-    /// Whether some light reaches each point: 0 or 1.
+    /// 1 for each point that some light reaches, else 0.
     lit: Vec<u8>,
-    /// Only in scenes with media.
+    /// Used only in scenes with media.
     split: SplitPaths,
 }
 
 /// Buffers for paths that may be split.
 #[derive(Debug, Default)]
 struct SplitPaths {
-    /// What each ray adds to its path.
+    /// The light that each ray adds to its path.
     added: VectorColumn,
     /// The rays that continue the paths, in the order of the points.
     unsorted: PathWave,
@@ -60,7 +60,7 @@ struct SplitPaths {
 }
 
 impl<'a> WaveShader<'a> {
-    /// Shades the points of a scene with an instruction set.
+    /// Creates a shader for the points of a scene, with an instruction set.
     pub(super) fn new(scene: &'a Scene, sampler: Sampler, simd: Simd) -> Self {
         Self {
             scene,
@@ -75,27 +75,27 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Whether rays need more than an origin and a direction.
+    /// Returns true if rays need more than an origin and a direction.
     pub fn has_branches(&self) -> bool {
         self.scene.has_branches()
     }
 
-    /// Whether pictures need the lengths of paths.
+    /// Returns true if textures need the lengths of paths.
     pub fn measures_paths(&self) -> bool {
         self.scene.cone.is_some()
     }
 
-    /// Whether [`PathStarts::ids`] are needed.
+    /// Returns true if [`PathStarts::ids`] are needed.
     pub fn is_random(&self) -> bool {
         self.scene.is_random()
     }
 
-    /// Whether shadow rays decide which lights reach a point.
+    /// Returns true if shadow rays decide which lights reach a point.
     pub fn casts_shadows(&self) -> bool {
         self.scene.shading.shadows
     }
 
-    /// Number of light samples at the points of a wave after this number of bounces.
+    /// Returns the number of light samples at the points of a wave after this number of bounces.
     pub fn n_light_samples(&self, depth: u32) -> usize {
         let max_depth = self.scene.shading.max_depth.into();
         let lights = &self.scene.lights;
@@ -103,11 +103,12 @@ impl<'a> WaveShader<'a> {
             .n_light_samples(lights, depth, max_depth))
     }
 
-    /// Begins a wave of these points.
+    /// Starts a wave of these points.
     pub fn begin(&mut self, wave: &PathWave, points: &Points) {
         self.radiance.grow(points.end());
         self.lit.clear();
         self.lit.resize(points.end(), 0);
+        // The light without shadow rays: ambient, then emitted.
         by_model!(self.scene, |model| self.simd.run(AddAmbient {
             model,
             scene: self.scene,
@@ -125,6 +126,7 @@ impl<'a> WaveShader<'a> {
     /// Collects the shadow rays of all points for light sample `sample`.
     pub fn cast(&mut self, sample: usize, starts: PathStarts, wave: &PathWave, points: &Points) {
         self.shadows.clear();
+        // Sample a light that is not plain, once for all points.
         if self.scene.lights.plain(sample).is_none() {
             self.arriving.grow(points.end());
             self.simd.run(SampleLights {
@@ -136,6 +138,7 @@ impl<'a> WaveShader<'a> {
                 arriving: &mut self.arriving,
             });
         }
+        // Cast a shadow ray from each point that it may reach.
         let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(CastShadows {
             model,
@@ -154,8 +157,8 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Adds the light of light sample `sample`, whose shadow rays were collected, as far as
-    /// it is not occluded.
+    /// Adds the light of light sample `sample`, whose shadow rays were collected, where it is not
+    /// occluded.
     pub fn add_light(
         &mut self,
         sample: usize,
@@ -164,6 +167,7 @@ impl<'a> WaveShader<'a> {
         points: &Points,
         occluded: &[bool],
     ) {
+        // Mark the points whose shadow rays are free.
         self.reached.clear();
         self.reached.resize(self.lit.len(), 0);
         for (&point, is_occluded) in self.shadows.points().iter().zip(occluded) {
@@ -172,6 +176,7 @@ impl<'a> WaveShader<'a> {
         for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
             *lit |= reached;
         }
+        // Add the light that they reflect.
         let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(AddLight {
             model,
@@ -195,7 +200,7 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Adds the background that the rays without a point see to `colors`, by slot; called before
+    /// Adds the background seen by the rays without a point to `colors`, by slot; called before
     /// [`end`](Self::end).
     pub fn add_background(&mut self, wave: &PathWave, points: &Points, colors: &mut VectorColumn) {
         let colors = if self.scene.splits_paths() {
@@ -226,8 +231,8 @@ impl<'a> WaveShader<'a> {
             next.restart(wave.depth + 1);
             return self.end_paths(starts, wave, points, next, colors);
         }
-        // Several rays of a path add to its color: in an order that depends on the path
-        // alone, not on the other paths of the wave.
+        // Several rays of a path add to its color: in an order that depends only on the path, not
+        // on the other paths of the wave.
         let mut split = std::mem::take(&mut self.split);
         split.unsorted.restart(wave.depth + 1);
         self.end_paths(starts, wave, points, &mut split.unsorted, &mut split.added);

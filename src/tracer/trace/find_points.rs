@@ -20,7 +20,7 @@ use scene::world::{
 /// Computes the points of grouped hits.
 pub(super) struct FindPoints<'a> {
     pub(super) scene: &'a Scene,
-    /// The lengths of the paths before the rays, in a scene with a cone.
+    /// Lengths of the paths before the rays, in a scene with a cone.
     pub(super) lengths: &'a [f32],
     pub(super) rays: &'a RayStream,
     pub(super) hits: &'a [Option<Hit>],
@@ -30,13 +30,13 @@ pub(super) struct FindPoints<'a> {
 /// Eight hits.
 struct LaneHits {
     primitives: [u32; N_LANES],
-    /// The instances that they belong to; `None` for all in a scene without instances.
+    /// The instance of each hit; `None` for all in a scene without instances.
     instances: [Option<InstanceId>; N_LANES],
     t: [f32; N_LANES],
 }
 
 impl LaneHits {
-    /// The primitive that was hit in a lane.
+    /// Returns the primitive that was hit in a lane.
     #[inline(always)]
     fn placed(&self, lane: usize) -> PlacedPrimitive {
         PlacedPrimitive {
@@ -67,8 +67,8 @@ impl SimdKernel for FindPoints<'_> {
 }
 
 impl FindPoints<'_> {
-    /// Writes the hits of all points to their columns. Eight at a time would be loaded right
-    /// after they were stored one by one, for which the CPU has to wait.
+    /// Writes the hits of all points to their columns. Writing eight at a time would load them
+    /// right after they were stored one by one, which stalls the CPU.
     #[inline(always)]
     fn collect_hits(&mut self) {
         let end = self.points.end();
@@ -94,6 +94,7 @@ impl FindPoints<'_> {
     /// Computes eight points.
     #[inline(always)]
     fn find<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
+        // Project the hits onto the surfaces, which removes the rounding error.
         let hits = self.hits(at);
         let [origin, direction] = self.rays.gather(set, self.points.rays(at));
         let near = origin + direction * set.load(&hits.t);
@@ -106,12 +107,14 @@ impl FindPoints<'_> {
             Some(shape) => shape.rounding(&parameters, position),
             None => self.placed_rounding(set, &hits.primitives),
         };
+        // Turn the normals to the side of the rays.
         let outward = match &self.scene.instances {
             None => outward,
             Some(_) => outward.flip_sign_by(self.mirror_signs(set, &hits)),
         };
         let side = side(outward, direction);
         let geometric_normal = outward.flip_sign_by(side);
+        // Interpolate the shading normals.
         let normal = if group.attributes.has_normals() {
             let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
             let normals = of_vertices(set, normals);
@@ -120,6 +123,7 @@ impl FindPoints<'_> {
         } else {
             geometric_normal
         };
+        // Find the attributes and the filter width that textures read.
         let mut at_point = TexturePoint::new(position, normal);
         if group.attributes.has_uvs() {
             let uvs = self.vertex_uvs(set, &hits.primitives);
@@ -148,12 +152,14 @@ impl FindPoints<'_> {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
             at_point.width = width(cone, distance, geometric_normal, direction);
         }
+        // Evaluate the textures.
         let material = self.scene.material(group.material);
         let normal = material.normal_at(&at_point, geometric_normal);
         let color = match group.attributes {
             AttributeKind::Colors => self.own_colors(set, &hits.primitives),
             _ => material.color.color_at(&at_point),
         };
+        // Store the points.
         let points = &mut *self.points;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
         let objects = lanes_mut(&mut points.objects, at.first);
@@ -173,7 +179,7 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.side, at.first) = side.to_array();
     }
 
-    /// Computes eight particles of fog: [`SurfacePoint::of_particle`](super::SurfacePoint).
+    /// Computes eight particles of fog, as [`SurfacePoint::of_particle`](super::SurfacePoint) does.
     #[inline(always)]
     fn find_particles<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
         let [origin, direction] = self.rays.gather(set, self.points.rays(at));
@@ -196,7 +202,7 @@ impl FindPoints<'_> {
         *lanes_mut(&mut points.side, first) = [1.0; N_LANES];
     }
 
-    /// The hits of eight points.
+    /// Returns the hits of eight points.
     #[inline(always)]
     fn hits(&self, at: PointLanes) -> LaneHits {
         LaneHits {
@@ -209,7 +215,7 @@ impl FindPoints<'_> {
         }
     }
 
-    /// The lengths of the paths before eight rays.
+    /// Returns the lengths of the paths before eight rays.
     #[inline(always)]
     fn lengths(&self, at: PointLanes) -> [f32; N_LANES] {
         let mut lengths = [0.0; N_LANES];
@@ -219,7 +225,7 @@ impl FindPoints<'_> {
         lengths
     }
 
-    /// The nearest points and normals of primitives under a transform, one by one.
+    /// Returns the nearest points and normals of primitives under a transform, one by one.
     #[inline(always)]
     fn project_placed<I: InstructionSet>(
         &self,
@@ -238,7 +244,7 @@ impl FindPoints<'_> {
         (set.load_vector(&positions), set.load_vector(&normals))
     }
 
-    /// The bounds of rounding errors of primitives under a transform, one by one.
+    /// Returns the bounds of rounding errors of primitives under a transform, one by one.
     #[inline(always)]
     fn placed_rounding<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
         let rounding = |&primitive: &u32| {
@@ -248,8 +254,8 @@ impl FindPoints<'_> {
         set.load(&primitives.each_ref().map(rounding))
     }
 
-    /// Numbers whose signs are those by which the normals of triangles have to be flipped:
-    /// negative on mirrored instances.
+    /// Returns numbers by whose signs the normals of triangles have to be flipped: negative on
+    /// mirrored instances.
     #[inline(always)]
     fn mirror_signs<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> I::Lanes {
         let mut signs = [1.0; N_LANES];
@@ -262,7 +268,7 @@ impl FindPoints<'_> {
         set.load(&signs)
     }
 
-    /// The texture coordinates at the vertices of eight triangles.
+    /// Returns the texture coordinates at the vertices of eight triangles.
     #[inline(always)]
     fn vertex_uvs<I: InstructionSet>(
         &self,
@@ -283,7 +289,7 @@ impl FindPoints<'_> {
         uvs
     }
 
-    /// The numbers of an array at the vertices of eight triangles.
+    /// Returns the numbers of an array at the vertices of eight triangles.
     #[inline(always)]
     fn vertex_scalars<I: InstructionSet>(&self, set: I, hits: &LaneHits) -> [I::Lanes; 3] {
         let mut columns = [[0.0; N_LANES]; 3];
@@ -297,7 +303,7 @@ impl FindPoints<'_> {
         [set.load(a), set.load(b), set.load(c)]
     }
 
-    /// The own numbers of eight primitives.
+    /// Returns the scalars given per primitive for eight primitives.
     #[inline(always)]
     fn own_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
         let mut column = [f32::NAN; N_LANES];
@@ -307,7 +313,7 @@ impl FindPoints<'_> {
         set.load(&column)
     }
 
-    /// The numbers of an array at the ends of eight capsules.
+    /// Returns the numbers of an array at the ends of eight capsules.
     #[inline(always)]
     fn end_scalars<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> [I::Lanes; 2] {
         let mut columns = [[f32::NAN; N_LANES]; 2];
@@ -319,7 +325,7 @@ impl FindPoints<'_> {
         [set.load(&columns[0]), set.load(&columns[1])]
     }
 
-    /// The numbers of an array at points of primitives under a transform, one by one.
+    /// Returns the numbers of an array at points of primitives under a transform, one by one.
     #[inline(always)]
     fn placed_scalars<I: InstructionSet>(
         &self,
@@ -335,7 +341,7 @@ impl FindPoints<'_> {
         set.load(&column)
     }
 
-    /// The own colors of eight primitives.
+    /// Returns the colors given per primitive for eight primitives.
     #[inline(always)]
     fn own_colors<I: InstructionSet>(
         &self,
@@ -351,7 +357,7 @@ impl FindPoints<'_> {
     }
 }
 
-/// The normals or the colors at the vertices of eight triangles, by lane.
+/// Returns the normals or the colors at the vertices of eight triangles, by lane.
 #[inline(always)]
 fn of_vertices<I: InstructionSet>(
     set: I,

@@ -1,4 +1,4 @@
-//! Hits → groups of points: which point each ray gets.
+//! Hits → groups of points, with a point for each ray that hit.
 
 use super::points::{NO_POINT, PointGroup, Points};
 use crate::accel::Hit;
@@ -12,6 +12,7 @@ impl Points {
         self.groups.clear();
         self.missed.clear();
         self.group_of_ray.clear();
+        // Count the points of each group.
         let (blocks, rest) = hits.as_chunks::<N_LANES>();
         for (first, block) in (0..).step_by(N_LANES).zip(blocks) {
             // Neighbors often hit surfaces of the same class.
@@ -26,6 +27,7 @@ impl Points {
         }
         let first = hits.len() - rest.len();
         self.group_one_by_one(scene, first as u32, rest);
+        // Place the points of each group behind one another.
         self.place();
         if scene.instances.is_some() {
             let end = self.end();
@@ -33,7 +35,7 @@ impl Points {
         }
     }
 
-    /// Groups the hits of rays from the first one on.
+    /// Groups the hits of rays from ray `first` on.
     #[inline(always)]
     fn group_one_by_one(&mut self, scene: &Scene, first: u32, hits: &[Option<Hit>]) {
         for (ray, hit) in (first..).zip(hits) {
@@ -48,7 +50,7 @@ impl Points {
         }
     }
 
-    /// The index of the group of a class.
+    /// Returns the index of the group of a class.
     #[inline(always)]
     fn group_of(&mut self, class: SurfaceClass) -> usize {
         if let Some(&group) = self.group_of_class.get(class.number())
@@ -80,6 +82,7 @@ impl Points {
 
     /// Gives each hit its place.
     fn place(&mut self) {
+        // Start each group at a whole lane.
         let mut n_points: usize = 0;
         for group in &mut self.groups {
             group.first = n_points;
@@ -87,6 +90,7 @@ impl Points {
             group.n = 0;
         }
         self.grow(n_points);
+        // Give each ray the next place of its group, eight at a time where they agree.
         self.of_ray.clear();
         let group_of_ray = std::mem::take(&mut self.group_of_ray);
         let (blocks, rest) = group_of_ray.as_chunks::<N_LANES>();
@@ -105,6 +109,7 @@ impl Points {
         let first = group_of_ray.len() - rest.len();
         self.place_one_by_one(first as u32, rest);
         self.group_of_ray = group_of_ray;
+        // Pad each group with copies of its last point.
         for group in &self.groups {
             let end = group.first + group.n;
             let last = self.rays[end - 1];
@@ -112,7 +117,8 @@ impl Points {
         }
     }
 
-    /// Gives the hits of rays their places, from the first ray on, whose groups these are.
+    /// Gives the hits of rays their places, from ray `first` on; `groups` are the groups of these
+    /// rays.
     #[inline(always)]
     fn place_one_by_one(&mut self, first: u32, groups: &[u32]) {
         for (ray, &group) in (first..).zip(groups) {
@@ -128,7 +134,7 @@ impl Points {
     }
 }
 
-/// The class of the surfaces that all of eight rays hit, if they have the same.
+/// Returns the class of the surfaces that eight rays hit, if it is the same for all.
 #[inline(always)]
 fn class_of_all(scene: &Scene, hits: &[Option<Hit>; N_LANES]) -> Option<SurfaceClass> {
     let class = scene.class(hits[0]?.primitive);
@@ -140,7 +146,7 @@ fn class_of_all(scene: &Scene, hits: &[Option<Hit>; N_LANES]) -> Option<SurfaceC
     Some(class)
 }
 
-/// Eight numbers from the first one on.
+/// Returns eight consecutive numbers from `first` on.
 #[inline(always)]
 fn ascending(first: u32) -> [u32; N_LANES] {
     let mut numbers = [first; N_LANES];

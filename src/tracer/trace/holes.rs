@@ -1,7 +1,7 @@
 //! Rays through the holes of surfaces with a [cutout](scene::material::Cutout).
 //!
-//! A ray that hits a hole is traced again from behind it, until it hits something else.
-//! It stays one ray, and what it visits behind its holes counts as its own.
+//! A ray that hits a hole is traced again from behind it, until it hits something else. It remains
+//! one ray, and its visits behind holes are counted as its visits.
 
 use super::Tracer;
 use crate::accel::{Hit, ShadowStream};
@@ -10,15 +10,15 @@ use math::simd::N_LANES;
 use scene::geometry::{Ray, RayStream};
 use scene::material::TexturePoint;
 
-/// A ray behind some holes.
+/// The rest of a ray behind some holes.
 struct Passage {
     ray: Ray,
-    /// The way from the ray's first origin.
+    /// Distance from the ray's first origin.
     length: f32,
 }
 
 impl Passage {
-    /// The hit, as one of the whole ray.
+    /// Returns the hit as a hit of the whole ray.
     fn hit(&self, hit: Hit) -> Hit {
         Hit {
             t: self.length + hit.t,
@@ -28,7 +28,7 @@ impl Passage {
 }
 
 impl Tracer<'_> {
-    /// The nearest hit of a ray that is not in a hole, if it is before `limit`. `nearest`
+    /// Returns the nearest hit of a ray that is not in a hole, if it lies before `limit`. `nearest`
     /// finds the nearest hit.
     pub(super) fn hit_behind_holes(
         &self,
@@ -49,8 +49,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// Replaces the nearest hits of rays that are in holes, before the limit of each, by
-    /// those behind them.
+    /// Replaces the nearest hits of rays that are in holes, before the limit of each, by hits
+    /// behind the holes.
     pub(super) fn hits_behind_holes<P: PixelProbe>(
         &self,
         rays: &RayStream,
@@ -62,11 +62,13 @@ impl Tracer<'_> {
             ray: rays.get(i),
             length: 0.0,
         };
+        // Find the rays that hit holes.
         let behind = |i: usize| self.behind_hole(&whole(i), hits[i]?, limit(i));
         let mut passages: Vec<(usize, Passage)> = (0..rays.len())
             .filter_map(|i| Some((i, behind(i)?)))
             .collect();
         let mut found = Vec::new();
+        // Trace them from behind their holes, until none hits another.
         while !passages.is_empty() {
             let rays: RayStream = passages.iter().map(|(_, passage)| passage.ray).collect();
             let indices = passages.iter().map(|&(i, _)| i);
@@ -84,7 +86,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// [`shadow_stream`](Tracer::shadow_stream) by the nearest hits.
+    /// Tests shadow rays, as [`shadow_stream`](Tracer::shadow_stream) does, by their nearest hits.
     pub(super) fn shadows_behind_holes<P: PixelProbe>(
         &self,
         shadows: &ShadowStream,
@@ -101,7 +103,7 @@ impl Tracer<'_> {
         shadowed.extend(hits.iter().enumerate().map(is_shadowed));
     }
 
-    /// The ray that goes on past the hit of a ray, if that is in a hole before `limit`.
+    /// Returns the rest of a ray past its hit, if the hit is in a hole before `limit`.
     fn behind_hole(
         &self,
         Passage { ray, length }: &Passage,
@@ -113,16 +115,18 @@ impl Tracer<'_> {
         if length + hit.t >= limit {
             return None;
         }
+        // Look up the cutout at the hit.
         let (position, normal) = self.scene.project(hit.placed(), ray.at(hit.t));
         let at = TexturePoint::new(position.into(), normal.into());
         let at = self.scene.with_uv(hit.placed(), at);
         if !cutout.is_hole(&at) {
             return None;
         }
+        // Continue just behind the surface.
         let error = self.scene.rounding(hit.placed(), position);
         let behind = Ray::leaving([position, normal], error, ray.direction);
         let next = length + (behind.origin - ray.origin).dot(ray.direction);
-        // A ray along the surface may not get on by rounding errors: it ends there.
+        // By rounding errors, a ray along the surface may not advance: it ends there.
         (next > *length).then_some(Passage {
             ray: behind,
             length: next,

@@ -1,7 +1,7 @@
 //! Rays → the surface points that they hit.
 //!
-//! [`Tracer`] traces rays one by one or as a stream. [`Points`] are the surface points of
-//! a stream's hits, computed in lanes, with the formulas of a single point.
+//! [`Tracer`] traces rays one by one or as a stream. [`Points`] are the surface points of a
+//! stream's hits, computed in lanes, with the formulas of a single point.
 
 mod surface_point;
 mod parameters;
@@ -29,17 +29,17 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// Traces rays through `scene`; `accel` is a structure over its primitives.
+    /// Creates a tracer of rays through `scene`; `accel` is a structure over its primitives.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>) -> Self {
         Self { scene, accel }
     }
 
-    /// The nearest surface point on a camera ray, whose direction is a unit vector.
+    /// Returns the nearest surface point on a camera ray, whose direction is a unit vector.
     pub fn trace<P: Probe>(&self, ray: &Ray, kind: RayKind, probe: &mut P) -> Option<SurfacePoint> {
         self.trace_after(0.0, ray, kind, probe)
     }
 
-    /// The nearest surface point on a ray, whose direction is a unit vector, after a path
+    /// Returns the nearest surface point on a ray, whose direction is a unit vector, after a path
     /// of this length from the camera.
     pub fn trace_after<P: Probe>(
         &self,
@@ -57,7 +57,7 @@ impl<'a> Tracer<'a> {
         Some(self.surface_point(length, ray, hit))
     }
 
-    /// Whether the shadow ray is occluded.
+    /// Returns true if the shadow ray is occluded.
     pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
         probe.ray(RayKind::Shadow);
         let ShadowRay {
@@ -72,8 +72,8 @@ impl<'a> Tracer<'a> {
         self.accel.occluded(ray, *t_max, *ignored, probe)
     }
 
-    /// The hit that [`trace`](Self::trace) finds; appends every step of the
-    /// traversal to `steps`.
+    /// Returns the hit that [`trace`](Self::trace) finds; appends every step of the traversal to
+    /// `steps`.
     pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         let mut record = |ray: &Ray| self.accel.record_nearest(ray, steps);
         if self.scene.has_cutouts() {
@@ -82,8 +82,8 @@ impl<'a> Tracer<'a> {
         record(ray)
     }
 
-    /// The hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends
-    /// every step of the traversal to `steps`.
+    /// Returns the hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends every
+    /// step of the traversal to `steps`.
     pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         if self.scene.has_cutouts() {
             let record = |ray: &Ray| self.accel.record_nearest(ray, steps);
@@ -92,9 +92,8 @@ impl<'a> Tracer<'a> {
         self.accel.record_occluded(shadow, steps)
     }
 
-    /// The nearest hits of many rays. Overwrites `hits` with one entry per ray.
-    /// Reports the traversals to the probes, but not the starts of the rays: that
-    /// is up to the caller.
+    /// Finds the nearest hits of many rays. Overwrites `hits` with one entry per ray. Reports the
+    /// traversals to the probes, but not the starts of the rays, which the caller reports.
     pub fn nearest_stream<P: PixelProbe>(
         &self,
         rays: &RayStream,
@@ -107,9 +106,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// [`is_shadowed`](Self::is_shadowed) of many rays, in the manner of
-    /// [`nearest_stream`](Self::nearest_stream). Overwrites `shadowed` with one
-    /// entry per ray.
+    /// Tests many rays, as [`is_shadowed`](Self::is_shadowed) does, in the manner of
+    /// [`nearest_stream`](Self::nearest_stream). Overwrites `shadowed` with one entry per ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
         rays: &ShadowStream,
@@ -122,7 +120,7 @@ impl<'a> Tracer<'a> {
         self.accel.occluded_stream(rays, shadowed, &mut probes);
     }
 
-    /// The instruction set that waves are shaded with.
+    /// Returns the instruction set that waves are shaded with.
     pub fn simd(&self) -> Simd {
         self.accel.simd()
     }
@@ -133,8 +131,8 @@ impl<'a> Tracer<'a> {
         points.group(self.scene, hits);
     }
 
-    /// Computes the surface points of the hits of these rays, which are grouped. `lengths`
-    /// are those of the paths before them, in a scene with a [`cone`](Scene::cone).
+    /// Computes the surface points of the grouped hits of these rays. `lengths` are the lengths of
+    /// the paths before the rays, in a scene with a [`cone`](Scene::cone).
     pub fn surface_points(
         &self,
         lengths: &[f32],
@@ -151,18 +149,21 @@ impl<'a> Tracer<'a> {
         });
     }
 
-    /// The surface point of a hit, after a path of this length.
+    /// Returns the surface point of a hit, after a path of this length.
     fn surface_point(&self, length: f32, ray: &Ray, hit: Hit) -> SurfacePoint {
         let primitive = &self.scene.primitives[hit.primitive as usize];
+        // Project the hit onto the surface, which removes the rounding error.
         let placed = hit.placed();
         let (position, outward) = self.scene.project(placed, ray.at(hit.t));
         let outward = Vector::from(outward);
+        // Turn the normals to the side of the ray.
         let side = side(outward, ray.direction.into());
         let geometric_normal = outward.flip_sign_by(side);
         let normal = self
             .scene
             .shading_normal(placed, position, geometric_normal);
         let normal = on_side_of(geometric_normal, normal);
+        // Find the attributes that textures read.
         let mut at = TexturePoint::new(position.into(), normal);
         at.scalar = self.scene.scalar(placed, position);
         at = self.scene.with_color(placed, at);
@@ -170,6 +171,7 @@ impl<'a> Tracer<'a> {
             at = self.scene.with_uv(placed, at);
             at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());
         }
+        // Evaluate the textures.
         let material = self.scene.material(primitive.material);
         SurfacePoint {
             position,

@@ -4,7 +4,7 @@ use math::simd::{InstructionSet, N_LANES};
 use scene::geometry::N_PARAMETERS;
 use scene::world::{InstanceId, PlacedPrimitive, Scene};
 
-/// The parameters of eight primitives, those of instances in world space.
+/// Returns the parameters of eight primitives, in world space for instances.
 #[inline(always)]
 pub(super) fn parameters<I: InstructionSet>(
     set: I,

@@ -11,9 +11,9 @@ use scene::world::{AttributeKind, InstanceId, MaterialId, ObjectId, Scene, Surfa
 
 /// The surface points that rays have hit, as a structure of arrays.
 ///
-/// Points of the same kind are neighbors, so that a loop over whole lanes has no
-/// branch that depends on a single point. A group starts at a multiple of
-/// eight; behind its last point it repeats that point to whole lanes.
+/// Points of the same kind are neighbors, so that a loop over whole lanes has no branch that
+/// depends on a single point. A group starts at a multiple of eight; after its last point, copies
+/// of that point fill whole lanes.
 #[derive(Debug, Default)]
 pub struct Points {
     pub(super) groups: Vec<PointGroup>,
@@ -21,14 +21,14 @@ pub struct Points {
     pub(super) rays: Vec<u32>,
     /// The index of each ray's point; [`NO_POINT`] without a hit.
     pub(super) of_ray: Vec<u32>,
-    /// The rays that hit nothing.
+    /// Indices of the rays that hit nothing.
     pub(super) missed: Vec<u32>,
     pub(super) position: VectorColumn,
     pub(super) normal: VectorColumn,
     pub(super) geometric_normal: VectorColumn,
     pub(super) color: VectorColumn,
-    /// The factors of pictures, of emission and of roughness and metal: nothing if no material
-    /// of the scene has such pictures.
+    /// The factors of textures: for emission, and for roughness and metal; empty if no material of
+    /// the scene has such textures.
     pub(super) factors: [VectorColumn; 2],
     pub(super) has_factors: bool,
     /// The direction of each point's ray.
@@ -56,13 +56,13 @@ pub(super) const NO_POINT: u32 = u32::MAX;
 /// Points that are computed and shaded in the same way.
 #[derive(Debug, Clone, Copy)]
 pub struct PointGroup {
-    /// The kind of their shapes; `None` for shapes under a transform.
+    /// The kind of the shapes; `None` for shapes under a transform.
     pub shape: Option<ShapeKind>,
     pub(super) attributes: AttributeKind,
-    /// Their material.
+    /// The material of all points.
     pub material: MaterialId,
     pub(super) class: SurfaceClass,
-    /// The index of the first point, a multiple of eight.
+    /// Index of the first point, a multiple of eight.
     pub(super) first: usize,
     /// Number of points.
     pub(super) n: usize,
@@ -71,14 +71,14 @@ pub struct PointGroup {
 /// Up to eight points of a group.
 #[derive(Debug, Clone, Copy)]
 pub struct PointLanes {
-    /// The index of the first point, a multiple of eight.
+    /// Index of the first point, a multiple of eight.
     pub first: usize,
     /// Number of points, from 1 to 8.
     pub n: usize,
 }
 
 impl PointGroup {
-    /// Its points, eight by eight.
+    /// Returns the points of the group, eight by eight.
     #[inline(always)]
     pub fn lanes(&self) -> impl Iterator<Item = PointLanes> + use<> {
         let (start, end) = (self.first, self.first + self.n);
@@ -90,7 +90,7 @@ impl PointGroup {
 }
 
 impl PointLanes {
-    /// The lanes that hold a point of their own, as bits.
+    /// Returns the lanes that hold a point rather than a copy, as bits.
     #[inline(always)]
     pub fn bits(self) -> u8 {
         u8::MAX >> (N_LANES - self.n)
@@ -136,57 +136,57 @@ impl Points {
         of_facets.store(first, facets);
     }
 
-    /// The end of the points' indices.
+    /// Returns the end of the points' indices.
     #[inline]
     pub fn end(&self) -> usize {
         let last = self.groups.last();
         last.map_or(0, |group| (group.first + group.n).next_multiple_of(N_LANES))
     }
 
-    /// Its groups.
+    /// Returns the groups.
     #[inline]
     pub fn groups(&self) -> &[PointGroup] {
         &self.groups
     }
 
-    /// The rays that hit nothing.
+    /// Returns the rays that hit nothing.
     #[inline]
     pub fn missed(&self) -> &[u32] {
         &self.missed
     }
 
-    /// The indices of the object and of the material of a point.
+    /// Returns the indices of the object and of the material of a point.
     #[inline(always)]
     pub fn object_and_material(&self, point: usize) -> [u32; 2] {
         [self.objects[point].0, self.materials[point].0]
     }
 
-    /// The instance that a point is on, if it is on one.
+    /// Returns the instance that a point is on, if any.
     #[inline]
     pub fn instance(&self, point: usize) -> Option<InstanceId> {
         *self.instances.get(point)?
     }
 
-    /// The distance of a point along its ray.
+    /// Returns the distance of a point along its ray.
     #[inline(always)]
     pub fn distance(&self, point: usize) -> f32 {
         self.distance[point]
     }
 
-    /// The object of a point.
+    /// Returns the object of a point.
     #[inline(always)]
     pub fn object(&self, point: usize) -> ObjectId {
         self.objects[point]
     }
 
-    /// The point of a ray, if it hit something.
+    /// Returns the point of a ray, if it hit something.
     #[inline(always)]
     pub fn of_ray(&self, ray: usize) -> Option<usize> {
         let point = self.of_ray[ray];
         (point != NO_POINT).then_some(point as usize)
     }
 
-    /// The part of eight points that shading reads.
+    /// Returns the part of eight points that shading reads.
     #[inline(always)]
     pub fn shading<I: InstructionSet>(&self, set: I, at: PointLanes) -> ShadingPoint<I::Lanes> {
         let side = set.load(lanes(&self.side, at.first));
@@ -211,19 +211,19 @@ impl Points {
         }
     }
 
-    /// The colors of the surface at eight points.
+    /// Returns the colors of the surface at eight points.
     #[inline(always)]
     pub fn colors<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
         self.color.load(set, at.first)
     }
 
-    /// The color of the surface at a point.
+    /// Returns the color of the surface at a point.
     #[inline(always)]
     pub fn color(&self, point: usize) -> Vec3 {
         self.color.get(point)
     }
 
-    /// The lanes whose points are on a side of the surface that scatters light.
+    /// Returns the lanes whose points are on a side of the surface that scatters light.
     #[inline(always)]
     pub(crate) fn scattering_sides<I: InstructionSet>(
         &self,
@@ -237,7 +237,7 @@ impl Points {
         !set.load(lanes(&self.side, at.first)).signs()
     }
 
-    /// The parameters of the shapes at eight points, unless they have a transform.
+    /// Returns the parameters of the shapes at eight points, unless they have a transform.
     #[inline(always)]
     pub fn parameters<I: InstructionSet>(
         &self,
@@ -252,25 +252,25 @@ impl Points {
         parameters(set, scene, lanes(&self.primitives, at.first), instances)
     }
 
-    /// The distances of eight points along their rays.
+    /// Returns the distances of eight points along their rays.
     #[inline(always)]
     pub fn distances(&self, at: PointLanes) -> &[f32; N_LANES] {
         lanes(&self.distance, at.first)
     }
 
-    /// The rays that hit eight points.
+    /// Returns the rays that hit eight points.
     #[inline(always)]
     pub fn rays(&self, at: PointLanes) -> &[u32; N_LANES] {
         lanes(&self.rays, at.first)
     }
 
-    /// The directions of the rays that hit eight points.
+    /// Returns the directions of the rays that hit eight points.
     #[inline(always)]
     pub fn directions<I: InstructionSet>(&self, set: I, at: PointLanes) -> Vector<I::Lanes> {
         self.direction.load(set, at.first)
     }
 
-    /// The position and the shading normal of a point.
+    /// Returns the position and the shading normal of a point.
     #[inline(always)]
     pub fn position_and_normal(&self, point: usize) -> [Vec3; 2] {
         [self.position.get(point), self.normal.get(point)]

@@ -13,12 +13,12 @@ use scene::world::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 pub struct SurfacePoint {
     /// The point, projected onto the surface to remove the rounding error.
     pub position: Vec3,
-    /// The shading normal, a unit vector on the same side as the geometric one.
+    /// The shading normal, a unit vector on the same side as the geometric normal.
     pub normal: Vec3,
-    /// The geometric normal, a unit vector on the side from which the ray came: it
-    /// distinguishes the sides of the surface.
+    /// The geometric normal, a unit vector on the side from which the ray came: it distinguishes
+    /// the sides of the surface.
     pub geometric_normal: Vec3,
-    /// The color of the surface there.
+    /// The color of the surface at the point.
     pub color: Vec3,
     /// Distance along the ray, greater than 0.
     pub distance: f32,
@@ -26,16 +26,16 @@ pub struct SurfacePoint {
     pub error: f32,
     /// The object that was hit.
     pub object: ObjectId,
-    /// Its material.
+    /// The material of the surface.
     pub material: MaterialId,
     /// The primitive that was hit.
     pub primitive: u32,
-    /// The instance that the primitive belongs to, if it does to one.
+    /// The instance that the primitive belongs to, if any.
     pub instance: Option<InstanceId>,
-    /// Whether both normals are opposite to the surface's own, because the ray came
-    /// from its other side.
+    /// True if both normals are opposite to the surface's outward normals, because the ray came
+    /// from the other side.
     pub is_flipped: bool,
-    /// Factors of its material by pictures there.
+    /// The factors of the material's textures at the point.
     pub factors: PictureFactors<f32>,
 }
 
@@ -52,14 +52,14 @@ pub struct ShadingPoint<R> {
     pub color: Vector<R>,
     /// A bound of the distance of the position from the surface.
     pub error: R,
-    /// -1 where both normals are opposite to the surface's own, else 1.
+    /// -1 where both normals are opposite to the surface's outward normals, else 1.
     pub side: R,
-    /// Factors of its material by pictures there.
+    /// The factors of the material's textures at the point.
     pub factors: PictureFactors<R>,
 }
 
 impl SurfacePoint {
-    /// The particle of the scene's fog that a ray meets at a distance. It has no normals.
+    /// Returns the particle of the scene's fog that a ray meets at a distance. It has no normals.
     pub fn of_particle(scene: &Scene, ray: &Ray, distance: f32) -> Self {
         let color = scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
         Self {
@@ -78,7 +78,7 @@ impl SurfacePoint {
         }
     }
 
-    /// The primitive that was hit.
+    /// Returns the primitive that was hit.
     pub fn placed(&self) -> PlacedPrimitive {
         PlacedPrimitive {
             primitive: self.primitive,
@@ -86,7 +86,7 @@ impl SurfacePoint {
         }
     }
 
-    /// The part that shading reads.
+    /// Returns the part that shading reads.
     #[inline(always)]
     pub fn shading(&self) -> ShadingPoint<f32> {
         ShadingPoint {
@@ -100,19 +100,19 @@ impl SurfacePoint {
         }
     }
 
-    /// [`ShadingPoint::is_faced_by`].
+    /// Calls [`ShadingPoint::is_faced_by`].
     pub fn is_faced_by(&self, direction: Vec3) -> bool {
         self.shading().is_faced_by(direction.into())
     }
 
-    /// [`ShadingPoint::mirrored`].
+    /// Calls [`ShadingPoint::mirrored`].
     pub fn mirrored(&self, direction: Vec3) -> Vec3 {
         self.shading().mirrored(direction.into()).into()
     }
 }
 
 impl<R: Real> ShadingPoint<R> {
-    /// The origin of a ray in a direction that does not hit the surface again.
+    /// Returns the origin of a ray in a direction that does not hit the surface again.
     #[inline(always)]
     pub fn origin(&self, direction: Vector<R>) -> Vector<R> {
         leaving(
@@ -122,30 +122,31 @@ impl<R: Real> ShadingPoint<R> {
         )
     }
 
-    /// The surface's own normal for one of the point's normals, whichever side the
-    /// ray came from.
+    /// Returns the surface's outward normal for one of the point's normals, whichever side the ray
+    /// came from.
     #[inline(always)]
     pub fn outward(&self, normal: Vector<R>) -> Vector<R> {
         normal.flip_sign_by(self.side)
     }
 
-    /// Whether a direction points away from the visible side of the surface, by
-    /// both normals.
+    /// Returns true if a direction points away from the visible side of the surface, by both
+    /// normals.
     #[inline(always)]
     pub fn is_faced_by(&self, direction: Vector<R>) -> R::Mask {
         let zero = self.side.splat(0.0);
         zero.lt(self.normal.dot(direction)) & zero.lt(self.geometric_normal.dot(direction))
     }
 
-    /// Whether a direction points away from the hidden side of the surface, by both normals.
+    /// Returns true if a direction points away from the hidden side of the surface, by both
+    /// normals.
     #[inline(always)]
     pub fn is_backed_by(&self, direction: Vector<R>) -> R::Mask {
         let zero = self.side.splat(0.0);
         self.normal.dot(direction).lt(zero) & self.geometric_normal.dot(direction).lt(zero)
     }
 
-    /// The mirror direction of an incoming direction, a unit vector: by the shading
-    /// normal unless the direction comes from behind it, then by the geometric one if it
+    /// Returns the mirror direction of an incoming direction, a unit vector. Mirrors by the shading
+    /// normal unless the direction comes from behind it, then by the geometric normal if the result
     /// points into the surface.
     #[inline(always)]
     pub fn mirrored(&self, direction: Vector<R>) -> Vector<R> {
@@ -154,8 +155,8 @@ impl<R: Real> ShadingPoint<R> {
     }
 }
 
-/// The width of the part of a surface that a ray stands for, at a distance from the
-/// camera along the path.
+/// Returns the width of the part of a surface that a ray covers, at a distance from the camera
+/// along the path.
 #[inline(always)]
 pub(super) fn width<R: Real>(
     cone: RayCone,
@@ -166,8 +167,8 @@ pub(super) fn width<R: Real>(
     cone.width_at(distance) / geometric_normal.dot(direction).abs()
 }
 
-/// The side from which rays in `direction` hit surfaces with this outward normal: -1
-/// from behind, else 1.
+/// Returns the side from which rays in `direction` hit surfaces with this outward normal: -1 from
+/// behind, else 1.
 #[inline(always)]
 pub(super) fn side<R: Real>(outward: Vector<R>, direction: Vector<R>) -> R {
     let cos = outward.dot(direction);
@@ -175,7 +176,7 @@ pub(super) fn side<R: Real>(outward: Vector<R>, direction: Vector<R>) -> R {
     R::select(cos.splat(0.0).lt(cos), -one, one)
 }
 
-/// A shading normal, flipped to the side of the geometric one.
+/// Returns a shading normal flipped to the side of the geometric normal.
 #[inline(always)]
 pub(super) fn on_side_of<R: Real>(geometric: Vector<R>, normal: Vector<R>) -> Vector<R> {
     let cos = normal.dot(geometric);

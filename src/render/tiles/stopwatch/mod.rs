@@ -1,14 +1,15 @@
-//! Times consecutive pixels, or groups of them, on one thread, and those again whose time was disturbed.
+//! Timing of consecutive pixels, or groups of them, on one thread, and again if their time was
+//! disturbed.
 
 use crate::film::PixelTime;
 use base::stop;
 use tracer::cost::{Clock, CpuWait, Instant};
 
-/// How often a disturbed pixel is rendered again at most.
+/// Greatest number of times that a disturbed pixel is rendered again.
 const N_TRIES: usize = 3;
 
-/// A time is doubtful if it is this many times as long as expected: an interrupt that returns to
-/// the thread is not reported, nor is a pause of the virtual machine, nor are cold caches.
+/// A time is doubtful if it is this multiple of the expected time: an interrupt that returns to the
+/// thread is not reported, nor is a pause of the virtual machine, nor are cold caches.
 pub(super) const SPIKE: f32 = 2.0;
 
 /// The clocks of a thread.
@@ -16,13 +17,13 @@ pub(super) trait Timer {
     /// Reads the clock.
     fn now(&mut self) -> Instant;
 
-    /// The nanoseconds between two readings, at least 1.
+    /// Returns the nanoseconds between two readings, at least 1.
     fn elapsed_ns(&self, from: Instant, to: Instant) -> f32;
 
-    /// Whether the thread lost its CPU since the last call.
+    /// Returns true if the thread lost its CPU since the last call.
     fn is_interrupted(&mut self) -> bool;
 
-    /// The nanoseconds for which it was without a CPU, as of the last call of
+    /// Returns the nanoseconds for which the thread was without a CPU, as of the last call of
     /// [`is_interrupted`](Self::is_interrupted).
     fn waited_ns(&self) -> u64;
 }
@@ -60,7 +61,7 @@ pub(super) struct Stopwatch<T> {
     timer: T,
     /// The start of the pixel.
     begin: Instant,
-    /// Whether the previous pixel was disturbed.
+    /// True if the previous pixel was disturbed.
     was_disturbed: bool,
 }
 
@@ -73,8 +74,8 @@ impl<T: Timer> Stopwatch<T> {
         }
     }
 
-    /// Runs `work`; returns the nanoseconds that it took, without those in which the thread
-    /// waited for a CPU.
+    /// Runs `work`. Returns the nanoseconds that it took, without those in which the thread waited
+    /// for a CPU.
     pub(super) fn time(&mut self, work: impl FnOnce(&mut Self)) -> f64 {
         self.timer.is_interrupted();
         let (begin, waited_ns) = (self.timer.now(), self.timer.waited_ns());
@@ -85,8 +86,8 @@ impl<T: Timer> Stopwatch<T> {
         (f64::from(self.timer.elapsed_ns(begin, end)) - waited_ns as f64).max(1.0)
     }
 
-    /// Times `render` of each pixel, one per entry of `times`, and ends early after a request
-    /// to stop. Returns the number of pixels that were timed.
+    /// Times `render` of each pixel, one per entry of `times`, and ends early after a request to
+    /// stop. Returns the number of pixels that were timed.
     pub(super) fn time_each(
         &mut self,
         times: &mut [PixelTime],
@@ -103,12 +104,12 @@ impl<T: Timer> Stopwatch<T> {
         times.len()
     }
 
-    /// Renders those pixels of [`time_each`](Self::time_each) again whose times were disturbed
-    /// for less than `longest_ns`, or are doubtful, each after the pixel before it, as the first
-    /// time. A disturbed time is replaced by the first one that is not, or else by the median of
-    /// the CPU times, and remains rejected; of a doubtful time and another one the smaller is
-    /// right. The CPU time of a longer one is right, as cold caches are a small part of it, and
-    /// the next one would be interrupted as well.
+    /// Renders pixels of [`time_each`](Self::time_each) again whose times were disturbed for less
+    /// than `longest_ns`, or are doubtful, each after the pixel before it, as the first time. A
+    /// disturbed time is replaced by the first undisturbed one, or else by the median of the CPU
+    /// times, and remains rejected; of a doubtful time and another one the smaller is right. The
+    /// CPU time of a longer one is right, as cold caches are a small part of it, and the next one
+    /// would be interrupted as well.
     pub(super) fn time_again(
         &mut self,
         times: &mut [PixelTime],
@@ -157,9 +158,8 @@ impl<T: Timer> Stopwatch<T> {
 
     /// Ends a pixel; the same reading of the clock starts the next one.
     ///
-    /// A pixel after a disturbed one is rejected too: its caches are cold, and an
-    /// interruption between the reading of the clock and the check falls into its
-    /// time.
+    /// A pixel after a disturbed one is rejected too: its caches are cold, and an interruption
+    /// between the reading of the clock and the check falls into its time.
     #[inline]
     fn lap(&mut self) -> PixelTime {
         let end = self.timer.now();
@@ -176,7 +176,7 @@ impl<T: Timer> Stopwatch<T> {
     }
 }
 
-/// Whether a pixel took much longer than those before and after it.
+/// Returns true if a pixel took much longer than the pixels before and after it.
 pub(super) fn is_spike(times: &[PixelTime], i: usize) -> bool {
     let before = i.checked_sub(1).map(|before| times[before].ns);
     let after = times.get(i + 1).map(|after| after.ns);

@@ -10,7 +10,7 @@ struct BusyMachine {
     now_ns: Cell<u64>,
     /// CPU time of the thread.
     cpu_ns: Cell<u64>,
-    /// The time without a CPU before and after the last question for an interruption.
+    /// The time without a CPU before and after the last query for an interruption.
     waited_ns: [Cell<u64>; 2],
     /// CPU time between two interruptions, which are reported, and how long they last.
     slices: [u64; 2],
@@ -18,7 +18,7 @@ struct BusyMachine {
     pauses: [u64; 2],
 }
 
-/// What the cold caches after an interruption cost.
+/// Cost of the cold caches after an interruption.
 const COLD_NS: u64 = 2000;
 
 impl BusyMachine {
@@ -32,7 +32,7 @@ impl BusyMachine {
         }
     }
 
-    /// Works for so long.
+    /// Works for `ns` nanoseconds.
     fn work(&self, ns: u64) {
         let add = |sum: &Cell<u64>, ns| sum.set(sum.get() + ns);
         let (begin, end) = (self.cpu_ns.get(), self.cpu_ns.get() + ns);
@@ -67,7 +67,7 @@ impl Timer for &BusyMachine {
     }
 }
 
-/// Times pixels that take `ns`, then those again that were disturbed.
+/// Times pixels that take `ns`, then the disturbed ones again.
 fn timed(machine: &BusyMachine, n: usize, ns: impl Fn(usize) -> u64) -> [Vec<PixelTime>; 2] {
     let mut stopwatch = Stopwatch::new(machine);
     let mut times = vec![PixelTime::default(); n];
@@ -78,7 +78,7 @@ fn timed(machine: &BusyMachine, n: usize, ns: impl Fn(usize) -> u64) -> [Vec<Pix
     [first, times]
 }
 
-/// Times of pixels that are far apart.
+/// Returns times of pixels that are far apart.
 fn varied_ns(i: usize) -> u64 {
     300 + i as u64 * 7919 % 1009 * 5
 }

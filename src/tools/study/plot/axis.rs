@@ -28,7 +28,7 @@ pub(super) struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// An axis around these values, at least one, with margins at both ends.
+    /// Creates an axis around these values, at least one, with margins at both ends.
     pub(super) fn around(values: impl Iterator<Item = f64>, scale: AxisScale) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
@@ -49,7 +49,7 @@ impl PlotAxis {
         }
     }
 
-    /// The same axis with tick labels at these values where there is room.
+    /// Returns the axis with tick labels at these values where there is room.
     pub(super) fn with_levels(mut self, mut levels: Vec<f64>) -> Self {
         levels.sort_by(f64::total_cmp);
         levels.dedup();
@@ -57,7 +57,7 @@ impl PlotAxis {
         self
     }
 
-    /// An axis of named positions.
+    /// Creates an axis of named positions.
     pub(super) fn of_names(names: &[String]) -> Self {
         Self {
             low: -0.5,
@@ -68,7 +68,7 @@ impl PlotAxis {
         }
     }
 
-    /// Major ticks, with labels, and minor ones.
+    /// Returns major ticks, with labels, and minor ones.
     fn ticks(&self) -> Ticks {
         if !self.names.is_empty() {
             let major = (0..self.names.len()).map(|place| place as f64).collect();
@@ -89,7 +89,7 @@ impl PlotAxis {
         }
     }
 
-    /// The position of a value on the axis, from 0 to 1.
+    /// Returns the position of a value on the axis, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         match self.scale {
             AxisScale::Log => (value / self.low).ln() / (self.high / self.low).ln(),

@@ -1,5 +1,5 @@
-//! The ceilings of a plot: straight lines on logarithmic axes, each with a label at its
-//! right end or, if it rises, at its left end.
+//! The ceilings of a plot: straight lines on logarithmic axes, each with a label at its right end
+//! or, if it rises, at its left end.
 
 use plotters::coord::Shift;
 use plotters::element::PathElement;
@@ -17,7 +17,7 @@ const TEXT_SIZE: i32 = 16;
 /// Distance between a line's end and its label in pixels.
 const LABEL_GAP: i32 = 6;
 
-/// The heights that the vertical axis has to include: the labeled ends of the ceilings, and
+/// Returns the heights that the vertical axis has to include: the labeled ends of the ceilings, and
 /// the visible limits of points.
 pub(super) fn heights(figure: &Figure, x: &PlotAxis) -> Vec<f64> {
     let ceilings = figure.ceilings.iter();
@@ -28,7 +28,7 @@ pub(super) fn heights(figure: &Figure, x: &PlotAxis) -> Vec<f64> {
     ends.chain(limits).collect()
 }
 
-/// The limit of a point unless it exceeds all ceilings, and with them the plot.
+/// Returns the limit of a point unless it exceeds all ceilings, and with them the plot.
 pub(super) fn visible_limit(figure: &Figure, point: &PlotPoint) -> Option<f64> {
     let limit = point.limit?;
     let highest = figure
@@ -39,7 +39,7 @@ pub(super) fn visible_limit(figure: &Figure, point: &PlotPoint) -> Option<f64> {
     (limit <= highest.max(point.y)).then_some(limit)
 }
 
-/// Width in pixels of the labels on the right of the axes.
+/// Returns the width in pixels of the labels on the right of the axes.
 pub(super) fn labels_width<DB: DrawingBackend>(
     ceilings: &[Ceiling],
     area: &DrawingArea<DB, Shift>,
@@ -75,7 +75,7 @@ pub(super) fn draw<DB: DrawingBackend>(
     draw_labels(on_right, area)
 }
 
-/// Draws labels from top to bottom; one that would cover the previous one moves down.
+/// Draws labels from top to bottom; a label that would cover the previous one moves down.
 fn draw_labels<DB: DrawingBackend>(
     mut labels: Vec<((i32, i32), &Ceiling)>,
     area: &DrawingArea<DB, Shift>,
@@ -94,12 +94,12 @@ fn is_rising(ceiling: &Ceiling) -> bool {
     ceiling.law.exponent > 0.0
 }
 
-/// The `x` of the labeled end, where the lines are far from each other.
+/// Returns the `x` of the labeled end, where the lines are far from each other.
 fn labeled_end(law: &PowerLaw, x: &PlotAxis) -> f64 {
     if law.exponent > 0.0 { x.low } else { x.high }
 }
 
-/// The range of `x` where the line is within both axes.
+/// Returns the range of `x` where the line is within both axes.
 fn visible_range(law: &PowerLaw, x: &PlotAxis, y: &PlotAxis) -> Option<[f64; 2]> {
     if law.exponent == 0.0 {
         let is_within = (y.low..=y.high).contains(&law.factor);

@@ -1,4 +1,4 @@
-//! The axes of a figure, and where its points lie in pixels.
+//! The axes of a figure, and the positions of its points in pixels.
 
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::prelude::*;
@@ -8,8 +8,7 @@ use super::ceilings;
 use super::figure::Figure;
 use crate::study::AxisScale;
 
-/// Ratio of the highest to the lowest level of a factor from which on its axis is
-/// logarithmic.
+/// Ratio of the highest to the lowest level of a factor from which its axis is logarithmic.
 const MIN_LOG_RATIO: f64 = 8.0;
 /// Horizontal distance in pixels between the points of two series at one category.
 const SERIES_GAP: i32 = 14;
@@ -17,7 +16,7 @@ const SERIES_GAP: i32 = 14;
 /// A chart with numeric axes.
 pub(super) type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<PlotAxis, PlotAxis>>;
 
-/// The horizontal and the vertical axis of a figure.
+/// Returns the horizontal and the vertical axis of a figure.
 pub(super) fn axes(figure: &Figure) -> (PlotAxis, PlotAxis) {
     let x = if figure.categories.is_empty() {
         numeric_x_axis(figure)
@@ -31,7 +30,7 @@ pub(super) fn axes(figure: &Figure) -> (PlotAxis, PlotAxis) {
     (x, y)
 }
 
-/// The horizontal axis of numbers. Levels of a factor that span a wide range have a
+/// Returns the horizontal axis of numbers. Levels of a factor that span a wide range have a
 /// logarithmic axis even if the metrics do not.
 fn numeric_x_axis(figure: &Figure) -> PlotAxis {
     let positions = || figure.points().map(|point| point.x);
@@ -49,7 +48,7 @@ fn numeric_x_axis(figure: &Figure) -> PlotAxis {
     PlotAxis::around(positions(), scale).with_levels(positions().collect())
 }
 
-/// The pixel of a point of a series. Series at a category stand side by side, so that their
+/// Returns the pixel of a point of a series. Series at a category stand side by side, so that their
 /// intervals do not cover each other.
 pub(super) fn pixel_at<DB: DrawingBackend>(
     figure: &Figure,

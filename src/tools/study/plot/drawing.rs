@@ -136,7 +136,7 @@ fn draw_point<DB: DrawingBackend>(
     }
 }
 
-/// The `x` where a law is drawn, from the first to the last point that it is fitted to,
+/// Returns the `x` where a law is drawn, from the first to the last point that it is fitted to,
 /// equidistant on a logarithmic scale.
 fn law_positions(series: &Series) -> impl Iterator<Item = f64> {
     let fitted = || series.points.iter().filter(|point| !point.oversubscribed);
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// The values of an attribute of all elements with this name.
+    /// Returns the values of an attribute of all elements with this name.
     fn values(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
         let opening = format!("<{element} ");
         let of_element = |rest: &str| {

@@ -21,10 +21,10 @@ pub struct Figure {
     pub categories: Vec<String>,
     /// The series, at least one.
     pub series: Vec<Series>,
-    /// Whether a line joins the points of a series without a law.
+    /// True if a line joins the points of a series without a law.
     pub is_joined: bool,
-    /// Whether the horizontal positions are levels of a factor; then each has a tick label
-    /// where there is room.
+    /// True if the horizontal positions are levels of a factor; then each has a tick label where
+    /// there is room.
     pub has_levels: bool,
     /// Upper limits.
     pub ceilings: Vec<Ceiling>,
@@ -42,7 +42,7 @@ pub struct Ceiling {
 /// Points of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// The values that its points have in common; empty if there is one series only.
+    /// The values that its points have in common; empty if there is only one series.
     pub label: String,
     /// The points from left to right.
     pub points: Vec<PlotPoint>,
@@ -61,14 +61,14 @@ pub struct PlotPoint {
     pub interval: [f64; 2],
     /// Label beside the point; may be empty.
     pub label: String,
-    /// Upper limit of this point alone, drawn as a bar.
+    /// Upper limit of only this point, drawn as a bar.
     pub limit: Option<f64>,
-    /// Whether the runs had more threads than there are processors.
+    /// True if the runs had more threads than there are processors.
     pub oversubscribed: bool,
 }
 
 impl Figure {
-    /// The plot of these rows; `None` if no row has its metrics.
+    /// Plots these rows; `None` if no row has the metrics.
     pub fn of(plot: &PlotSpec, title: &str, rows: &[StatisticsRow]) -> Option<Self> {
         let y_titles: Vec<String> = plot.y.iter().map(|y| axis_title(y)).collect();
         let mut figure = Self {
@@ -105,7 +105,7 @@ impl Figure {
         (!figure.series.is_empty()).then_some(figure)
     }
 
-    /// A line through points from left to right, with the titles of both axes.
+    /// Plots a line through points from left to right, with the titles of both axes.
     pub fn line(
         title: &str,
         [x_title, y_title]: [&str; 2],
@@ -136,8 +136,8 @@ impl Figure {
         }
     }
 
-    /// Shortens the labels, sorts the points, fits a law to each series if `fit`, and
-    /// selects a linear scale if a value is not positive.
+    /// Shortens the labels, sorts the points, fits a law to each series if `fit`, and selects a
+    /// linear scale if a value is not positive.
     pub(super) fn finish(&mut self, fit: bool) {
         self.remove_common_label_parts();
         let has_categories = !self.categories.is_empty();
@@ -154,12 +154,12 @@ impl Figure {
         }
     }
 
-    /// The points of all series.
+    /// Returns the points of all series.
     pub(super) fn points(&self) -> impl Iterator<Item = &PlotPoint> {
         self.series.iter().flat_map(|series| &series.points)
     }
 
-    /// The series with this label; adds it if it is new.
+    /// Returns the series with this label; adds it if it is new.
     pub(super) fn series_of(&mut self, label: String) -> &mut Series {
         let known = self.series.iter().position(|series| series.label == label);
         let index = known.unwrap_or_else(|| {
@@ -173,7 +173,7 @@ impl Figure {
         &mut self.series[index]
     }
 
-    /// The horizontal position of a row's point; `None` if its metric is missing. A text
+    /// Returns the horizontal position of a row's point; `None` if its metric is missing. A text
     /// becomes a category.
     fn x_of(
         &mut self,
@@ -211,7 +211,7 @@ impl Figure {
     }
 }
 
-/// The law through all points that are not oversubscribed, if they are positive.
+/// Fits a law to all points that are not oversubscribed, if they are positive.
 fn fit_law(points: &[PlotPoint]) -> Option<CostLaw> {
     let fitted = points.iter().filter(|point| !point.oversubscribed);
     let sample = |point: &PlotPoint| CostSample {
@@ -230,7 +230,7 @@ fn fit_law(points: &[PlotPoint]) -> Option<CostLaw> {
     }
 }
 
-/// The label of a row's series: the values of the factors in `by` and the metric, such as
+/// Returns the label of a row's series: the values of the factors in `by` and the metric, such as
 /// "threads 2, cost time, render wall (ms)".
 fn label_of_row(row: &StatisticsRow, by: &[String]) -> String {
     let values = row.point.iter().filter(|(factor, _)| by.contains(factor));
@@ -241,7 +241,7 @@ fn label_of_row(row: &StatisticsRow, by: &[String]) -> String {
         .join(", ")
 }
 
-/// The label of a factor's value, such as "tile size 8"; of a scene its name alone.
+/// Returns the label of a factor's value, such as "tile size 8"; for a scene only its name.
 pub(super) fn factor_label(factor: &str, value: &Value, text: fn(&Value) -> String) -> String {
     match factor {
         "scene" => text(value),
@@ -249,7 +249,7 @@ pub(super) fn factor_label(factor: &str, value: &Value, text: fn(&Value) -> Stri
     }
 }
 
-/// The title of an axis: "render wall (ms)" for `render_wall_ms`.
+/// Returns the title of an axis: "render wall (ms)" for `render_wall_ms`.
 fn axis_title(name: &str) -> String {
     let units = ["ms", "ns", "bytes"];
     match name.rsplit_once('_') {

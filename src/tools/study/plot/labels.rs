@@ -1,4 +1,4 @@
-//! Labels beside points: placed such that they cover neither each other nor points.
+//! Labels beside points, placed such that they cover neither each other nor points.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -61,7 +61,7 @@ struct PixelRect {
 }
 
 impl PixelRect {
-    /// The square around a pixel.
+    /// Returns the square around a pixel.
     fn around((x, y): (i32, i32), radius: i32) -> Self {
         Self {
             left: x - radius,
@@ -71,7 +71,7 @@ impl PixelRect {
         }
     }
 
-    /// Number of pixels in both rectangles.
+    /// Returns the number of pixels in both rectangles.
     fn overlap(self, other: Self) -> i64 {
         let width = self.right.min(other.right) - self.left.max(other.left);
         let height = self.bottom.min(other.bottom) - self.top.max(other.top);
@@ -91,7 +91,7 @@ struct LabelPlacement {
 }
 
 impl LabelPlacement {
-    /// An empty plot within `bounds`.
+    /// Creates an empty plot within `bounds`.
     fn new(bounds: PixelRect) -> Self {
         let occupied = Vec::new();
         Self { bounds, occupied }
@@ -102,8 +102,8 @@ impl LabelPlacement {
         self.occupied.push(rect);
     }
 
-    /// Occupies the best place for a label of this width and height beside the pixel
-    /// `(x, y)`: within the bounds and where it covers least; of equals on the right.
+    /// Occupies the best place for a label of this width and height beside the pixel `(x, y)`:
+    /// within the bounds and where it covers least; among equals on the right.
     fn place(&mut self, (x, y): (i32, i32), (width, height): (i32, i32)) -> PixelRect {
         let (near, far, farthest) = (9, 16, 27);
         let lefts = [x + near, x - near - width, x - width / 2];

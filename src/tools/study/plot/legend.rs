@@ -38,7 +38,7 @@ enum LegendSymbol {
 }
 
 impl Legend {
-    /// The legend of a figure; empty for a single series without a law.
+    /// Creates the legend of a figure; empty for a single series without a law.
     pub(super) fn of<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Self {
         let named = figure.series.iter().map(entry_of);
         let named = named.enumerate().filter(|(_, name)| !name.is_empty());
@@ -76,7 +76,7 @@ impl Legend {
         Self { entries, width }
     }
 
-    /// Width in pixels; 0 if empty.
+    /// Returns the width in pixels; 0 if empty.
     pub(super) fn width(&self) -> u32 {
         self.width
     }
@@ -104,7 +104,7 @@ impl Legend {
     }
 }
 
-/// The label of a series with the exponent of its law.
+/// Returns the label of a series with the exponent of its law.
 fn entry_of(series: &Series) -> String {
     let law = series.law.map(|law| {
         let interval = law.exponent_95.map_or(String::new(), |[low, high]| {
@@ -116,7 +116,7 @@ fn entry_of(series: &Series) -> String {
     label.into_iter().chain(law).collect::<Vec<_>>().join(": ")
 }
 
-/// An entry as lines: the label, wrapped where it is too wide, then the law.
+/// Returns an entry as lines: the label, wrapped where it is too wide, then the law.
 fn wrapped<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, entry: &str) -> Vec<String> {
     let mut lines = Vec::new();
     for part in entry.split(": ") {

@@ -1,10 +1,9 @@
 //! The roofline plot of a study.
 //!
-//! If instructions were counted, an instruction roofline: instructions per second over
-//! instructions per byte (Williams, Waterman and Patterson,
-//! "Roofline", CACM 2009; Ding and Williams, "An Instruction Roofline Model for
-//! GPUs", PMBS 2019). If not, rays per second over bytes per ray, with the same bandwidth
-//! ceilings.
+//! If instructions were counted, an instruction roofline: instructions per second over instructions
+//! per byte (Williams, Waterman and Patterson, "Roofline", CACM 2009; Ding and Williams, "An
+//! Instruction Roofline Model for GPUs", PMBS 2019). If not, rays per second over bytes per ray,
+//! with the same bandwidth ceilings.
 
 use serde_json::Value;
 
@@ -14,8 +13,8 @@ use output::chart::short_number;
 use render::instruments::MachineLimits;
 
 impl Figure {
-    /// The roofline plot: the points, each with a bar for its limit by memory latency, and the
-    /// bandwidth of each memory level as a ceiling; `None` without points.
+    /// Creates the roofline plot: the points, each with a bar for its limit by memory latency, and
+    /// the bandwidth of each memory level as a ceiling; `None` without points.
     pub fn roofline(title: &str, points: &[RooflinePoint], limits: &MachineLimits) -> Option<Self> {
         let peak = limits.instructions_per_second.filter(|_| {
             let counted = |point: &RooflinePoint| point.instructions_per_ray.is_some();
@@ -60,7 +59,7 @@ impl Figure {
     }
 }
 
-/// A point in the plot, by its instructions or by its rays.
+/// Returns a point in the plot, by its instructions or by its rays.
 fn plot_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> PlotPoint {
     let bytes = point.bytes_per_ray;
     let per_ray = point.instructions_per_ray.filter(|_| by_instructions);
@@ -80,7 +79,7 @@ fn plot_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> Plot
     }
 }
 
-/// The bandwidth per thread of each memory level, with the maximum number of threads of the
+/// Returns the bandwidth per thread of each memory level, with the maximum number of threads of the
 /// points, and the peak rate of instructions.
 fn ceilings(points: &[RooflinePoint], limits: &MachineLimits, peak: Option<f64>) -> Vec<Ceiling> {
     let n_threads = points.iter().map(|point| point.n_threads);
@@ -105,7 +104,7 @@ fn ceilings(points: &[RooflinePoint], limits: &MachineLimits, peak: Option<f64>)
     levels.chain(flat).collect()
 }
 
-/// The factor with the most values, which label the points; the other factors distinguish
+/// Returns the factor with the most values, which label the points; the other factors distinguish
 /// the series. `None` without points.
 fn label_factor(points: &[RooflinePoint]) -> Option<&str> {
     let factors = points.first()?.point.keys();
@@ -122,14 +121,14 @@ fn label_factor(points: &[RooflinePoint]) -> Option<&str> {
     factors.rev().max_by_key(n_values).map(String::as_str)
 }
 
-/// The values of the other factors, such as "cost time, threads 2".
+/// Returns the values of the other factors, such as "cost time, threads 2".
 fn series_label(point: &RooflinePoint, label: &str) -> String {
     let others = point.point.iter().filter(|(factor, _)| *factor != label);
     let labels = others.map(|(factor, value)| factor_label(factor, value, short_text));
     labels.collect::<Vec<_>>().join(", ")
 }
 
-/// A text, or a number with an SI prefix.
+/// Returns a text, or a number with an SI prefix.
 fn short_text(value: &Value) -> String {
     match (value.as_str(), value.as_f64()) {
         (Some(text), _) => text.to_owned(),

@@ -1,15 +1,15 @@
-//! Which factors distinguish the series of a plot.
+//! Choice of the factors that distinguish the series of a plot.
 
 use serde_json::{Map, Value, json};
 
 use crate::study::StatisticsRow;
 
-/// The factors that a plot of `metric` over `x` needs, so that no series has two points at
+/// Returns the factors that a plot of `metric` over `x` needs, so that no series has two points at
 /// one `x`: always the scene, the others only where necessary.
 ///
-/// If `x` is a factor, another factor that changes with it, such as the image size with the
-/// number of threads, stays within a series. If `x` is a metric, so does each factor that
-/// `x` depends on: a series connects its levels.
+/// If `x` is a factor, another factor that changes with it, such as the image size with the number
+/// of threads, stays within a series. If `x` is a metric, so does each factor that `x` depends on:
+/// a series connects its levels.
 pub(super) fn series_factors(x: &str, metric: &str, rows: &[StatisticsRow]) -> Vec<String> {
     let of_metric = || rows.iter().filter(|row| row.metric == metric);
     let is_factor = of_metric().any(|row| row.point.contains_key(x));
@@ -34,7 +34,7 @@ pub(super) fn series_factors(x: &str, metric: &str, rows: &[StatisticsRow]) -> V
 /// The values of a point by factor name, and its `x`.
 type PointAtX<'a> = (&'a Map<String, Value>, Value);
 
-/// The factors that a plot over the factor `x` needs.
+/// Returns the factors that a plot over the factor `x` needs.
 fn for_factor(x: &str, points: &[PointAtX]) -> Vec<String> {
     let mut needed: Vec<String> = Vec::new();
     for factor in factor_names(points) {
@@ -49,7 +49,7 @@ fn for_factor(x: &str, points: &[PointAtX]) -> Vec<String> {
     needed
 }
 
-/// The factors that a plot over a metric needs: those that do not change the metric.
+/// Returns the factors that a plot over a metric needs: the ones that do not change the metric.
 fn for_metric(points: &[PointAtX]) -> Vec<String> {
     let is_needed = |factor: &&String| {
         let differ_in_it_alone = |((a, _), (b, _)): &(&PointAtX, &PointAtX)| {
@@ -64,7 +64,7 @@ fn for_metric(points: &[PointAtX]) -> Vec<String> {
     factor_names(points).filter(is_needed).cloned().collect()
 }
 
-/// The names of all factors, in the order of the points' values.
+/// Returns the names of all factors, in the order of the points' values.
 fn factor_names<'a>(points: &[PointAtX<'a>]) -> impl Iterator<Item = &'a String> {
     points
         .first()
@@ -72,7 +72,7 @@ fn factor_names<'a>(points: &[PointAtX<'a>]) -> impl Iterator<Item = &'a String>
         .flat_map(|(point, _)| point.keys())
 }
 
-/// All pairs of two different items.
+/// Returns all pairs of two different items.
 fn pairs<T>(all: &[T]) -> impl Iterator<Item = (&T, &T)> {
     let rest = |i: usize| &all[i + 1..];
     (0..all.len()).flat_map(move |i| rest(i).iter().map(move |b| (&all[i], b)))
@@ -108,7 +108,7 @@ mod tests {
             }
         }
         let points: Vec<PointAtX> = all.iter().map(|of| (of, of["tile_size"].clone())).collect();
-        // The image size changes with the threads: one of both is enough.
+        // The image size changes with the threads: one of the two is enough.
         assert_eq!(for_factor("tile_size", &points), ["scene", "threads"]);
     }
 

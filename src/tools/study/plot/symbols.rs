@@ -16,8 +16,8 @@ const RING_RADIUS: i32 = 10;
 /// The result of a drawing operation.
 pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// Colors that readers with color blindness can distinguish: Okabe and Ito, "Color
-/// Universal Design", 2008, without yellow, which is too light for lines.
+/// Colors that readers with color blindness can distinguish: Okabe and Ito, "Color Universal
+/// Design", 2008, without yellow, which is too light for lines.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -30,16 +30,16 @@ const COLORS: [RGBColor; 7] = [
 
 /// Registers the font; call it before any text is measured or drawn.
 pub(super) fn load_font() {
-    // Fails for an invalid font only, and this one is embedded.
+    // Fails only for an invalid font, and this one is embedded.
     let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
 }
 
-/// The color of the series with this index.
+/// Returns the color of the series with this index.
 pub(super) fn color_of(number: usize) -> RGBColor {
     COLORS[number % COLORS.len()]
 }
 
-/// Upper estimate of the width of a text in pixels.
+/// Returns an upper estimate of the width of a text in pixels.
 pub(super) fn text_width<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     text: &str,
@@ -51,7 +51,8 @@ pub(super) fn text_width<DB: DrawingBackend>(
     })
 }
 
-/// Draws a line of text whose top is at `at`; `side` says which of its ends is there.
+/// Draws a line of text whose top is at `at`, where `side` selects which end of the line lies
+/// there.
 pub(super) fn draw_text<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     text: &str,

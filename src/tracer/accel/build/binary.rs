@@ -27,31 +27,33 @@ pub(super) struct BuildContext<'a, R> {
 pub(super) struct Subtree<'a> {
     pub(super) subset: Subset,
     pub(super) depth: usize,
-    /// Begins with the references. Its length is the capacity: the number of
+    /// The references, followed by spare memory. The length is the capacity: the number of
     /// references that spatial splits may make of them.
     pub(super) references: &'a mut [Reference],
     /// Memory for the partition, as long as `references`.
     pub(super) scratch: &'a mut [Reference],
-    /// Whether the references of the built tree stay in `references`, or else move to
+    /// True if the references of the built tree stay in `references`; otherwise they move to
     /// `scratch`.
     pub(super) stays: bool,
-    /// As long as `references`, less one.
+    /// One entry fewer than `references`.
     pub(super) nodes: &'a mut [BinaryNode],
 }
 
 impl<'a> Subtree<'a> {
-    /// Builds the subtree, in parallel; `None` if it was stopped.
+    /// Builds the subtree, in parallel. Returns `None` if the build was stopped.
     pub(super) fn build<R: Fn(usize) + Sync>(self, context: &BuildContext<R>) -> Option<Forests> {
         let capacity = self.references.len();
         let simd = context.split.simd;
         if stop::is_requested() {
             return None;
         }
+        // Few references: build on this thread.
         if self.subset.n < PARALLEL {
             let forests = simd.run(BuildSerially(self, &context.split));
             (context.report)(capacity);
             return Some(forests);
         }
+        // Many: split them with all threads, then build both sides in parallel.
         let (open, [first, second]) = self.split(&context.split, simd);
         let (first, second) = rayon::join(|| first.build(context), || second.build(context));
         Some(simd.run(Close(open, [first?, second?])))
@@ -62,20 +64,23 @@ impl<'a> Subtree<'a> {
     fn split(mut self, context: &SplitContext, workers: impl Workers) -> (OpenNode<'a>, [Self; 2]) {
         let n = self.subset.n;
         if n < MIN_SPATIAL_SPLIT {
-            // No more than that is used. So the references of a leaf are neighbors.
+            // Only that many are used, so the references of a leaf are neighbors.
             self.references = &mut self.references[..n];
         }
         let capacity = self.references.len();
         let from = &self.references[..n];
+        // Find the cheapest split: by centers, by a plane, or in halves where the depth runs out.
         let split = if needs_halves(n, self.depth) {
             SplitCandidate::Halves
         } else {
             let object = workers.object_split(from, &self.subset.centers);
             SplitCandidate::cheapest(context, object, from, &self.subset, capacity - n)
         };
+        // Divide the memory between the sides.
         let left_capacity = split.left_capacity(from, capacity);
         let (to_left, to_right) = self.scratch[..capacity].split_at_mut(left_capacity);
         let to = [&mut *to_left, &mut *to_right];
+        // Move the references to their sides.
         let [left, right] = match split {
             SplitCandidate::Object(split) => subsets(n, &split, workers.scatter(from, to, &split)),
             SplitCandidate::Spatial(split) => {
@@ -83,6 +88,7 @@ impl<'a> Subtree<'a> {
             }
             SplitCandidate::Halves => in_halves(context.simd, from, to),
         };
+        // Open the node: it is written once both subtrees are known.
         let (node, below) = self
             .nodes
             .split_first_mut()
@@ -94,7 +100,7 @@ impl<'a> Subtree<'a> {
             second: left_capacity,
             is_leaf: [left.n == 1, right.n == 1],
         };
-        // The partition and the scratch memory change places.
+        // The partition and the scratch memory trade roles.
         let (scratch_left, scratch_right) = self.references.split_at_mut(left_capacity);
         let subtree = |subset, references, scratch, nodes| Self {
             subset,
@@ -109,12 +115,12 @@ impl<'a> Subtree<'a> {
         (open, [left, right])
     }
 
-    /// Writes the whole subtree if it has few references; returns its forests.
+    /// Writes the whole subtree if it has few references. Returns its forests.
     #[inline(always)]
     fn write_few<I: InstructionSet>(&mut self, set: I) -> Option<Forests> {
         let n = self.subset.n;
         if n == 4 && needs_halves(8, self.depth) {
-            // It may take three levels.
+            // The subtree may take three levels.
             return None;
         }
         let references = &mut self.references[..n];
@@ -134,11 +140,12 @@ impl SimdKernel for BuildSerially<'_, '_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) -> Forests {
-        // No recursion: only what is inlined here has the instructions of the set.
+        // No recursion: only code inlined here uses the instructions of the set.
         let Self(mut subtree, context) = self;
         let mut waiting = ArrayVec::<Subtree, MAX_DEPTH>::new();
         let mut open_nodes = ArrayVec::<(OpenNode, Option<Forests>), MAX_DEPTH>::new();
         loop {
+            // Split until few references are left: the first side next, the second side later.
             let Some(mut forests) = subtree.write_few(set) else {
                 let (open, [first, second]) = subtree.split(context, OneThread(set));
                 open_nodes.push((open, None));
@@ -146,6 +153,7 @@ impl SimdKernel for BuildSerially<'_, '_> {
                 subtree = first;
                 continue;
             };
+            // Close every node whose second subtree is finished.
             loop {
                 match open_nodes.pop() {
                     None => return forests,
@@ -174,8 +182,8 @@ impl SimdKernel for Close<'_> {
     }
 }
 
-/// Whether `n` references at this depth have to be halved from here on, so as
-/// not to exceed [`MAX_DEPTH`]: halving takes log2(n) levels.
+/// Returns true if `n` references at this depth have to be halved from here on to stay within
+/// [`MAX_DEPTH`]: halving takes log2(n) levels.
 #[inline(always)]
 fn needs_halves(n: usize, depth: usize) -> bool {
     let n_levels = n.next_power_of_two().trailing_zeros() as usize;

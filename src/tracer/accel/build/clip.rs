@@ -1,20 +1,21 @@
-//! Clips triangles at axis-aligned planes.
+//! Clipping triangles at axis-aligned planes.
 
 use glam::Vec3;
 
 use super::bounds::LaneBounds;
 use scene::geometry::Triangle;
 
-/// The boxes around the parts of a triangle below and above `position` on an
-/// axis, both including the plane; [`LaneBounds::EMPTY`] for an empty part.
+/// Returns the boxes around the parts of a triangle below and above `position` on an axis, both
+/// including the plane; [`LaneBounds::EMPTY`] for an empty part.
 ///
-/// Rounding may make them larger, never smaller: the points where edges cross
-/// the plane are computed with 53 bits and rounded outward. The error of those
-/// 53 bits is a billionth of the margin of the ray-box test.
+/// Rounding may enlarge the boxes but never shrinks them: the points where edges cross the plane
+/// are computed with 53 bits and rounded outward. The error of those 53 bits is a billionth of the
+/// margin of the ray-box test.
 pub(super) fn split(triangle: &Triangle, axis: usize, position: f32) -> [LaneBounds; 2] {
     let [mut below, mut above] = [LaneBounds::EMPTY; 2];
     let [a, b, c] = triangle.vertices;
     for (from, to) in [(a, b), (b, c), (c, a)] {
+        // Assign the vertex to its side, or to both.
         let vertex = LaneBounds::new(from.into(), from.into());
         if from[axis] <= position {
             below = below.union(vertex);
@@ -22,6 +23,7 @@ pub(super) fn split(triangle: &Triangle, axis: usize, position: f32) -> [LaneBou
         if from[axis] >= position {
             above = above.union(vertex);
         }
+        // If the edge crosses the plane, both sides end at the crossing.
         let [lower, upper] = [from[axis].min(to[axis]), from[axis].max(to[axis])];
         if lower < position && position < upper {
             let crossing = crossing(from, to, axis, position);
@@ -32,7 +34,7 @@ pub(super) fn split(triangle: &Triangle, axis: usize, position: f32) -> [LaneBou
     [below, above]
 }
 
-/// A box around the point where an edge crosses the plane.
+/// Returns a box around the point where an edge crosses the plane.
 fn crossing(from: Vec3, to: Vec3, axis: usize, position: f32) -> LaneBounds {
     let [a, b] = [from.as_dvec3(), to.as_dvec3()];
     let fraction = (f64::from(position) - a[axis]) / (b[axis] - a[axis]);
@@ -49,7 +51,7 @@ mod tests {
 
     use super::*;
 
-    /// Points of the triangle, including points on its edges and its vertices.
+    /// Returns points of the triangle, including vertices and points on edges.
     fn points(triangle: &Triangle) -> impl Iterator<Item = DVec3> {
         const N: u32 = 12;
         let [a, b, c] = triangle.vertices.map(|vertex| vertex.as_dvec3());
@@ -60,8 +62,8 @@ mod tests {
             .map(move |(u, v)| a + u * (b - a) + v * (c - a))
     }
 
-    /// Whether the box contains the point, up to the rounding error of 53 bits
-    /// of the triangle's coordinates.
+    /// Returns true if the box contains the point, up to the rounding error of 53 bits of the
+    /// triangle's coordinates.
     fn contains(triangle: &Triangle, bounds: &LaneBounds, point: DVec3) -> bool {
         let largest = triangle.vertices.map(|vertex| vertex.abs().max_element());
         let slack = DVec3::splat(1e-14 * f64::from(largest.into_iter().fold(0.0, f32::max)));

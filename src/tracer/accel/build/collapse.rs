@@ -1,5 +1,5 @@
-//! The optimal eight-wide tree that a binary tree can be collapsed into, by the
-//! choices that `forests` has made.
+//! The optimal eight-wide tree that a binary tree can be collapsed into, by the choices made in
+//! `forests`.
 
 use super::nodes::{BinaryNode, TreePosition};
 use super::reference::Reference;
@@ -13,7 +13,7 @@ pub(super) struct BinaryTree {
 }
 
 impl BinaryTree {
-    /// The box of a subtree.
+    /// Returns the box of a subtree.
     pub(super) fn bounds(&self, subtree: TreePosition) -> Aabb {
         if subtree.is_leaf {
             self.references[subtree.reference].bounds().to_aabb()
@@ -22,8 +22,8 @@ impl BinaryTree {
         }
     }
 
-    /// The references of a subtree that becomes a leaf where it is a single root;
-    /// `None` if it becomes a node.
+    /// Returns the references of a subtree that becomes a leaf where it is a single root, or `None`
+    /// if it becomes a node.
     pub(super) fn leaf(&self, subtree: TreePosition) -> Option<&[Reference]> {
         let n = if subtree.is_leaf {
             1
@@ -35,7 +35,7 @@ impl BinaryTree {
             .get(subtree.reference..subtree.reference + n)
     }
 
-    /// Cache lines of a subtree as a single root.
+    /// Returns the cache lines of a subtree as a single root.
     pub(super) fn n_lines(&self, subtree: TreePosition) -> usize {
         if subtree.is_leaf {
             self.references[subtree.reference].kind().n_lines(1)
@@ -53,7 +53,7 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// The children of an eight-wide node over the subtree.
+    /// Returns the children of an eight-wide node over the subtree.
     pub(super) fn below(tree: &BinaryTree, subtree: TreePosition) -> Self {
         let mut roots = Self::default();
         if subtree.is_leaf {
@@ -64,14 +64,13 @@ impl Roots {
         roots
     }
 
-    /// The subtree as a single root.
+    /// Returns the subtree as a single root.
     pub(super) fn alone(subtree: TreePosition) -> Self {
         let mut roots = Self::default();
         roots.add(subtree);
         roots
     }
 
-    /// The subtrees.
     pub(super) fn positions(&self) -> &[TreePosition] {
         &self.positions[..self.n]
     }
@@ -87,6 +86,7 @@ impl Roots {
             return self.add(subtree);
         }
         let choices = tree.nodes[subtree.node].choices;
+        // Use fewer roots where more cost no less.
         while n_roots > 1 && choices.n_first(n_roots) == 0 {
             n_roots -= 1;
         }

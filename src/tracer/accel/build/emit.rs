@@ -20,9 +20,9 @@ use scene::world::Primitive;
 /// Number of cache lines from which subtrees are written in parallel.
 pub(super) const PARALLEL: usize = 1 << 14;
 
-/// Writes the cache lines of the tree: the root first, and padding at the end, so
-/// that a kernel may load a whole leaf window anywhere. Takes memory with any contents,
-/// and more if it does not suffice.
+/// Writes the cache lines of the tree: the root first, and padding at the end, so that a kernel may
+/// load a whole leaf window anywhere. Reuses `lines`, whose contents are arbitrary, or allocates if
+/// they do not suffice.
 pub(super) fn lines(
     simd: Simd,
     tree: &BinaryTree,
@@ -30,6 +30,7 @@ pub(super) fn lines(
     mut lines: Vec<CacheLine>,
 ) -> Result<Vec<CacheLine>, TooLarge> {
     let n_lines = tree.n_lines(tree.root);
+    // The root is always a node: a tree that is one leaf becomes its only child.
     let (roots, n_lines) = if tree.leaf(tree.root).is_some() {
         (Roots::alone(tree.root), NODE_LINES + n_lines)
     } else {
@@ -39,6 +40,7 @@ pub(super) fn lines(
         let bytes = (n_lines * size_of::<CacheLine>()) as u64;
         return Err(TooLarge { bytes });
     }
+    // Reuse the memory, or allocate it.
     let n_padded = n_lines + LEAF_WINDOW_LINES;
     if n_padded <= lines.len() {
         lines.truncate(n_padded);
@@ -64,14 +66,16 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Writes a node and the subtree below it into `lines`, the first of which is
-    /// number `first_line` of the arena.
+    /// Writes a node and the subtree below it into `lines`, the first of which is line `first_line`
+    /// of the arena.
     fn write_node(&self, roots: &Roots, lines: &mut [CacheLine], first_line: usize) {
         let tree = self.tree;
+        // Make the node, without references to its children.
         let (mut node, children) = self.simd.run(MakeNode {
             writer: self,
             subtrees: roots.positions(),
         });
+        // Lay out the lines: the node, its leaves, then its subtrees.
         let n_lines = lines.len();
         let (own, mut rest) = lines.split_at_mut(NODE_LINES);
         let mut line = first_line + NODE_LINES;
@@ -82,12 +86,14 @@ impl Writer<'_> {
             let lines = rest.split_off_mut(..n_lines);
             (lines.expect("the lines were counted"), first_line)
         };
+        // Write the leaves.
         for (lane, &child) in children.iter().enumerate() {
             if let Some(leaf) = tree.leaf(child) {
                 let (lines, line) = take(child);
                 node.children[lane] = write_references(leaf, self.primitives, lines, line).0;
             }
         }
+        // Reserve lines for the subtrees and refer to them.
         let mut subtrees = [const { None }; 8];
         for (lane, &child) in children.iter().enumerate() {
             if tree.leaf(child).is_none() {
@@ -96,6 +102,7 @@ impl Writer<'_> {
                 subtrees[lane] = Some((child, lines, line));
             }
         }
+        // Write the node, then its subtrees, large ones in parallel.
         own.copy_from_slice(bytemuck::cast_slice(&[node]));
         let write = |(subtree, lines, line)| {
             self.write_node(&Roots::below(tree, subtree), lines, line);
@@ -108,8 +115,7 @@ impl Writer<'_> {
     }
 }
 
-/// Makes a node with the boxes of these subtrees and their order, but no references
-/// to them.
+/// Makes a node with the boxes of these subtrees and their order, but without references to them.
 struct MakeNode<'a> {
     writer: &'a Writer<'a>,
     subtrees: &'a [TreePosition],
@@ -124,6 +130,7 @@ impl SimdKernel for MakeNode<'_> {
         let Writer {
             tree, primitives, ..
         } = self.writer;
+        // Prefetch the primitives, which are read when the leaves are written.
         for &subtree in self.subtrees {
             for reference in tree.leaf(subtree).unwrap_or_default() {
                 set.prefetch(&raw const primitives[reference.primitive() as usize]);
@@ -134,9 +141,10 @@ impl SimdKernel for MakeNode<'_> {
             let bounds = tree.bounds(subtree);
             children.push((bounds.surface_area(), bounds, subtree));
         }
-        // By ascending size: an unordered traversal visits the last child first, and
-        // a large one is the most likely to be hit.
+        // Sort by ascending size: an unordered traversal visits the last child first, and a large
+        // one is the most likely to be hit.
         children.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Write the boxes, then the orders of visits.
         let mut node = WideNode::EMPTY;
         for (lane, (_, bounds, _)) in children.iter().enumerate() {
             for axis in 0..3 {
@@ -150,8 +158,8 @@ impl SimdKernel for MakeNode<'_> {
     }
 }
 
-/// Writes a leaf with these references into `lines`, the first of which is number
-/// `line` of the arena.
+/// Writes a leaf with these references into `lines`, the first of which is line `line` of the
+/// arena.
 fn write_references(
     references: &[Reference],
     primitives: &[Primitive],
@@ -162,6 +170,7 @@ fn write_references(
     for (index, reference) in indices.iter_mut().zip(references) {
         *index = reference.primitive();
     }
+    // Sort the primitives; drop duplicates, parts of a primitive that was split.
     indices[..references.len()].sort_unstable();
     let n = dedup(&mut indices[..references.len()]);
     let kind = references[0].kind();
@@ -179,6 +188,7 @@ pub(super) fn write_leaf(
     let n = indices.len();
     let numbers: &mut [f32] = bytemuck::cast_slice_mut(lines);
     let mut end = n;
+    // Write the coordinates as rows, one primitive per column.
     for (lane, &index) in indices.iter().enumerate() {
         let n_before = if kind == LeafKind::Capsules { 1 } else { 0 };
         let mut write = |rows: &[f32]| {
@@ -201,6 +211,7 @@ pub(super) fn write_leaf(
             _ => {}
         }
     }
+    // Write the row of indices, and clear the rest.
     let mark = match kind {
         LeafKind::Capsules => ID_BIT | CAPSULE_BIT,
         _ => ID_BIT,
@@ -211,8 +222,8 @@ pub(super) fn write_leaf(
     numbers[end..].fill(0.0);
 }
 
-/// Removes duplicates from ascending numbers; returns how many are left. (A leaf
-/// may get several parts of a primitive that was split.)
+/// Removes duplicates from ascending numbers. Returns how many are left. (A leaf may get several
+/// parts of a primitive that was split.)
 fn dedup(numbers: &mut [u32]) -> usize {
     let mut n = 0;
     for i in 0..numbers.len() {

@@ -7,8 +7,8 @@ use super::reference::Reference;
 use crate::accel::layout::LeafKind;
 use math::simd::{InstructionSet, Real};
 
-/// Writes the whole subtree and sorts its references; returns its forests. `None` if
-/// there are more than four references.
+/// Writes the whole subtree and sorts its references. Returns its forests, or `None` if there are
+/// more than four references.
 #[inline(always)]
 pub(super) fn write<I: InstructionSet>(
     set: I,
@@ -25,7 +25,7 @@ pub(super) fn write<I: InstructionSet>(
     })
 }
 
-/// The kind of the references if they are tested at once in a leaf.
+/// Returns the kind of the references if a leaf tests them at once, else `None`.
 #[inline(always)]
 fn common_kind<const N: usize>(references: [&Reference; N]) -> Option<LeafKind> {
     let kind = references[0].kind();
@@ -46,6 +46,7 @@ fn write_two<I: InstructionSet>(
         second: 1,
         is_leaf: [true; 2],
     };
+    // One leaf, or two.
     if let Some(kind) = common_kind([a, b]) {
         let half_areas = [a.half_area(), b.half_area()];
         return open.write(Forests::of_pair(kind, half_areas, bounds.half_area()));
@@ -53,7 +54,7 @@ fn write_two<I: InstructionSet>(
     open.close(set, &Forests::of_reference(a), &Forests::of_reference(b))
 }
 
-/// A pair and a single reference, or one leaf.
+/// Writes a pair and a single reference, or one leaf.
 #[inline(always)]
 fn write_three<I: InstructionSet>(
     set: I,
@@ -61,6 +62,7 @@ fn write_three<I: InstructionSet>(
     [root, node]: &mut [BinaryNode; 2],
     bounds: LaneBounds,
 ) -> Forests {
+    // Compute the areas of all single references and all pairs.
     let [x, y, z] = [a.lanes(set), b.lanes(set), c.lanes(set)];
     let [ab, ac, bc] = [
         LaneBounds::of(x.max(y)),
@@ -75,6 +77,7 @@ fn write_three<I: InstructionSet>(
         second: 2,
         is_leaf: [false, true],
     };
+    // Make one leaf if its box costs no more than any division.
     if let Some(kind) = common_kind([a, b, c]) {
         let apart = of_one[0] + of_one[1] + of_one[2];
         let least = (of_pair[0] + of_one[2])
@@ -84,6 +87,7 @@ fn write_three<I: InstructionSet>(
             return open.write(Forests::of_leaf(kind, 3, bounds.half_area()));
         }
     }
+    // Choose the cheapest pair by the cost of its node; move it to the front.
     let costs = [
         2.0 * of_pair[0] + of_one[2],
         2.0 * of_pair[1] + of_one[1],
@@ -102,7 +106,7 @@ fn write_three<I: InstructionSet>(
     open.close(set, &pair, &Forests::of_reference(c))
 }
 
-/// Two pairs, three references and a single one, or one leaf.
+/// Writes two pairs, three references and a single one, or one leaf.
 #[inline(always)]
 fn write_four<I: InstructionSet>(
     set: I,
@@ -110,6 +114,7 @@ fn write_four<I: InstructionSet>(
     nodes: &mut [BinaryNode; 3],
     bounds: LaneBounds,
 ) -> Forests {
+    // Compute the boxes of all divisions: 0 to 2 into pairs, 3 to 6 into three and one.
     let [x, y, z, w] = [a.lanes(set), b.lanes(set), c.lanes(set), d.lanes(set)];
     let of_pairs = [
         [LaneBounds::of(x.max(y)), LaneBounds::of(z.max(w))],
@@ -124,6 +129,7 @@ fn write_four<I: InstructionSet>(
     ];
     let alone = [d.half_area(), c.half_area(), b.half_area(), a.half_area()];
     let apart = alone[0] + alone[1] + alone[2] + alone[3];
+    // Find the cheapest division, and the smallest area of any.
     let (mut least, mut cheapest, mut smallest) = (f32::INFINITY, 0, apart);
     for (i, pairs) in of_pairs.iter().enumerate() {
         let sum = pairs[0].half_area() + pairs[1].half_area();
@@ -146,11 +152,13 @@ fn write_four<I: InstructionSet>(
         second: 2,
         is_leaf: [false; 2],
     };
+    // Make one leaf if its box costs no more than any division.
     if let Some(kind) = common_kind([a, b, c, d])
         && bounds.half_area() <= smallest
     {
         return open.write(Forests::of_leaf(kind, 4, bounds.half_area()));
     }
+    // Sort the references: the first side of the division to the front.
     match cheapest {
         1 => (*b, *c) = (*c, *b),
         2 | 5 => (*b, *d) = (*d, *b),
@@ -158,7 +166,7 @@ fn write_four<I: InstructionSet>(
         6 => (*a, *d) = (*d, *a),
         _ => {}
     }
-    // The references are sorted anew.
+    // Write both pairs, or the three and the single one.
     if cheapest < 3 {
         let [one, other] = below;
         let [first, second] = of_pairs[cheapest];

@@ -1,22 +1,19 @@
 //! The cheapest eight-wide trees of a subtree, for `collapse`.
 //!
-//! Dynamic programming over the surface area heuristic: Ylitie, Karras and
-//! Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide
-//! BVHs" (HPG 2017), section 3. For each subtree and each number of roots up
-//! to seven: the least cost of the subtree as a forest of at most that many
-//! roots. The children of an eight-wide node are the cheapest eight roots out
-//! of the two subtrees.
+//! Dynamic programming over the surface area heuristic: Ylitie, Karras and Laine, "Efficient
+//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs" (HPG 2017), section 3. For each
+//! subtree and each number of roots up to seven: the least cost of the subtree as a forest of at
+//! most that many roots. The children of an eight-wide node are the cheapest eight roots out of the
+//! two subtrees.
 //!
 //! # Two surface area heuristics
 //!
-//! The collapse minimizes the *time SAH*: expected traversal time in units of a
-//! node's. The kernel tests all triangles or spheres of a leaf at once, so that
-//! a leaf costs the same whether it has one or eight of them.
-//! [`sah_cost`](crate::accel::BvhStatistics::sah_cost) reports the *count SAH*:
-//! the expected sum of node visits and primitive tests, in which each primitive
-//! counts. Only the count SAH can be compared with the counters of a rendering;
-//! only the time SAH makes fast trees: with the count SAH leaves would be
-//! small, and their lanes empty.
+//! The collapse minimizes the *time SAH*: expected traversal time in units of the time for a node.
+//! The kernel tests all triangles or spheres of a leaf at once, so a leaf costs the same with one
+//! or with eight of them. [`sah_cost`](crate::accel::BvhStatistics::sah_cost) reports the *count
+//! SAH*: the expected sum of node visits and primitive tests, in which each primitive counts. Only
+//! the count SAH can be compared with the counters of a rendering; only the time SAH makes fast
+//! trees: with the count SAH leaves would be small, and their lanes empty.
 
 use super::bounds::LaneBounds;
 use super::reference::Reference;
@@ -27,17 +24,17 @@ use math::simd::{InstructionSet, Lanes, N_LANES, Real};
 const MAX_ROOTS: usize = 7;
 /// Cost of a node in the time SAH.
 const NODE_TIME: f32 = 1.0;
-/// Cost in the time SAH of a leaf whose primitives are tested at once, or of a
-/// primitive that is tested alone.
+/// Cost in the time SAH of a leaf whose primitives are tested at once, or of a primitive that is
+/// tested separately.
 const TEST_TIME: f32 = 0.7;
 
 /// The cheapest forests of a subtree.
 #[derive(Clone, Copy)]
 pub(super) struct Forests {
-    /// Entry `i`: the cost of a forest of at most `i + 1` roots, in units of half a
-    /// surface area; infinite in the last entry.
+    /// Entry `i`: the cost of a forest of at most `i + 1` roots, in units of half a surface area;
+    /// infinite in the last entry.
     costs: [f32; N_LANES],
-    /// The cache lines that each of them takes in the arena.
+    /// Entry `i`: the cache lines that this forest takes in the arena.
     n_lines: [u32; N_LANES],
     n_primitives: usize,
     /// `None` if the subtree has primitives of several kinds.
@@ -51,18 +48,18 @@ pub(super) struct ForestChoices(u32);
 impl ForestChoices {
     const IS_LEAF: u32 = 1 << 31;
 
-    /// Whether it becomes a leaf where it is a single root.
+    /// Returns true if the subtree becomes a leaf where it is a single root.
     pub(super) fn is_leaf(self) -> bool {
         self.0 & Self::IS_LEAF != 0
     }
 
-    /// The number of references of that leaf.
+    /// Returns the number of references of that leaf.
     pub(super) fn leaf_size(self) -> usize {
         (self.0 >> 21 & 7) as usize + 1
     }
 
-    /// How many of `n_roots` roots, two or more, the first of its two subtrees gets;
-    /// 0 if fewer roots cost no more.
+    /// Returns how many of `n_roots` roots, two or more, the first of the two subtrees gets; 0 if
+    /// fewer roots cost no more.
     pub(super) fn n_first(self, n_roots: usize) -> usize {
         (self.0 >> (3 * (n_roots - 2)) & 7) as usize
     }
@@ -78,7 +75,7 @@ impl ForestChoices {
     }
 }
 
-/// Cost of a leaf in the time SAH.
+/// Returns the cost of a leaf in the time SAH.
 #[inline(always)]
 fn leaf_time(kind: LeafKind, n: usize) -> f32 {
     match kind {
@@ -88,7 +85,7 @@ fn leaf_time(kind: LeafKind, n: usize) -> f32 {
 }
 
 impl Forests {
-    /// The forests of a single reference: a leaf.
+    /// Returns the forests of a single reference: a leaf.
     #[inline(always)]
     pub(super) fn of_reference(reference: &Reference) -> Self {
         let kind = reference.kind();
@@ -102,8 +99,8 @@ impl Forests {
         }
     }
 
-    /// The forests of references of one kind, none of which costs less than one leaf, and
-    /// the choices that lead to them.
+    /// Returns the forests of references of one kind, where no division costs less than one leaf,
+    /// and the choices that lead to them.
     #[inline(always)]
     pub(super) fn of_leaf(kind: LeafKind, n: usize, half_area: f32) -> (Self, ForestChoices) {
         let mut costs = [half_area * leaf_time(kind, n); N_LANES];
@@ -119,8 +116,8 @@ impl Forests {
         (forests, choices)
     }
 
-    /// The forests of two references that are tested at once in a leaf, given the surface areas
-    /// of both and of their box; and the choices that lead to them.
+    /// Returns the forests of two references that are tested at once in a leaf, given the half
+    /// areas of both and of their box, and the choices that lead to them.
     #[inline(always)]
     pub(super) fn of_pair(
         kind: LeafKind,
@@ -140,14 +137,14 @@ impl Forests {
         (forests, choices)
     }
 
-    /// Cache lines of the subtree as a single root.
+    /// Returns the cache lines of the subtree as a single root.
     #[inline(always)]
     pub(super) fn n_lines(&self) -> u32 {
         self.n_lines[0]
     }
 
-    /// The forests of a node within these bounds, from those of its two subtrees, and
-    /// the choices that lead to them.
+    /// Returns the forests of a node within these bounds, combined from the forests of its two
+    /// subtrees, and the choices that lead to them.
     #[inline(always)]
     pub(super) fn combine<I: InstructionSet>(
         set: I,
@@ -159,10 +156,11 @@ impl Forests {
         let best = Distributions::best(set, first, second);
         let mut choices = ForestChoices(0);
         let (mut costs, mut n_lines) = ([f32::INFINITY; N_LANES], [0; N_LANES]);
-        // A node, whose children are eight roots.
+        // One root as a node, whose children are eight roots.
         costs[0] = best.costs[7] + NODE_TIME * half_area;
         n_lines[0] = best.n_lines(8, first, second) + NODE_LINES as u32;
         choices.set(8, best.n_first(8));
+        // One root as a leaf, if it costs no more.
         let n_primitives = first.n_primitives + second.n_primitives;
         let kind = first.kind.filter(|_| first.kind == second.kind);
         if let Some(kind) = kind.filter(|_| n_primitives <= MAX_LEAF) {
@@ -173,6 +171,7 @@ impl Forests {
                 choices.set_leaf(n_primitives);
             }
         }
+        // Two to seven roots, distributed over the subtrees, where they cost less than fewer.
         for n_roots in 2..=MAX_ROOTS {
             let at = n_roots - 1;
             if best.costs[at] < costs[at - 1] {
@@ -197,7 +196,7 @@ impl Forests {
 struct Distributions {
     /// Entry `i`: the cost with `i + 1` roots, two or more.
     costs: [f32; N_LANES],
-    /// The roots of the first subtree; small integers.
+    /// Entry `i`: the roots of the first subtree, a small integer.
     n_first: [f32; N_LANES],
 }
 
@@ -228,7 +227,7 @@ impl Distributions {
         self.n_first[n_roots - 1] as u32 as usize & 7
     }
 
-    /// The cache lines of `n_roots` roots.
+    /// Returns the cache lines of `n_roots` roots.
     #[inline(always)]
     fn n_lines(&self, n_roots: usize, first: &Forests, second: &Forests) -> u32 {
         let n_first = self.n_first(n_roots);
@@ -237,7 +236,7 @@ impl Distributions {
     }
 }
 
-/// Row `k` moves lanes up by `k + 1`; the last lane fills those below.
+/// Row `k` moves lanes up by `k + 1`; the last lane fills the lanes below.
 static SHIFTS: [[u32; N_LANES]; MAX_ROOTS] = {
     let mut shifts = [[7; N_LANES]; MAX_ROOTS];
     let mut k = 0;
@@ -270,7 +269,7 @@ mod tests {
         }
     }
 
-    /// Forests with these costs.
+    /// Returns forests with these costs.
     fn forests(costs: [u8; MAX_ROOTS]) -> Forests {
         let mut forests = Forests {
             costs: [f32::INFINITY; N_LANES],

@@ -1,18 +1,17 @@
 //! Primitives → the arena of a hierarchy.
 //!
-//! Two steps: a binary tree over `reference`s to primitives, one per leaf
-//! (`binary`), with the choices that lead to the optimal tree of eight-wide nodes
-//! and leaves (`forests`); the cache lines of that tree (`collapse`, `emit`).
+//! Two steps: a binary tree over `reference`s to primitives, one per leaf (`binary`), with the
+//! choices that lead to the optimal tree of eight-wide nodes and leaves (`forests`); then the cache
+//! lines of that tree (`collapse`, `emit`).
 //!
-//! `split_candidate` chooses how a node of the binary tree is split, by the
-//! surface area heuristic: by the centers of whole references (`object_split`)
-//! or, with quality `high`, by a plane that splits triangles (`spatial_split`).
-//! `partition` moves the references. With quality `balanced` the worst triangles
-//! are split beforehand (`presplit`).
+//! `split_candidate` chooses how to split a node of the binary tree, by the surface area heuristic:
+//! by the centers of whole references (`object_split`) or, with quality `high`, by a plane that
+//! splits triangles (`spatial_split`). `partition` moves the references. With quality `balanced`
+//! the worst triangles are split beforehand (`presplit`).
 //!
-//! The build runs in parallel on disjoint slices of memory, with all threads from
-//! the first split on; each thread builds its subtrees in lanes (`simd`). No decision
-//! depends on the number of threads or on the instruction set.
+//! The build runs in parallel on disjoint slices of memory, with all threads from the first split
+//! on; each thread builds its subtrees in lanes (`simd`). No decision depends on the number of
+//! threads or on the instruction set.
 
 mod bounds;
 mod clip;
@@ -50,34 +49,33 @@ use scene::config::Quality;
 use scene::world::Primitive;
 use split_candidate::SplitContext;
 
-/// Greatest number of primitives. 32 bits have to suffice to count the cache
-/// lines of the arena, at worst ten per primitive, before it is known whether
-/// they are few enough for a [`NodeRef`].
+/// Greatest number of primitives. 32 bits have to suffice to count the cache lines of the arena, at
+/// worst ten per primitive, before it is known if a [`NodeRef`] can address them.
 pub(super) const MAX_PRIMITIVES: usize = 1 << 28;
 
-/// Upper bound of the cache lines of the arena per reference. Typical are less
-/// than one, and 1.5 for shapes that are tested one by one.
+/// Upper bound of the cache lines of the arena per reference. Typical values are below 1, and 1.5
+/// for shapes that are tested one by one.
 const LINES_PER_REFERENCE: f64 = 2.0;
 
 /// Typical cache lines of the arena per reference to a triangle.
 const TYPICAL_LINES_PER_REFERENCE: usize = 1;
 
-/// Upper bound of the build's bytes per primitive: its share of the binary tree and
-/// of the arena. Until it is written, the arena is the memory for the partition.
+/// Returns an upper bound of the build's bytes per primitive: its share of the binary tree and of
+/// the arena. Until it is written, the arena serves as memory for the partition.
 pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
     let tree = (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
     let arena = LINES_PER_REFERENCE * size_of::<CacheLine>() as f64;
     (references_per_primitive(quality) * (tree + arena)).ceil() as usize
 }
 
-/// Upper bound of the cache lines of the arena per primitive.
+/// Returns an upper bound of the cache lines of the arena per primitive.
 pub(super) fn lines_per_primitive(quality: Quality) -> usize {
     (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
 }
 
-/// Builds the hierarchy over all primitives but the `unbounded`, whose indices ascend;
-/// without any, or if the build was stopped, the arena is empty. Calls `report` with
-/// each finished share of the build, from any thread; the shares add up to 1.
+/// Builds the hierarchy over all primitives except the `unbounded`, whose indices ascend. The arena
+/// is empty if there are no such primitives or the build was stopped. Calls `report` with each
+/// finished share of the build, from any thread; the shares add up to 1.
 pub(super) fn arena(
     simd: Simd,
     primitives: &[Primitive],
@@ -85,34 +83,37 @@ pub(super) fn arena(
     quality: Quality,
     report: impl Fn(f64) + Sync,
 ) -> Result<Arena, TooLarge> {
+    // Make references to the primitives, splitting the worst triangles.
     let (references, whole) = prepare::references(simd, primitives, unbounded, quality);
     if references.is_empty() {
         return Ok(Arena::default());
     }
+    // Build the binary tree.
     let split = SplitContext {
         primitives,
         simd,
         root_half_area: whole.bounds.half_area(),
     };
-    // Memory for the partition at first.
+    // The arena's memory serves the partition first.
     let mut lines = bytemuck::zeroed_vec(TYPICAL_LINES_PER_REFERENCE * references.len());
     let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
         return Ok(Arena::default());
     };
+    // Write the collapsed tree as cache lines.
     let lines = emit::lines(simd, &tree, primitives, lines)?;
     let bounds = tree.bounds(tree.root);
     let (arena, ()) = rayon::join(|| Arena::new(lines, bounds), || drop(tree));
     Ok(arena)
 }
 
-/// A hierarchy has more cache lines than a node reference can address.
+/// Error: a hierarchy has more cache lines than a node reference can address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooLarge {
-    /// The memory that it would take.
+    /// Bytes that the hierarchy would take.
     pub bytes: u64,
 }
 
-/// "the hierarchy would take 9.1 GiB, and 8 GiB is the most".
+/// Prints "the hierarchy would take 9.1 GiB, and 8 GiB is the most".
 impl fmt::Display for TooLarge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -127,7 +128,7 @@ impl fmt::Display for TooLarge {
 
 impl std::error::Error for TooLarge {}
 
-/// Builds the binary tree over these references; `None` if it was stopped. `scratch`
+/// Builds the binary tree over these references. Returns `None` if the build was stopped. `scratch`
 /// has at least half as many lines as there are references; its contents change.
 fn binary_tree(
     split: SplitContext,
@@ -171,7 +172,7 @@ mod tests {
     use scene::geometry::{Shape, Sphere, Triangle};
     use scene::world::{MaterialId, ObjectId};
 
-    /// Spheres and triangles, some of them much longer than the others.
+    /// Returns spheres and triangles, some of them much longer than the others.
     fn primitives() -> Vec<Primitive> {
         let shape = |i: u64| {
             let point = |corner| {

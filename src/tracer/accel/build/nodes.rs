@@ -7,35 +7,34 @@ use super::forests::{ForestChoices, Forests};
 use math::simd::InstructionSet;
 use scene::geometry::Aabb;
 
-/// An inner node of the binary tree. The array of nodes is in depth-first order,
-/// with gaps where references might have been split and were not.
+/// An inner node of the binary tree. The array of nodes is in depth-first order, with gaps where
+/// references might have been split and were not.
 #[derive(Debug, Clone, Copy, Zeroable)]
 pub(super) struct BinaryNode {
-    /// The box around its references.
+    /// The box around the node's references.
     pub(super) bounds: Aabb,
-    /// How many nodes and references further on its second child begins. The two
-    /// highest bits mark the children that are leaves.
+    /// Number of nodes, and of references, from this node to its second child. The two highest bits
+    /// mark the children that are leaves.
     link: u32,
-    /// The form of its subtree.
+    /// The form of the node's subtree.
     pub(super) choices: ForestChoices,
-    /// Cache lines of its subtree in the arena if it becomes a node or a leaf
-    /// there.
+    /// Cache lines of the subtree in the arena if it becomes a node or a leaf there.
     pub(super) n_lines: u32,
 }
 
-/// Where a subtree is in the arrays.
+/// The position of a subtree in the arrays.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TreePosition {
-    /// Its first node; it has none if it is a leaf.
+    /// Index of the first node; unused for a leaf.
     pub(super) node: usize,
-    /// Its first reference.
+    /// Index of the first reference.
     pub(super) reference: usize,
-    /// Whether it is a single reference.
+    /// True for a single reference.
     pub(super) is_leaf: bool,
 }
 
 impl BinaryNode {
-    /// Its children, where it is at this position itself.
+    /// Returns the positions of the children of a node at position `own`.
     pub(super) fn children(&self, own: TreePosition) -> [TreePosition; 2] {
         let second = (self.link & ((1 << 30) - 1)) as usize;
         [
@@ -57,14 +56,14 @@ impl BinaryNode {
 pub(super) struct OpenNode<'a> {
     pub(super) node: &'a mut BinaryNode,
     pub(super) bounds: LaneBounds,
-    /// How many nodes and references further on its second child begins.
+    /// Number of nodes, and of references, from this node to its second child.
     pub(super) second: usize,
-    /// Which children are single references.
+    /// True for each child that is a single reference.
     pub(super) is_leaf: [bool; 2],
 }
 
 impl OpenNode<'_> {
-    /// Writes the node; returns the forests of the subtree.
+    /// Writes the node. Returns the forests of the subtree.
     #[inline(always)]
     pub(super) fn close<I: InstructionSet>(
         self,
@@ -76,7 +75,7 @@ impl OpenNode<'_> {
         self.write(forests)
     }
 
-    /// Writes the node with these forests and choices; returns the forests.
+    /// Writes the node with these forests and choices. Returns the forests.
     #[inline(always)]
     pub(super) fn write(self, (forests, choices): (Forests, ForestChoices)) -> Forests {
         let [first_leaf, second_leaf] = self.is_leaf.map(u32::from);

@@ -6,8 +6,8 @@ use super::bounds::LaneBounds;
 use super::reference::{Reference, center};
 use math::simd::{InstructionSet, Lanes, Real};
 
-/// From 2^23 on, floats are integers: adding 2^23 rounds, and the low bits are the
-/// integer. A conversion would cost more: it has to handle NaN.
+/// From 2^23 on, floats are integers: adding 2^23 rounds, and the low bits are the integer. A
+/// conversion would cost more: it has to handle NaN.
 pub(super) const TWO_TO_23: f32 = 8_388_608.0;
 
 /// The positions of the bins.
@@ -37,7 +37,7 @@ impl CentroidGrid {
         }
     }
 
-    /// The bin on an axis, plus 2^23.
+    /// Returns the bin on an axis, plus 2^23.
     #[inline(always)]
     pub(super) fn bin(&self, reference: &Reference, axis: usize) -> f32 {
         let above = reference.center(axis) - self.from.0[4 + axis];
@@ -49,7 +49,7 @@ impl CentroidGrid {
         }
     }
 
-    /// The bins on all axes, in the low bits of the upper lanes.
+    /// Returns the bins on all axes, in the low bits of the upper lanes.
     #[inline(always)]
     fn bins<I: InstructionSet>(&self, set: I, bounds: I::Lanes) -> [u32; 8] {
         let above = center(bounds) - self.from.lanes(set);
@@ -87,11 +87,12 @@ impl<const N: usize> ObjectBins<N> {
     ) -> Self {
         let mut bins = [Bin::EMPTY; N];
         for reference in references {
+            // Find the reference's bins on the three axes.
             let bounds = reference.lanes(set);
             let indices = grid.bins(set, bounds);
+            // Enlarge their boxes, and count.
             for axis in 0..3 {
-                // All bins are less than N; `%` removes the bits of 2^23 and the
-                // bounds check.
+                // All bins are less than N; `%` removes the bits of 2^23 and the bounds check.
                 let bin = &mut bins[indices[4 + axis] as usize % N];
                 let sum = bin.boxes[axis].lanes(set).max(bounds);
                 bin.boxes[axis] = LaneBounds::of(sum);
@@ -111,38 +112,39 @@ impl<const N: usize> ObjectBins<N> {
         self
     }
 
-    /// The cheapest plane between two bins by the surface area heuristic: its axis and
-    /// the bin to the right of it. `None` if all references are in the same bin on
-    /// each axis.
+    /// Returns the cheapest plane between two bins by the surface area heuristic: its axis and the
+    /// bin to the right of it. `None` if all references are in the same bin on each axis.
     #[inline(always)]
     pub(super) fn cheapest_plane<I: InstructionSet>(&self, set: I) -> Option<(usize, usize)> {
-        // The costs of the right side of the plane before each bin.
+        // Sweep from the right: the costs of the right side of the plane before each bin.
         let mut right_costs = [[f32::INFINITY; 3]; N];
         let mut right = Sums::new(set);
         for (bin, costs) in right_costs.iter_mut().enumerate().skip(1).rev() {
             *costs = right.add(set, &self.bins[bin]);
         }
+        // Sweep from the left: add the costs of the left side, keep the least sum of each axis.
         let mut left = Sums::new(set);
-        // From infinity, the first comparison would become one that valgrind 3.19 gets
+        // Starting from infinity, the first comparison would compile to one that valgrind 3.19 gets
         // wrong for NaN (`vcmpneq_oqps`).
         let (mut least, mut first_right_bins) = ([f32::MAX; 3], [0; 3]);
         for (bin, right_costs) in right_costs.iter().enumerate().skip(1) {
             let costs = left.add(set, &self.bins[bin - 1]);
             for axis in 0..3 {
                 let cost = costs[axis] + right_costs[axis];
-                // An empty side has a cost that is not a number.
+                // An empty side has a cost of NaN.
                 if cost < least[axis] {
                     (least[axis], first_right_bins[axis]) = (cost, bin);
                 }
             }
         }
+        // Take the cheapest axis.
         let mut axis = usize::from(least[1] < least[0]);
         axis = if least[2] < least[axis] { 2 } else { axis };
         let bin = first_right_bins[axis];
         (bin > 0).then_some((axis, bin))
     }
 
-    /// The box around a range of bins and their number of references.
+    /// Returns the box around a range of bins and their number of references.
     #[inline(always)]
     pub(super) fn sum<I: InstructionSet>(
         &self,
@@ -175,8 +177,8 @@ impl<L: Lanes> Sums<L> {
         }
     }
 
-    /// Adds a bin on each axis; returns the costs of the sums: half of the surface
-    /// area times the number of references, which is not a number if there are none.
+    /// Adds a bin on each axis. Returns the costs of the sums: half of the surface area times the
+    /// number of references, NaN if there are none.
     #[inline(always)]
     fn add<I: InstructionSet<Lanes = L>>(&mut self, set: I, bin: &Bin) -> [f32; 3] {
         let mut costs = [0.0; 3];

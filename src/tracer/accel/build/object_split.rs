@@ -1,8 +1,7 @@
 //! Object splits: the binned SAH.
 //!
-//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies"
-//! (2007): the references are counted in bins by their centers, and only the
-//! planes between bins are evaluated.
+//! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies" (2007): the references are
+//! counted in bins by their centers, and only the planes between bins are evaluated.
 
 use super::bounds::LaneBounds;
 use super::object_bins::{CentroidGrid, ObjectBins, TWO_TO_23};
@@ -16,8 +15,7 @@ const PARALLEL: usize = 1 << 15;
 pub(super) struct ObjectSplit {
     axis: usize,
     grid: CentroidGrid,
-    /// References in the bins below it go left; in the form of
-    /// [`CentroidGrid::bin`].
+    /// References in the bins below this one go left; in the form of [`CentroidGrid::bin`].
     first_right_bin: f32,
     pub(super) n_left: usize,
     pub(super) left: LaneBounds,
@@ -27,8 +25,8 @@ pub(super) struct ObjectSplit {
 }
 
 impl ObjectSplit {
-    /// The cheapest split by the surface area heuristic, with `N` bins per axis,
-    /// a power of two; `None` if all centers are in the same bin.
+    /// Returns the cheapest split by the surface area heuristic, with `N` bins per axis, a power of
+    /// two, or `None` if all centers are in the same bin.
     #[inline(always)]
     pub(super) fn best<I: InstructionSet, const N: usize>(
         set: I,
@@ -40,7 +38,7 @@ impl ObjectSplit {
         Self::cheapest(set, &bins, &grid)
     }
 
-    /// The cheapest split between two of these bins.
+    /// Returns the cheapest split between two of these bins.
     #[inline(always)]
     fn cheapest<I: InstructionSet, const N: usize>(
         set: I,
@@ -64,7 +62,7 @@ impl ObjectSplit {
         })
     }
 
-    /// [`best`](Self::best) with 32 bins, in parallel.
+    /// Computes [`best`](Self::best) with 32 bins, in parallel.
     pub(super) fn best_of_many(
         simd: Simd,
         references: &[Reference],
@@ -76,13 +74,13 @@ impl ObjectSplit {
         simd.run(CheapestSplit { bins: &bins, grid })
     }
 
-    /// The sum of the costs of both sides.
+    /// Returns the sum of the costs of both sides.
     #[inline(always)]
     pub(super) fn cost(&self) -> f32 {
         self.costs[0] + self.costs[1]
     }
 
-    /// Half of the surface area of the intersection of both sides' boxes.
+    /// Returns half of the surface area of the intersection of both sides' boxes.
     pub(super) fn overlap(&self) -> f32 {
         let common = self.left.intersection(self.right);
         if common.is_empty() {
@@ -92,19 +90,19 @@ impl ObjectSplit {
         }
     }
 
-    /// Whether the reference goes left.
+    /// Returns true if the reference goes left.
     #[inline(always)]
     pub(super) fn is_left(&self, reference: &Reference) -> bool {
         self.position(reference) < self.first_right_bin
     }
 
-    /// The side of a reference: left if this is less than `first_right_bin`.
+    /// Returns the position of a reference, which goes left if this is less than `first_right_bin`.
     #[inline(always)]
     fn position(&self, reference: &Reference) -> f32 {
         self.grid.bin(reference, self.axis)
     }
 
-    /// All lanes true for a reference on the left, none for one on the right.
+    /// Returns all lanes true for a reference on the left, all false for one on the right.
     #[inline(always)]
     pub(super) fn left_mask<I: InstructionSet>(
         &self,

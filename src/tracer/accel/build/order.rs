@@ -3,27 +3,26 @@
 use crate::accel::layout::WideNode;
 use math::simd::{InstructionSet, Lanes, N_LANES, Real};
 
-/// The signs of the diagonals into the eight octants, one row per axis: negative
-/// where rays point down the axis. Bit 0 of an octant stands for the x axis, bit 1
-/// for y, bit 2 for z.
+/// The signs of the diagonals into the eight octants, one row per axis: negative where rays point
+/// down the axis. Bit 0 of an octant stands for the x axis, bit 1 for y, bit 2 for z.
 static DIAGONALS: [[f32; N_LANES]; 3] = [
     [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0],
     [1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0],
     [1.0, 1.0, 1.0, 1.0, -1.0, -1.0, -1.0, -1.0],
 ];
 
-/// From here on, floats are integers: their low bits count.
+/// From here on, floats are integers, held in the low bits.
 const ZERO: f32 = 8_388_608.0;
 
-/// The children from far to near for rays into each of the eight octants, in the
-/// encoding of [`WideNode::order`]: sorted by the centers of the boxes along the
-/// octant's diagonal.
+/// Returns the children from far to near for rays into each of the eight octants, in the encoding
+/// of [`WideNode::order`]: sorted by the centers of the boxes along the octant's diagonal.
 #[inline(always)]
 pub(super) fn by_octant<I: InstructionSet>(set: I, node: &WideNode) -> [u32; N_LANES] {
     let mut orders = [0; N_LANES];
     let depths = depths(set, node);
     for child in 0..N_LANES {
-        // To count what precedes each is the fastest way to sort eight numbers.
+        // Rank the child in all octants at once: counting its predecessors is the fastest way to
+        // sort eight numbers.
         let mut rank = set.splat(ZERO);
         for other in 0..N_LANES {
             let is_before = if other < child {
@@ -34,6 +33,7 @@ pub(super) fn by_octant<I: InstructionSet>(set: I, node: &WideNode) -> [u32; N_L
             let next = rank + set.splat(1.0);
             rank = I::Lanes::select(is_before, next, rank);
         }
+        // Write the child at its rank in each octant.
         for (octant, rank) in rank.to_bits().into_iter().enumerate() {
             orders[rank as usize % N_LANES] |= (child as u32) << (3 * octant);
         }
@@ -41,8 +41,8 @@ pub(super) fn by_octant<I: InstructionSet>(set: I, node: &WideNode) -> [u32; N_L
     orders
 }
 
-/// The depths of each child's center along the diagonals. Missing children come
-/// last and are never entered.
+/// Returns the depths of each child's center along the diagonals. Missing children come last and
+/// are never entered.
 #[inline(always)]
 fn depths<I: InstructionSet>(set: I, node: &WideNode) -> [I::Lanes; N_LANES] {
     let [x, y, z] = &DIAGONALS;

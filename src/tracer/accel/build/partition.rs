@@ -1,4 +1,4 @@
-//! Partitions references: moves them to the two sides of a split.
+//! Partitioning: moving references to the two sides of a split.
 
 use rayon::prelude::*;
 
@@ -44,12 +44,12 @@ impl Subset {
         self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
     }
 
-    /// Empty, without references.
+    /// Returns the subset without references.
     pub(super) fn empty() -> Self {
         Self::EMPTY
     }
 
-    /// The union of the references of both.
+    /// Returns the union of the references of both.
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             n: self.n + other.n,
@@ -75,7 +75,7 @@ impl SimdKernel for Enclose<'_> {
     }
 }
 
-/// Where the references of the left and of the right side go.
+/// The references of the left and of the right side.
 pub(super) type Sides<'a> = [&'a mut [Reference]; 2];
 
 /// Moves whole references to the sides of a split; keeps their order.
@@ -95,11 +95,12 @@ impl SimdKernel for Scatter<'_, '_> {
         let empty = set.splat(f32::NEG_INFINITY);
         let [mut left, mut right] = [empty; 2];
         for reference in self.references {
-            // No branch on the side: it is unpredictable.
+            // Append the reference to its side. No branch on the side: it is unpredictable.
             let is_left = self.split.left_mask(set, reference);
             let side = usize::from(is_left.bits() == 0);
             self.to[side][ends[side]] = *reference;
             ends[side] += 1;
+            // Enlarge the side's box around centers.
             let center = center(reference.lanes(set));
             left = left.max(I::Lanes::select(is_left, center, empty));
             right = right.max(I::Lanes::select(is_left, empty, center));
@@ -108,7 +109,7 @@ impl SimdKernel for Scatter<'_, '_> {
     }
 }
 
-/// The subsets on both sides of a split, given the boxes around their centers.
+/// Returns the subsets on both sides of a split, given the boxes around their centers.
 #[inline(always)]
 pub(super) fn subsets(n: usize, split: &ObjectSplit, centers: [LaneBounds; 2]) -> [Subset; 2] {
     let [left, right] = centers;
@@ -126,16 +127,18 @@ pub(super) fn subsets(n: usize, split: &ObjectSplit, centers: [LaneBounds; 2]) -
     ]
 }
 
-/// Moves references in parallel: gives each chunk its own slice of either side.
+/// Moves references in parallel: gives each chunk a separate slice of either side.
 pub(super) fn scatter_in_parallel(
     simd: Simd,
     references: &[Reference],
     to: Sides,
     split: &ObjectSplit,
 ) -> [LaneBounds; 2] {
+    // Count the references of each chunk on the left.
     let chunks = references.par_chunks(CHUNK);
     let n_left = |chunk: &[Reference]| chunk.iter().filter(|r| split.is_left(r)).count();
     let n_left: Vec<usize> = chunks.clone().map(n_left).collect();
+    // Give each chunk its slices.
     let [mut left, mut right] = to;
     let mut take = |(n_left, chunk): (usize, &[Reference])| {
         let n_right = chunk.len() - n_left;
@@ -149,6 +152,7 @@ pub(super) fn scatter_in_parallel(
         .zip(references.chunks(CHUNK))
         .map(&mut take)
         .collect();
+    // Move the references of all chunks.
     chunks
         .zip(slices.expect("both sides were counted"))
         .map(|(references, to)| {
@@ -164,7 +168,7 @@ pub(super) fn scatter_in_parallel(
         )
 }
 
-/// Partitions references at a plane; splits those that straddle it.
+/// Partitions references at a plane; splits references that straddle it.
 pub(super) fn by_spatial_split(
     simd: Simd,
     references: &[Reference],
@@ -173,6 +177,7 @@ pub(super) fn by_spatial_split(
     primitives: &[Primitive],
 ) -> [Subset; 2] {
     let mut ends = [0; 2];
+    // Append the parts of each reference to their sides.
     for reference in references {
         for (side, part) in split.sides(reference, primitives).into_iter().enumerate() {
             if let Some(part) = part {

@@ -16,7 +16,7 @@ const SPATIAL_SPLITS_PER_TRIANGLE: f64 = 0.5;
 /// References per task.
 const CHUNK: usize = 1 << 12;
 
-/// Greatest number of references per primitive.
+/// Returns the greatest number of references per primitive.
 pub(super) fn references_per_primitive(quality: Quality) -> f64 {
     match quality {
         Quality::Fast => 1.0,
@@ -25,7 +25,7 @@ pub(super) fn references_per_primitive(quality: Quality) -> f64 {
     }
 }
 
-/// The references to all primitives but the `unbounded`, presplit or with memory for
+/// Returns the references to all primitives except the `unbounded`, presplit or with memory for
 /// spatial splits, and the subset of all of them.
 pub(super) fn references(
     simd: Simd,
@@ -49,9 +49,9 @@ pub(super) fn references(
     (references, whole)
 }
 
-/// The references to all primitives but the `unbounded`, whose indices ascend.
+/// Returns the references to all primitives except the `unbounded`, whose indices ascend.
 fn of_bounded(simd: Simd, primitives: &[Primitive], unbounded: &[u32]) -> (Vec<Reference>, Subset) {
-    // How many bounded primitives precede each unbounded one.
+    // Number of bounded primitives before each unbounded one.
     let n_before: Vec<usize> = (0..).zip(unbounded).map(|(i, &u)| u as usize - i).collect();
     let mut references = bytemuck::zeroed_vec(primitives.len() - unbounded.len());
     let chunks = references.par_chunks_mut(CHUNK).enumerate();

@@ -1,11 +1,10 @@
-//! Splits the worst triangles before the tree is built.
+//! Splitting the worst triangles before the tree is built.
 //!
-//! Karras and Aila, "Fast Parallel Construction of High-Quality Bounding
-//! Volume Hierarchies" (HPG 2013), section 4: a budget of splits is distributed
-//! over the triangles by a priority, which depends on how much of a triangle's
-//! box is empty and on the level of the tree that it affects. The planes are
-//! those of an octree over the scene, the largest cells first, since the tree
-//! will split its primitives close to those.
+//! Karras and Aila, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies" (HPG
+//! 2013), section 4: a budget of splits is distributed over the triangles by a priority, which
+//! depends on how much of a triangle's box is empty and on the level of the tree that it affects.
+//! The planes come from an octree over the scene, the largest cells first, since the tree will
+//! split its primitives close to them.
 
 use rayon::prelude::*;
 
@@ -29,6 +28,7 @@ pub(super) fn presplit(
     primitives: &[Primitive],
     bounds: &LaneBounds,
 ) -> Vec<Reference> {
+    // Rate the benefit of splitting each reference.
     let octree = Octree::new(bounds);
     let priority = |reference| octree.priority(reference, primitives);
     let priorities: Vec<f32> = references
@@ -36,11 +36,13 @@ pub(super) fn presplit(
         .with_min_len(CHUNK)
         .map(priority)
         .collect();
+    // Distribute the budget of splits by these priorities.
     let n_triangles = references.iter().filter(|r| r.is_triangle()).count();
     let budget = SPLITS_PER_TRIANGLE * n_triangles as f64;
     let Some(splits_per_priority) = scale(&priorities, budget) else {
         return references;
     };
+    // Split, in parallel; the order of the references is kept.
     let split = |(references, priorities): (&[Reference], &[f32])| {
         let mut parts = Vec::with_capacity(2 * references.len());
         for (reference, &priority) in references.iter().zip(priorities) {
@@ -61,8 +63,8 @@ fn n_splits(priority: f32, splits_per_priority: f64) -> u32 {
     ((f64::from(priority) * splits_per_priority) as u32).min(MAX_SPLITS)
 }
 
-/// The factor from priorities to numbers of splits that exhausts the budget;
-/// `None` if no reference can be split.
+/// Returns the factor from priorities to numbers of splits that exhausts the budget, or `None` if
+/// no reference can be split.
 fn scale(priorities: &[f32], budget: f64) -> Option<f64> {
     let n_splits = |scale: f64| -> u64 {
         let priorities = priorities.par_iter().with_min_len(CHUNK);
@@ -73,14 +75,14 @@ fn scale(priorities: &[f32], budget: f64) -> Option<f64> {
         let priorities = chunk.iter().map(|&priority| f64::from(priority));
         priorities.sum::<f64>()
     });
-    // Serially: the sum of floats depends on their order.
+    // Add serially: the sum of floats depends on their order.
     let sum: f64 = sums.collect::<Vec<f64>>().iter().sum();
     let mut scale = budget / sum;
     if !scale.is_finite() {
         return None;
     }
-    // Rounding down to whole splits leaves a part of the budget unused, half a
-    // split per triangle or more: increase the factor in ever smaller steps.
+    // Rounding down to whole splits leaves part of the budget unused, half a split per triangle or
+    // more: increase the factor in ever smaller steps.
     let mut factor = 4.0;
     for _ in 0..12 {
         if n_splits(scale * factor) as f64 <= budget {
@@ -100,11 +102,11 @@ struct Octree {
     n_cells: u32,
 }
 
-/// One of its planes.
+/// A plane of the octree.
 struct OctreePlane {
     axis: usize,
     position: f32,
-    /// 0 for the plane in the middle, 1 for those that bisect the halves.
+    /// 0 for the plane in the middle, 1 for the planes that bisect the halves, and so on.
     level: i32,
 }
 
@@ -119,7 +121,7 @@ impl Octree {
         }
     }
 
-    /// The benefit of splitting the reference; 0 if it cannot be split.
+    /// Returns the benefit of splitting the reference; 0 if it cannot be split.
     fn priority(&self, reference: &Reference, primitives: &[Primitive]) -> f32 {
         let shape = primitives[reference.primitive() as usize].world_shape();
         let (Some(Shape::Triangle(triangle)), Some(plane)) = (shape, self.plane(reference)) else {
@@ -132,8 +134,7 @@ impl Octree {
         libm::cbrtf(libm::ldexpf(empty, -2 * plane.level))
     }
 
-    /// Splits the reference `n_splits` times, if it can; adds the parts to
-    /// `parts`.
+    /// Splits the reference `n_splits` times, as far as possible; adds the parts to `parts`.
     fn split(
         &self,
         reference: Reference,
@@ -162,8 +163,8 @@ impl Octree {
         }
     }
 
-    /// The plane of the lowest level that intersects the reference's box; the one
-    /// across its longest side if there are several; `None` if there is none.
+    /// Returns the plane of the lowest level that intersects the reference's box, across its
+    /// longest side if there are several, or `None` if there is none.
     fn plane(&self, reference: &Reference) -> Option<OctreePlane> {
         let bounds = reference.bounds();
         let planes = (0..3).filter_map(|axis| {

@@ -1,4 +1,4 @@
-//! References to primitives: what the build sorts and splits.
+//! References to primitives: the items that the build sorts and splits.
 
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
@@ -10,8 +10,8 @@ use math::simd::{InstructionSet, Lanes};
 use scene::geometry::Shape;
 use scene::world::Primitive;
 
-/// A primitive and a box around it, or around the part of it that the reference
-/// stands for. Half a cache line, in the layout of [`LaneBounds`].
+/// A primitive and a box around it, or around the part of it that the reference stands for. Half a
+/// cache line, in the layout of [`LaneBounds`].
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct Reference {
@@ -24,7 +24,7 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    /// The reference to the whole primitive with this index.
+    /// Returns the reference to the whole primitive with this index.
     pub(super) fn new(primitive: &Primitive, index: u32) -> Self {
         let bounds = primitive.bounds();
         Self {
@@ -35,51 +35,51 @@ impl Reference {
         }
     }
 
-    /// The primitive's index.
+    /// Returns the primitive's index.
     #[inline(always)]
     pub(super) fn primitive(&self) -> u32 {
         self.id & !ID_BIT
     }
 
-    /// The kind of leaf that holds the primitive.
+    /// Returns the kind of leaf that holds the primitive.
     #[inline(always)]
     pub(super) fn kind(&self) -> LeafKind {
         LeafKind::from_number(self.kind & !ID_BIT).unwrap_or(LeafKind::Others)
     }
 
-    /// Whether the primitive is a triangle.
+    /// Returns true if the primitive is a triangle.
     #[inline(always)]
     pub(super) fn is_triangle(&self) -> bool {
         self.kind() == LeafKind::Triangles
     }
 
-    /// Its box.
+    /// Returns the box around the referenced part.
     #[inline(always)]
     pub(super) fn bounds(&self) -> LaneBounds {
         LaneBounds(bytemuck::cast(*self))
     }
 
-    /// Half of the surface area of its box.
+    /// Returns half of the surface area of the box.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
         self.bounds().half_area()
     }
 
-    /// Its box in lanes.
+    /// Returns the box as lanes.
     #[inline(always)]
     pub(super) fn lanes<I: InstructionSet>(&self, set: I) -> I::Lanes {
         set.load(bytemuck::cast_ref(self))
     }
 
-    /// Twice the center of its box on an axis.
+    /// Returns twice the center of the box on an axis.
     #[inline(always)]
     pub(super) fn center(&self, axis: usize) -> f32 {
         self.max[axis] - self.negated_min[axis]
     }
 
-    /// Splits the reference to a triangle at `position` on an axis: the parts
-    /// below and above the plane, `None` for an empty one. Returns any other
-    /// reference as it is.
+    /// Splits the reference to a triangle at `position` on an axis. Returns the parts below and
+    /// above the plane, `None` for an empty one, or any other reference unchanged as the first
+    /// part.
     pub(super) fn split(
         &self,
         primitives: &[Primitive],
@@ -102,16 +102,15 @@ impl Reference {
     }
 }
 
-/// The box that contains twice the center of a box alone: `max + min` in the lanes
-/// of the upper corner, its negation in those of the lower one.
+/// Returns the box that contains only twice the center of a box: `max + min` in the lanes of the
+/// upper corner, the negation in the lanes of the lower one.
 #[inline(always)]
 pub(super) fn center<L: Lanes>(bounds: L) -> L {
     bounds - bounds.swap_halves()
 }
 
-/// Maps chunks of references and reduces the results, in parallel from
-/// `parallel` references on. The reduction has to be independent of its order:
-/// maxima and sums of integers are.
+/// Maps chunks of references and reduces the results, in parallel if there are at least `parallel`
+/// references. The reduction must be independent of the order, as maxima and sums of integers are.
 #[inline]
 pub(super) fn map_reduce<T: Send>(
     references: &[Reference],

@@ -1,10 +1,10 @@
-//! A hierarchy, refitted to primitives that have moved.
+//! Refitting a hierarchy to primitives that have moved.
 //!
-//! The nodes keep their children and the leaves their primitives; only boxes, their order and
-//! the coordinates in leaves change (Lauterbach, Yoon, Tuft, Manocha: "RT-DEFORM: Interactive
-//! Ray Tracing of Dynamic Scenes using BVHs", 2006). All hits are found; a ray visits more
-//! nodes, the farther the primitives have moved from each other. A triangle that was split has
-//! its whole box in each of its leaves.
+//! The nodes keep their children and the leaves their primitives; only boxes, their order and the
+//! coordinates in leaves change (Lauterbach, Yoon, Tuft, Manocha: "RT-DEFORM: Interactive Ray
+//! Tracing of Dynamic Scenes using BVHs", 2006). All hits are found; a ray visits more nodes the
+//! farther the primitives have moved apart. A triangle that was split has its whole box in each of
+//! its leaves.
 
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
@@ -19,8 +19,8 @@ use math::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 use scene::geometry::{Aabb, Shape};
 use scene::world::Primitive;
 
-/// The hierarchy of an arena, refitted to as many primitives; `None` where a leaf would have
-/// primitives of other kinds.
+/// Returns the hierarchy of an arena refitted to the same number of primitives, or `None` if a leaf
+/// would have primitives of other kinds.
 pub(in crate::accel) fn refitted(
     simd: Simd,
     arena: &Arena,
@@ -34,7 +34,7 @@ pub(in crate::accel) fn refitted(
     Some(Arena::new(lines, bounds))
 }
 
-/// Whether all leaves have triangles, and these are where the primitives are, bit for bit.
+/// Returns true if all leaves have triangles that equal the primitives, bit for bit.
 pub(in crate::accel) fn has_triangles(arena: &Arena, primitives: &[Primitive]) -> bool {
     let lines = arena.lines();
     lines.is_empty() || are_in_leaves(lines, NodeRef::ROOT, primitives)
@@ -65,7 +65,7 @@ fn are_in_leaves(lines: &[CacheLine], node_ref: NodeRef, primitives: &[Primitive
     })
 }
 
-/// The kind and the indices of the primitives of a leaf that begins with these numbers.
+/// Returns the kind and the indices of the primitives of a leaf that starts with these numbers.
 fn contents(leaf: NodeRef, numbers: &[f32]) -> (LeafKind, ArrayVec<u32, MAX_LEAF>) {
     let kind = LeafKind::of_leaf(leaf, numbers[0]);
     let n = leaf.leaf_size();
@@ -80,8 +80,8 @@ struct Refitter<'a> {
 }
 
 impl Refitter<'_> {
-    /// Refits the node at the start of `lines`, the first of which is number `first_line` of the
-    /// arena, and the subtree below it; returns its box.
+    /// Refits the node at the start of `lines`, the first of which is line `first_line` of the
+    /// arena, and the subtree below it. Returns its box.
     fn node(&self, lines: &mut [CacheLine], first_line: usize) -> Option<Aabb> {
         let n_lines = lines.len();
         let mut node = *layout::node(lines, NodeRef::ROOT);
@@ -92,13 +92,14 @@ impl Refitter<'_> {
         let mut bounds = [Some(Aabb::EMPTY); N_LANES];
         let mut subtrees = [const { None }; N_LANES];
         let mut rest = lines;
-        // Subtrees follow the leaves, in the order of the lanes.
+        // Divide the lines: subtrees follow the leaves, in the order of the lanes.
         for (lane, (child, bounds)) in children.iter().zip(&mut bounds).enumerate().rev() {
             if !child.is_leaf() {
                 let subtree = rest.split_off_mut(child.line() - first_line..)?;
                 subtrees[lane] = Some((subtree, child.line(), bounds));
             }
         }
+        // Refit the subtrees, large ones in parallel.
         let refit = |subtree: (&mut [CacheLine], usize, &mut Option<Aabb>)| {
             let (lines, first_line, bounds) = subtree;
             *bounds = self.node(lines, first_line);
@@ -108,11 +109,13 @@ impl Refitter<'_> {
         } else {
             subtrees.into_par_iter().flatten().for_each(refit);
         }
+        // Refit the leaves.
         for (child, bounds) in children.iter().zip(&mut bounds) {
             if child.is_leaf() {
                 *bounds = self.leaf(*child, &mut rest[child.line() - first_line..]);
             }
         }
+        // Write the boxes of the children and their order.
         let mut all = Aabb::EMPTY;
         for (lane, bounds) in bounds.into_iter().take(children.len()).enumerate() {
             let bounds = bounds?;
@@ -127,8 +130,8 @@ impl Refitter<'_> {
         Some(all)
     }
 
-    /// Refits the leaf at the start of `lines`; returns its box, or `None` if its primitives are
-    /// of another kind.
+    /// Refits the leaf at the start of `lines`. Returns its box, or `None` if a primitive has
+    /// another kind.
     fn leaf(&self, leaf: NodeRef, lines: &mut [CacheLine]) -> Option<Aabb> {
         let (kind, indices) = contents(leaf, bytemuck::cast_slice(lines));
         let mut all = Aabb::EMPTY;
@@ -145,7 +148,7 @@ impl Refitter<'_> {
     }
 }
 
-/// The order of the children of a node.
+/// Computes the order of the children of a node.
 struct NodeOrder<'a>(&'a WideNode);
 
 impl SimdKernel for NodeOrder<'_> {

@@ -1,10 +1,9 @@
 //! Spatial splits: planes that split the primitives that straddle them.
 //!
-//! Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume
-//! Hierarchies" (HPG 2009): space is divided into bins, each with a box around
-//! the parts of the primitives inside the bin. A plane between two bins splits
-//! the primitives that straddle it. Their boxes shrink on both sides, which can
-//! outweigh the cost of the duplicate reference.
+//! Stich, Friedrich and Dietrich, "Spatial Splits in Bounding Volume Hierarchies" (HPG 2009): space
+//! is divided into bins, each with a box around the parts of the primitives inside the bin. A plane
+//! between two bins splits the primitives that straddle it. Their boxes shrink on both sides, which
+//! can outweigh the cost of the duplicate reference.
 
 use glam::Vec3;
 
@@ -22,16 +21,16 @@ const PARALLEL: usize = 1 << 12;
 pub(super) struct SpatialSplit {
     grid: SpatialGrid,
     first_right_bin: usize,
-    /// Upper bounds of the numbers of references on the two sides: a box may
-    /// extend into a bin that its triangle does not reach.
+    /// Upper bounds of the numbers of references on the two sides: a box may extend into a bin that
+    /// its triangle does not reach.
     pub(super) counts: [usize; 2],
     /// For each side: half of the surface area times the number of references.
     pub(super) costs: [f32; 2],
 }
 
 impl SpatialSplit {
-    /// The cheapest split by the surface area heuristic that duplicates at most
-    /// `max_duplicates` references; `None` if there is none.
+    /// Returns the cheapest split by the surface area heuristic that duplicates at most
+    /// `max_duplicates` references, or `None` if there is none.
     pub(super) fn cheapest(
         references: &[Reference],
         primitives: &[Primitive],
@@ -49,12 +48,12 @@ impl SpatialSplit {
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
     }
 
-    /// The sum of the costs of both sides.
+    /// Returns the sum of the costs of both sides.
     pub(super) fn cost(&self) -> f32 {
         self.costs[0] + self.costs[1]
     }
 
-    /// The parts of the reference on the left and on the right.
+    /// Returns the parts of the reference on the left and on the right.
     #[inline]
     pub(super) fn sides(
         &self,
@@ -73,7 +72,7 @@ impl SpatialSplit {
         }
     }
 
-    /// Whether a part of the reference goes left, and whether one goes right.
+    /// Returns, for the left and for the right side, true if a part of the reference goes there.
     #[inline]
     pub(super) fn is_on_sides(&self, reference: &Reference) -> [bool; 2] {
         // By bins, as the references were counted.
@@ -101,8 +100,8 @@ impl SpatialGrid {
         }
     }
 
-    /// The bins of the reference's least and greatest coordinate. They are the
-    /// same for a primitive that cannot be split.
+    /// Returns the bins of the reference's least and greatest coordinate. They are equal for a
+    /// primitive that cannot be split.
     fn bins(&self, reference: &Reference) -> [usize; 2] {
         let bounds = reference.bounds();
         if reference.is_triangle() {
@@ -117,14 +116,14 @@ impl SpatialGrid {
         (((x - self.from) * self.bins_per_length) as usize).min(N_BINS - 1)
     }
 
-    /// The least coordinate of a bin.
+    /// Returns the least coordinate of a bin.
     fn position(&self, bin: usize) -> f32 {
         self.from + bin as f32 * self.bin_length
     }
 }
 
-/// For each bin, how many references begin and end in it, and the box around
-/// their parts inside it.
+/// For each bin, the numbers of references that start and end in it, and the box around their parts
+/// inside it.
 struct SpatialBins {
     boxes: [LaneBounds; N_BINS],
     n_begin: [u32; N_BINS],
@@ -150,9 +149,11 @@ impl SpatialBins {
     }
 
     fn add(&mut self, reference: &Reference, primitives: &[Primitive], grid: &SpatialGrid) {
+        // Count the reference where it starts and where it ends.
         let [first, last] = grid.bins(reference);
         self.n_begin[first] += 1;
         self.n_end[last] += 1;
+        // Enlarge the box of each bin by the part of the reference inside it.
         let own = reference.bounds();
         match primitives[reference.primitive() as usize].world_shape() {
             Some(Shape::Triangle(triangle)) if first < last => {
@@ -178,13 +179,14 @@ impl SpatialBins {
         self
     }
 
-    /// The cheapest plane that splits these `n` references.
+    /// Returns the cheapest plane that splits these `n` references.
     fn cheapest_plane(
         &self,
         grid: SpatialGrid,
         n: usize,
         max_duplicates: usize,
     ) -> Option<SpatialSplit> {
+        // Sweep from the right: bounds and count of the right side of the plane before each bin.
         let mut right = [(LaneBounds::EMPTY, 0); N_BINS + 1];
         for bin in (1..N_BINS).rev() {
             let (bounds, n_right) = right[bin + 1];
@@ -193,6 +195,7 @@ impl SpatialBins {
                 n_right + self.n_end[bin] as usize,
             );
         }
+        // Sweep from the left: each plane that leaves both sides occupied is a candidate.
         let (mut left, mut n_left) = (LaneBounds::EMPTY, 0);
         let candidate = |bin: usize| {
             left = left.union(self.boxes[bin - 1]);
@@ -214,8 +217,8 @@ impl SpatialBins {
     }
 }
 
-/// The boxes around the parts of a triangle in each bin, without regard to
-/// rounding: they only serve to choose a plane.
+/// Returns the boxes around the parts of a triangle in each bin. Rounding is ignored: they only
+/// serve to choose a plane.
 fn parts_in_bins(triangle: &Triangle, grid: &SpatialGrid) -> [LaneBounds; N_BINS] {
     let mut parts = [LaneBounds::EMPTY; N_BINS];
     let mut add = |bin: usize, point: Vec3| {
@@ -226,7 +229,9 @@ fn parts_in_bins(triangle: &Triangle, grid: &SpatialGrid) -> [LaneBounds; N_BINS
     for (from, to) in [(a, b), (b, c), (c, a)] {
         let [x, y] = [from[grid.axis], to[grid.axis]];
         let [i, j] = [grid.bin(x), grid.bin(y)];
+        // Add the vertex to its bin.
         add(i, from);
+        // Add the points where the edge crosses planes to the bins on both sides.
         for bin in i.min(j) + 1..=i.max(j) {
             let fraction = (grid.position(bin) - x) / (y - x);
             let crossing = from + fraction * (to - from);

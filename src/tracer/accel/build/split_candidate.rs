@@ -9,8 +9,8 @@ use scene::world::Primitive;
 
 /// Least number of references for a spatial split: fewer fit into a leaf.
 pub(super) const MIN_SPATIAL_SPLIT: usize = 9;
-/// An object split is good enough if the boxes of both sides overlap by less
-/// than this fraction of the root's surface area (Stich et al., section 4.2).
+/// An object split is good enough if the boxes of both sides overlap by less than this fraction of
+/// the root's surface area (Stich et al., section 4.2).
 const SMALL_OVERLAP: f32 = 1e-5;
 
 /// Inputs of the choice besides the references.
@@ -32,8 +32,8 @@ pub(super) enum SplitCandidate {
 }
 
 impl SplitCandidate {
-    /// The cheaper one of the best object split and the best spatial split that
-    /// duplicates at most `max_duplicates` references.
+    /// Returns the cheaper of the best object split and the best spatial split that duplicates at
+    /// most `max_duplicates` references.
     #[inline(always)]
     pub(super) fn cheapest(
         context: &SplitContext,
@@ -42,6 +42,7 @@ impl SplitCandidate {
         subset: &Subset,
         max_duplicates: usize,
     ) -> Self {
+        // Try planes only where the sides of the object split overlap much.
         let may_split = max_duplicates > 0 && references.len() >= MIN_SPATIAL_SPLIT;
         let max_overlap = SMALL_OVERLAP * context.root_half_area;
         let is_good = |split: &ObjectSplit| split.overlap() <= max_overlap;
@@ -51,6 +52,7 @@ impl SplitCandidate {
         } else {
             None
         };
+        // Take the cheaper one.
         match (object, spatial) {
             (Some(object), Some(spatial)) if object.cost() <= spatial.cost() => {
                 Self::Object(object)
@@ -61,18 +63,18 @@ impl SplitCandidate {
         }
     }
 
-    /// The part of the capacity that the left side gets.
+    /// Returns the part of the capacity that the left side gets.
     #[inline]
     pub(super) fn left_capacity(&self, references: &[Reference], capacity: usize) -> usize {
         let [n_left, n_right] = self.counts(references.len());
         match capacity - n_left - n_right {
             0 => n_left,
-            // Large boxes get the rest: they are the ones to be split.
+            // Large boxes get the rest: they are the most likely to be split.
             rest => n_left + (rest as f64 * self.left_share(references)) as usize,
         }
     }
 
-    /// Upper bounds of the numbers of references on the two sides, out of `n`.
+    /// Returns upper bounds of the numbers of references on the two sides, out of `n`.
     #[inline]
     fn counts(&self, n: usize) -> [usize; 2] {
         match self {
@@ -82,7 +84,7 @@ impl SplitCandidate {
         }
     }
 
-    /// The left side's share, from 0 to 1, of the surface area of all boxes.
+    /// Returns the left side's share, from 0 to 1, of the surface area of all boxes.
     fn left_share(&self, references: &[Reference]) -> f64 {
         let mut areas = [0.0; 2];
         for reference in references {
@@ -96,7 +98,7 @@ impl SplitCandidate {
         left / (left + right)
     }
 
-    /// Whether a part of the reference goes left, and whether one goes right.
+    /// Returns, for the left and for the right side, true if a part of the reference goes there.
     fn is_on_sides(&self, reference: &Reference) -> [bool; 2] {
         match self {
             Self::Object(split) => {

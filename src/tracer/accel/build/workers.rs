@@ -1,4 +1,4 @@
-//! Who splits the references of a node: one thread, or all of them.
+//! Splitting the references of a node with one thread or with all of them.
 
 use super::bounds::LaneBounds;
 use super::object_split::ObjectSplit;
@@ -11,11 +11,10 @@ const PARALLEL: usize = 1 << 15;
 
 /// One or more threads.
 pub(super) trait Workers: Copy {
-    /// The cheapest object split of references, by the box around their centers.
+    /// Returns the cheapest object split of references, by the box around their centers.
     fn object_split(self, references: &[Reference], centers: &LaneBounds) -> Option<ObjectSplit>;
 
-    /// Moves references to the sides of a split; returns the boxes around their
-    /// centers.
+    /// Moves references to the sides of a split. Returns the boxes around their centers.
     fn scatter(self, references: &[Reference], to: Sides, split: &ObjectSplit) -> [LaneBounds; 2];
 }
 

@@ -1,4 +1,4 @@
-//! A batch of queries.
+//! A batch of ray queries and the arena that answers them.
 
 use crate::accel::arena::Arena;
 use crate::accel::search::Queries;
@@ -10,17 +10,17 @@ use scene::world::Primitive;
 pub(in crate::accel) struct Batch<'a, Q: Queries, P> {
     pub(in crate::accel) arena: &'a Arena,
     pub(in crate::accel) primitives: &'a [Primitive],
-    /// Primitives outside the hierarchy, which are tested first.
+    /// Primitives outside the hierarchy; tested first.
     pub(in crate::accel) unbounded: &'a Unbounded,
     pub(in crate::accel) queries: &'a Q,
-    /// One per query.
+    /// One answer per query.
     pub(in crate::accel) answers: &'a mut [Q::Answer],
     /// Receives the numbers of node visits and primitive tests.
     pub(in crate::accel) probe: &'a mut P,
 }
 
 impl<'a, Q: Queries, P: StreamProbe> Batch<'a, Q, P> {
-    /// The same batch, borrowed for a shorter time.
+    /// Reborrows the batch for a shorter lifetime.
     pub(in crate::accel) fn reborrow(&mut self) -> Batch<'_, Q, P> {
         Batch {
             answers: self.answers,
@@ -29,7 +29,7 @@ impl<'a, Q: Queries, P: StreamProbe> Batch<'a, Q, P> {
         }
     }
 
-    /// Writes the answer of the query with this index and reports its counters.
+    /// Writes the answer of the query `index` and reports its counters.
     #[inline(always)]
     pub(super) fn answer(
         &mut self,

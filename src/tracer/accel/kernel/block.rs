@@ -1,4 +1,4 @@
-//! Eight rays of a batch, prepared for their traversals at once: rays in the lanes.
+//! Eight rays of a batch, prepared for traversal at once, one ray per lane.
 
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -8,7 +8,7 @@ use super::slab::{MARGIN, MIN_DIRECTION, Slabs};
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector, set_lane};
 use scene::geometry::{Ray, RayStream, Shear};
 
-/// A number for each of eight rays.
+/// One number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];
 
 /// Eight prepared rays.
@@ -23,18 +23,18 @@ pub(super) struct RayBlock {
     slopes: [LaneArray; 2],
     scale: LaneArray,
     permuted_origin: [LaneArray; 3],
-    /// The direction's squared length, and its reciprocal.
+    /// Squared length of the direction, and its reciprocal.
     a: LaneArray,
     inverse_a: LaneArray,
-    /// The rays that point down each axis.
+    /// Bit masks of the rays that point down each axis.
     is_downward: [u8; 3],
-    /// The rays whose dominant axis is y, or z.
+    /// Bit masks of the rays whose dominant axis is y, and z.
     is_y: u8,
     is_z: u8,
 }
 
 impl RayBlock {
-    /// Reads the rays with these indices, the first eight.
+    /// Reads the rays with the first eight of these indices.
     #[inline(always)]
     fn read(&mut self, rays: &RayStream, indices: &[u32]) {
         for (lane, &index) in indices.iter().enumerate().take(N_LANES) {
@@ -44,10 +44,10 @@ impl RayBlock {
         }
     }
 
-    /// Prepares the rays with these indices, the first eight, for boxes
-    /// whose coordinates are at most `largest`.
+    /// Prepares the rays with the first eight of these indices for boxes whose coordinates are at
+    /// most `largest`.
     ///
-    /// To the bit what [`Slabs::new`] and [`LeafIntersector::new`] compute.
+    /// Computes the same bits as [`Slabs::new`] and [`LeafIntersector::new`].
     #[inline(always)]
     pub(super) fn prepare<I: InstructionSet>(
         &mut self,
@@ -57,6 +57,7 @@ impl RayBlock {
         largest: f32,
     ) {
         self.read(rays, indices);
+        // Slabs: reciprocal direction, and the origin displaced by the margin.
         let [x, y, z] = &self.origin;
         let (x, y, z) = (set.load(x), set.load(y), set.load(z));
         let [dx, dy, dz] = &self.direction;
@@ -67,7 +68,7 @@ impl RayBlock {
         self.axis(set, 0, (x, dx, ax), margin);
         self.axis(set, 1, (y, dy, ay), margin);
         self.axis(set, 2, (z, dz, az), margin);
-        // As in `Shear::along`.
+        // Shear: permute the axes as `Shear::along` does, the dominant one last.
         let (is_y, is_z) = (ax.lt(ay), ax.max(ay).lt(az));
         (self.is_y, self.is_z) = (is_y.bits(), is_z.bits());
         let dominant =
@@ -79,12 +80,13 @@ impl RayBlock {
         self.permuted_origin[0] = dominant(y, z, x).to_array();
         self.permuted_origin[1] = dominant(z, x, y).to_array();
         self.permuted_origin[2] = dominant(x, y, z).to_array();
+        // Spheres: the squared length of the direction.
         let a = dx * dx + dy * dy + dz * dz;
         self.a = a.to_array();
         self.inverse_a = (set.splat(1.0) / a).to_array();
     }
 
-    /// The origins and the directions.
+    /// Returns the origins and the directions.
     #[inline(always)]
     pub(super) fn rays<I: InstructionSet>(&self, set: I) -> [Vector<I::Lanes>; 2] {
         [
@@ -93,7 +95,7 @@ impl RayBlock {
         ]
     }
 
-    /// As in [`Slabs::new`].
+    /// Prepares one axis of the slab test, as [`Slabs::new`] does.
     #[inline(always)]
     fn axis<I: InstructionSet>(
         &mut self,
@@ -110,7 +112,7 @@ impl RayBlock {
         self.is_downward[axis] = direction.signs();
     }
 
-    /// The slabs of the ray in this lane.
+    /// Returns the slabs of the ray in this lane.
     #[inline(always)]
     pub(super) fn slabs(&self, lane: usize) -> Slabs {
         let lane = lane % N_LANES;
@@ -123,7 +125,7 @@ impl RayBlock {
         )
     }
 
-    /// The leaf intersector of the ray in this lane.
+    /// Returns the leaf intersector of the ray in this lane.
     #[inline(always)]
     pub(super) fn intersector(&self, lane: usize) -> LeafIntersector {
         let lane = lane % N_LANES;
@@ -146,7 +148,7 @@ impl RayBlock {
     }
 }
 
-/// Three numbers of the ray in this lane.
+/// Returns the vector of the ray in this lane.
 #[inline(always)]
 fn at([x, y, z]: &[LaneArray; 3], lane: usize) -> [f32; 3] {
     [x[lane], y[lane], z[lane]]

@@ -1,8 +1,8 @@
-//! The test of a ray against all primitives of a leaf at once.
+//! Intersection of a ray with all primitives of a leaf at once, one primitive per lane.
 //!
-//! It performs the same operations in the same order as the tests in `geometry`:
-//! each lane has the same `t` as [`Triangle`](scene::geometry::Triangle),
-//! [`Sphere`](scene::geometry::Sphere) or [`Capsule`], to the bit.
+//! Performs the same operations in the same order as the tests in `geometry`: each lane has the
+//! same `t` as [`Triangle`](scene::geometry::Triangle), [`Sphere`](scene::geometry::Sphere) or
+//! [`Capsule`], to the bit.
 
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
@@ -10,10 +10,10 @@ use crate::accel::search::Search;
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 use scene::geometry::{AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear};
 
-/// Set-up of a ray that its tests against all leaves share.
+/// Set-up of a ray, shared by its tests against all leaves.
 pub(super) struct LeafIntersector {
     pub(super) ray: Ray,
-    /// The direction's squared length.
+    /// Squared length of the direction.
     pub(super) a: f32,
     pub(super) inverse_a: f32,
     pub(super) shear: Shear,
@@ -27,7 +27,7 @@ impl LeafIntersector {
         Self::with_shear(ray, Shear::along(ray.direction))
     }
 
-    /// For a ray whose shear is known.
+    /// Prepares a ray whose shear is known.
     #[inline(always)]
     pub(super) fn with_shear(ray: &Ray, shear: Shear) -> Self {
         let a = ray.direction.dot(ray.direction);
@@ -40,7 +40,7 @@ impl LeafIntersector {
         }
     }
 
-    /// Tests the primitives of a leaf; reports the hits to the search.
+    /// Tests the primitives of a leaf and reports the hits to `search`.
     #[inline(always)]
     pub(super) fn test<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
         match leaf.kind() {
@@ -58,6 +58,7 @@ impl LeafIntersector {
     /// Tests triangles.
     #[inline(always)]
     fn triangles<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
+        // Shear the vertices into the space where the ray is the z axis.
         let [x, y, z] = self.shear.axes;
         let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         // No `array::map` here: it is not always inlined.
@@ -66,21 +67,24 @@ impl LeafIntersector {
             self.sheared(set, x[1], y[1], z[1]),
             self.sheared(set, x[2], y[2], z[2]),
         ];
+        // Compare the areas of the three sub-triangles; `t` is the weighted depth.
         let scale = set.splat(self.shear.scale);
         let AreaTest { hits, is_unsure, t } = Areas::new(&vertices).test(scale);
         let (zero, limit) = (set.splat(0.0), set.splat(search.limit()));
-        // One branch for all: a mispredicted one costs as much as the test.
+        // Report hits in front of the limit. One branch for all: a mispredicted one costs as much
+        // as the test.
         let hits = (hits & zero.lt(t) & t.lt(limit)).bits() & used_lanes(leaf);
         if hits != 0 {
             report(leaf, TRIANGLE_ROWS, t.to_array(), hits, search);
         }
+        // Repeat in higher precision the tests that rounding may have decided.
         let unsure = is_unsure.bits() & used_lanes(leaf);
         if unsure != 0 {
             self.unsure_triangles(leaf, unsure, search);
         }
     }
 
-    /// Tests the triangles in these lanes, one by one.
+    /// Tests the triangles in these lanes exactly, one by one.
     #[cold]
     #[inline(never)]
     fn unsure_triangles<S: Search>(&self, leaf: Leaf, mut lanes: u8, search: &mut S) {
@@ -97,7 +101,7 @@ impl LeafIntersector {
         }
     }
 
-    /// The points with these coordinates in the space of the [`Shear`].
+    /// Returns the points with these coordinates in the space of the [`Shear`].
     #[inline(always)]
     fn sheared<I: InstructionSet>(
         &self,
@@ -127,6 +131,8 @@ impl LeafIntersector {
             y: set.load(leaf.row(1)),
             z: set.load(leaf.row(2)),
         };
+        // Quadratic: `b` is half the linear coefficient; the discriminant follows from the point of
+        // the ray nearest to the center.
         let r2 = set.load(leaf.row(3));
         let d = set.splat_vector(self.ray.direction);
         let c = center - set.splat_vector(self.ray.origin);
@@ -139,6 +145,7 @@ impl LeafIntersector {
         let q = b + (a * discriminant).sqrt().flip_sign_by(b);
         let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
         let (near, far) = (t0.min(t1), t1.max(t0));
+        // Take the near root if it lies in front of the origin, else the far one.
         let t = I::Lanes::select(zero.lt(near), near, far);
         let hits = is_hit & zero.lt(t) & t.lt(set.splat(search.limit()));
         report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
@@ -160,13 +167,13 @@ impl LeafIntersector {
     }
 }
 
-/// The lanes that hold a primitive, as bits.
+/// Returns the lanes that hold a primitive, as bits.
 #[inline(always)]
 fn used_lanes(leaf: Leaf) -> u8 {
     u8::MAX >> (N_LANES - leaf.len())
 }
 
-/// Reports to the search the hits at `t` in these lanes, as far as they are used.
+/// Reports the hits at `t` in these lanes, as far as they hold a primitive.
 #[inline(always)]
 fn report<S: Search>(leaf: Leaf, n_rows: usize, t: [f32; N_LANES], hits: u8, search: &mut S) {
     let mut hits = hits & used_lanes(leaf);

@@ -1,14 +1,13 @@
-//! The traversal of the hierarchy by rays, nearest children first.
+//! Traversal of the hierarchy by rays, nearest children first.
 //!
-//! Three traversals with the same visits, tests and answers: one ray at a time
-//! ([`SingleTraversal`]), so that each ray can be timed; sixteen coherent rays
-//! as a packet ([`PacketTraversal`]), which share the work; many rays in flight
-//! ([`StreamTraversal`]), which hide each other's latencies. Of a [`Batch`] of
-//! rays, packets take the coherent ones and the stream the others.
+//! Three traversals make the same visits and tests and give the same answers: one ray at a time
+//! ([`SingleTraversal`]), so that each ray can be timed; sixteen coherent rays as a packet
+//! ([`PacketTraversal`]), which share the work; many rays in flight ([`StreamTraversal`]), which
+//! hide each other's latencies. In a [`Batch`] of rays, packets take the coherent rays and the
+//! stream takes the others.
 //!
-//! All are generic functions, compiled once for each instruction set, search and
-//! probe. They have no recursion and, except for one list of rays per batch, no
-//! allocations.
+//! All are generic functions, compiled once for each instruction set, search and probe. They do not
+//! recurse and, except for one list of rays per batch, do not allocate.
 
 mod slab;
 mod leaf;

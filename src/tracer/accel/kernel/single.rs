@@ -1,4 +1,4 @@
-//! The traversal of the hierarchy by one ray.
+//! Traversal of the hierarchy by one ray.
 #![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 use super::children::push_entered;
@@ -12,7 +12,7 @@ use crate::cost::Probe;
 use math::simd::{InstructionSet, Mask, N_LANES, Real, SimdKernel};
 use scene::geometry::Ray;
 
-/// One ray's traversal of an arena, which is not empty.
+/// Traversal of an arena, which is not empty, by one ray.
 pub(in crate::accel) struct SingleTraversal<'a, S, P> {
     pub(in crate::accel) arena: &'a Arena,
     pub(in crate::accel) ray: &'a Ray,
@@ -29,17 +29,20 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
+        // Prepare the ray: slabs for boxes, shear for triangles.
         let slabs = Slabs::new(self.ray, self.arena.largest());
         let intersector = LeafIntersector::new(self.ray);
         let mut stacks = Stacks::<1>::new(self.arena);
+        // Start at the root with an empty stack.
         let mut top = stacks.restart(0);
         let (mut n_visits, mut n_tests) = (0, self.n_tests);
         let mut limit = set.splat(self.search.limit());
         let mut current = NodeRef::ROOT;
         loop {
             let next = if current.is_leaf() {
+                // At a leaf: test its primitives; an occlusion search may end here.
                 n_tests += current.leaf_size() as u32;
-                // SAFETY: the reference is a child of a node, and to a leaf.
+                // SAFETY: the reference is a child of a node, and refers to a leaf.
                 let leaf = unsafe { self.arena.leaf(current) };
                 if S::RECORDS {
                     let n = if leaf.kind().is_tested_at_once() {
@@ -55,12 +58,14 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                 if self.search.is_done() {
                     break;
                 }
+                // Hits only shorten the ray: later boxes must start before them.
                 limit = set.splat(self.search.limit());
                 None
             } else {
+                // At an inner node: test all children at once, push the far ones, go to the
+                // nearest.
                 n_visits += 1;
-                // SAFETY: the reference is the root or a child of a node, and to
-                // a node.
+                // SAFETY: the reference is the root or a child of a node, and refers to a node.
                 let next = unsafe {
                     let node = self.arena.node(current);
                     descend::<I, S>(set, &slabs, node, limit, &mut stacks, &mut top)
@@ -70,6 +75,7 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                 }
                 next
             };
+            // If no child is hit: pop, skipping children past the closest hit.
             current = match next.or_else(|| pop_within_limit(&mut stacks, &mut top, self.search)) {
                 Some(next) => next,
                 None => break,
@@ -79,11 +85,10 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
     }
 }
 
-/// Returns the first of the children that the ray enters, if there is one, and
-/// pushes the others.
+/// Returns the nearest child that the ray enters, or `None`, and pushes the others.
 ///
 /// # Safety
-/// The node is of an arena; it is the root or was popped off this stack.
+/// `node` belongs to an arena; it is the root or was popped off this stack.
 #[inline(always)]
 unsafe fn descend<I: InstructionSet, S: Search>(
     set: I,
@@ -93,15 +98,19 @@ unsafe fn descend<I: InstructionSet, S: Search>(
     stacks: &mut Stacks<1>,
     top: &mut Top,
 ) -> Option<NodeRef> {
+    // Intersect the ray with the eight boxes.
     let (enter, exit) = slabs.span(set, node, limit);
     let entered = enter.le(exit).bits();
+    // No child is hit.
     if entered == 0 {
         return None;
     }
+    // One child is hit: visit it next, without the stack.
     if entered & (entered - 1) == 0 {
         let only = entered.trailing_zeros() as usize % N_LANES;
         return Some(NodeRef(node.children[only]));
     }
+    // Several children are hit: push them in order, pop the nearest.
     // SAFETY: the caller's promise; a child was pushed.
     unsafe {
         push_entered::<I, S, 1>(set, node, enter, exit, slabs.order_shift(), stacks, top);
@@ -109,7 +118,7 @@ unsafe fn descend<I: InstructionSet, S: Search>(
     }
 }
 
-/// Pops the next child that the ray enters before the limit.
+/// Pops the next child that the ray enters before the limit, or `None` if the stack is empty.
 #[inline(always)]
 fn pop_within_limit<S: Search>(
     stacks: &mut Stacks<1>,
@@ -117,8 +126,7 @@ fn pop_within_limit<S: Search>(
     search: &S,
 ) -> Option<NodeRef> {
     loop {
-        // SAFETY: it pops the sentinel last; a search for the nearest hit pushes
-        // parameters.
+        // SAFETY: the sentinel is popped last; a search for the nearest hit pushes parameters.
         let (node_ref, is_late) = unsafe {
             let node_ref = stacks.pop(top);
             let is_late = S::NEAREST_FIRST && stacks.popped_enter(top) > search.limit();

@@ -1,19 +1,19 @@
-//! The test of a ray against the eight boxes of a node.
+//! Slab test: one ray against the eight boxes of a node.
 
 use crate::accel::layout::WideNode;
 use math::simd::{InstructionSet, Real};
 use scene::geometry::{Aabb, Ray};
 
-/// Least magnitude of a direction's component: smaller ones are replaced by it,
-/// so that reciprocals are finite and no product is NaN. Where the replacement
-/// matters, the ray hits the box anyway, because of its margin.
+/// Least magnitude of a direction's component: smaller ones are replaced by it, so that reciprocals
+/// are finite and no product is NaN. Where the replacement matters, the ray hits the box anyway,
+/// because of its margin.
 pub(super) const MIN_DIRECTION: f32 = 1e-18;
 
-/// The margin of boxes, relative to the largest coordinate: see [`Slabs`].
+/// Margin of boxes relative to the largest coordinate: see [`Slabs`].
 pub(super) const MARGIN: f32 = 5e-6;
 
-/// The first numbers of a node's rows that hold the near planes of each axis, by the
-/// octant of the direction.
+/// Offsets of the node's rows that hold the near planes of each axis, by the octant of the
+/// direction.
 const ROWS: [[u32; 3]; 8] = {
     let mut rows = [[0; 3]; 8];
     let mut i = 0;
@@ -26,31 +26,28 @@ const ROWS: [[u32; 3]; 8] = {
     rows
 };
 
-/// Set-up of a ray that its tests against all boxes share.
+/// Set-up of a ray, shared by its tests against all boxes.
 ///
-/// The test enlarges the boxes by a margin that exceeds the rounding error of
-/// every primitive's own test, so that no box hides a hit that brute force
-/// finds: 5e-6 of the largest coordinate `l` of the ray's origin and the boxes.
+/// The test enlarges the boxes by a margin that exceeds the rounding error of every primitive's
+/// test, so that no box hides a hit that brute force finds: 5e-6 of the largest coordinate `l` of
+/// the ray's origin and the boxes.
 ///
-/// With a relative rounding error of `e = 2^-24` per operation,
-/// [`Shear`](scene::geometry::Shear) displaces a triangle's vertex by up to
-/// `14 e l` on an axis: differences to the origin (`2`, and again `2` times a
-/// slope), the slope (`4`), their product (`2`) and the last difference (`4`).
-/// The error of the hit along the ray is `6 e l`: the difference (`2`), the
-/// scale (`2`) and their product (`2`). Where 32 bits decide, the
-/// areas add `36`: they are weights of depths that differ by up to `2 l`. The sum
-/// of the weighted depths (`6`), that of the areas (`4`) and their quotient (`2`)
-/// add `12`. The error of the planes here is `6 e l` for three roundings and
-/// `e l` for the displaced origin. That sums up to `75 e l`, or 4.47e-6 of `l`.
+/// With a relative rounding error of `e = 2^-24` per operation, [`Shear`](scene::geometry::Shear)
+/// displaces a triangle's vertex by up to `14 e l` on an axis: differences to the origin (`2`, and
+/// again `2` times a slope), the slope (`4`), their product (`2`) and the last difference (`4`).
+/// The error of the hit along the ray is `6 e l`: the difference (`2`), the scale (`2`) and their
+/// product (`2`). Where 32 bits decide, the areas add `36`: they are weights of depths that differ
+/// by up to `2 l`. The sum of the weighted depths (`6`), the sum of the areas (`4`) and their
+/// quotient (`2`) add `12`. The error of the planes here is `6 e l` for three roundings and `e l`
+/// for the displaced origin. The total is `75 e l`, or 4.47e-6 of `l`.
 ///
-/// The margin costs nothing per box: it displaces the origin, once for the near
-/// planes and once for the far ones.
+/// The margin costs nothing per box: it displaces the origin, once for the near planes and once for
+/// the far ones.
 pub(in crate::accel) struct Slabs {
     inverse_direction: [f32; 3],
     origin_of_near: [f32; 3],
     origin_of_far: [f32; 3],
-    /// The first numbers of the node's rows that hold the near and the far planes
-    /// of each axis.
+    /// Offsets of the node's rows that hold the near and the far planes of each axis.
     near_rows: [u32; 3],
     far_rows: [u32; 3],
     /// The shift that selects the order of a node's children for this ray.
@@ -58,7 +55,7 @@ pub(in crate::accel) struct Slabs {
 }
 
 impl Slabs {
-    /// For tests against boxes whose coordinates are at most `largest`.
+    /// Prepares a ray for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
     pub(in crate::accel) fn new(ray: &Ray, largest: f32) -> Self {
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
@@ -68,8 +65,10 @@ impl Slabs {
         let mut octant = 0;
         for axis in 0..3 {
             let (origin, direction) = (origin[axis], direction[axis]);
-            // No branch on the sign: it is unpredictable.
+            // Find the octant. No branch on the sign: it is unpredictable.
             octant |= (direction.to_bits() >> 31) << axis;
+            // Displace the origin outward by the margin; take the reciprocal of a direction that is
+            // never 0.
             let outward = margin.copysign(direction);
             let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
             inverse[axis] = steep.recip();
@@ -79,8 +78,7 @@ impl Slabs {
         Self::of_octant(octant as usize, inverse, near, far)
     }
 
-    /// For a ray that points to this octant: bit `i` is set if it points down axis
-    /// `i`.
+    /// Prepares a ray that points to this octant: bit `i` is set if it points down axis `i`.
     #[inline(always)]
     pub(super) fn of_octant(
         octant: usize,
@@ -99,14 +97,14 @@ impl Slabs {
         }
     }
 
-    /// The shift that selects the order of a node's children for this ray.
+    /// Returns the shift that selects the order of a node's children for this ray.
     #[inline(always)]
     pub(super) fn order_shift(&self) -> u32 {
         self.order_shift
     }
 
-    /// Where the ray enters each box, at least 0, and where it leaves the box or
-    /// reaches its `limit`. It misses a box that it leaves before it enters it.
+    /// Returns where the ray enters each box, at least 0, and where it leaves the box or reaches
+    /// its `limit`. It misses a box that it leaves before entering.
     #[inline(always)]
     pub(super) fn span<I: InstructionSet>(
         &self,
@@ -122,13 +120,13 @@ impl Slabs {
         (enter, exit)
     }
 
-    /// Where the ray enters a box, at least 0, and where it leaves it: [`span`](Self::span) of
-    /// a single box, to the bit.
+    /// Returns where the ray enters a box, at least 0, and where it leaves it: the
+    /// [`span`](Self::span) of a single box, to the bit.
     pub(in crate::accel) fn span_of(&self, bounds: &Aabb) -> (f32, f32) {
         let (mut enter, mut exit) = (0.0_f32, f32::INFINITY);
         for axis in 0..3 {
             let (min, max) = (bounds.min[axis], bounds.max[axis]);
-            // Rows from 24 on are those of `max`.
+            // Rows from 24 on hold maxima.
             let (near, far) = match self.near_rows[axis] {
                 0..24 => (min, max),
                 _ => (max, min),
@@ -140,7 +138,7 @@ impl Slabs {
         (enter, exit)
     }
 
-    /// Where the ray hits the near and the far plane of each box.
+    /// Returns where the ray hits the near and the far plane of each box.
     #[inline(always)]
     fn planes<I: InstructionSet>(
         &self,
@@ -188,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Where the ray enters the unit cube, by every instruction set.
+    /// Returns where the ray enters the unit cube, the same for every instruction set.
     fn enter(origin: [f32; 3], direction: [f32; 3], t_max: f32) -> Option<f32> {
         let ray = Ray {
             origin: origin.into(),

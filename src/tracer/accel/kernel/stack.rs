@@ -1,4 +1,4 @@
-//! The traversal stacks: children that are still to be visited.
+//! Traversal stacks: the children still to be visited.
 #![expect(
     unsafe_code,
     reason = "initializing the stacks would cost as much as tracing some rays"
@@ -10,8 +10,8 @@ use crate::accel::arena::Arena;
 use crate::accel::layout::{MAX_DEPTH, NodeRef};
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
 
-/// Entries of a stack for a hierarchy of so many levels. Each node on a path leaves at
-/// most seven children on the stack, above the sentinel, and a push writes eight lanes.
+/// Entries of a stack for a hierarchy of `n_levels`. Each node on a path leaves at most seven
+/// children on the stack, above the sentinel, and a push writes eight lanes.
 const fn capacity(n_levels: usize) -> usize {
     (N_LANES - 1) * n_levels + 1 + N_LANES
 }
@@ -19,26 +19,25 @@ const fn capacity(n_levels: usize) -> usize {
 /// A value for each entry of `N` stacks.
 type PerEntry<T, const N: usize> = [[MaybeUninit<T>; capacity(MAX_DEPTH + 1)]; N];
 
-/// The memory of `N` stacks of children, each with the parameter at which the ray enters
-/// it. The sentinel lies at the bottom.
+/// `N` stacks of children, each with the parameter at which the ray enters it. A sentinel lies at
+/// the bottom.
 ///
-/// No access is checked: a check at each push would keep the compiler from folding the
-/// loads before it into operations.
+/// Accesses are unchecked: a check at each push would keep the compiler from folding the loads
+/// before it into operations.
 pub(super) struct Stacks<const N: usize> {
     node_refs: PerEntry<u32, N>,
     enter: PerEntry<f32, N>,
-    /// Entries from one stack to the next: as few as the hierarchy needs, so that all
-    /// tops lie in few pages.
+    /// Entries from one stack to the next: as few as the hierarchy needs, so that all tops lie in
+    /// few pages.
     stride: usize,
 }
 
-/// The number of entries below the top of a stack, those of the stacks before it
-/// included.
+/// Number of entries below the top of a stack, including the entries of the stacks before it.
 #[derive(Clone, Copy)]
 pub(super) struct Top(usize);
 
 impl<const N: usize> Stacks<N> {
-    /// Memory for traversals of this arena.
+    /// Returns memory for traversals of this arena.
     #[inline(always)]
     pub(super) fn new(arena: &Arena) -> Self {
         Self {
@@ -48,7 +47,7 @@ impl<const N: usize> Stacks<N> {
         }
     }
 
-    /// Stack `i % N` with nothing but the sentinel.
+    /// Empties stack `i % N`, except for the sentinel.
     #[inline(always)]
     pub(super) fn restart(&mut self, i: usize) -> Top {
         let bottom = i % N * self.stride;
@@ -60,12 +59,12 @@ impl<const N: usize> Stacks<N> {
         Top(bottom + 1)
     }
 
-    /// Pushes the first `n` children, at most eight, in their order, with the
-    /// parameters at which the ray enters them.
+    /// Pushes the first `n` children, at most eight, in order, with the parameters at which the ray
+    /// enters them.
     ///
     /// # Safety
-    /// They are the children of a node of the arena, which is the root or was popped off
-    /// this stack.
+    /// They are the children of a node of the arena, which is the root or was popped off this
+    /// stack.
     #[inline(always)]
     pub(super) unsafe fn push_sorted(
         &mut self,
@@ -74,19 +73,19 @@ impl<const N: usize> Stacks<N> {
         enter: [f32; N_LANES],
         n: usize,
     ) {
-        // SAFETY: the caller's promise. A path has at most as many nodes as the arena has
-        // levels, each of which leaves at most seven children: there is room for eight.
+        // SAFETY: the caller's promise. A path has at most as many nodes as the arena has levels,
+        // each of which leaves at most seven children: there is room for eight.
         unsafe {
             *ref_at(&mut self.enter, top.0) = enter;
             self.push_all(top, node_refs, n);
         }
     }
 
-    /// Pushes the first `n` children, at most eight, in their order, for a search
-    /// that reads no parameters.
+    /// Pushes the first `n` children, at most eight, in order, for a search that reads no
+    /// parameters.
     ///
     /// # Safety
-    /// As of [`push_sorted`](Self::push_sorted).
+    /// As for [`push_sorted`](Self::push_sorted).
     #[inline(always)]
     pub(super) unsafe fn push_all(&mut self, top: &mut Top, node_refs: [u32; N_LANES], n: usize) {
         // SAFETY: as in `push_sorted`.
@@ -105,21 +104,21 @@ impl<const N: usize> Stacks<N> {
         NodeRef(unsafe { *ref_at(&mut self.node_refs, top.0) })
     }
 
-    /// The parameter at which the ray enters the child that was popped last.
+    /// Returns the parameter at which the ray enters the child that was popped last.
     ///
     /// # Safety
-    /// One was popped, with a parameter.
+    /// A child was popped that had been pushed with a parameter.
     #[inline(always)]
     pub(super) unsafe fn popped_enter(&mut self, top: &Top) -> f32 {
         // SAFETY: the caller's promise.
         unsafe { *ref_at(&mut self.enter, top.0) }
     }
 
-    /// Removes from stack `i % N` the children that the ray enters beyond `limit`, which
-    /// is finite, without a branch per child.
+    /// Removes from stack `i % N` the children that the ray enters beyond `limit`, which is finite,
+    /// without a branch per child.
     ///
     /// # Safety
-    /// It is the top of this stack.
+    /// `top` is the top of this stack.
     #[inline(always)]
     pub(super) unsafe fn keep_up_to<I: InstructionSet>(
         &mut self,
@@ -130,17 +129,19 @@ impl<const N: usize> Stacks<N> {
     ) {
         let limit = set.splat(limit);
         let bottom = i % N * self.stride;
-        // SAFETY: there is always room for eight entries. Those that are read are
-        // initialized: they lie below the top, or are the eight above it.
+        // SAFETY: there is always room for eight entries. Every entry read is initialized: it lies
+        // below the top, or is one of the eight above it.
         unsafe {
+            // Pad the last eight entries with children that are dropped.
             *ref_at(&mut self.enter, top.0) = [f32::INFINITY; N_LANES];
             *ref_at(&mut self.node_refs, top.0) = [0_u32; N_LANES];
+            // Compress eight entries at a time towards the bottom.
             let (mut n_kept, mut next) = (bottom, bottom);
             while next < top.0 {
                 let node_refs = set.load_bits(ref_at(&mut self.node_refs, next));
                 let enter = set.load(ref_at(&mut self.enter, next));
                 let kept = enter.le(limit);
-                // Not behind what was read.
+                // Never past what was read.
                 *ref_at(&mut self.node_refs, n_kept) = node_refs.compress(kept).to_bits();
                 *ref_at(&mut self.enter, n_kept) = enter.compress(kept).to_array();
                 n_kept += kept.bits().count_ones() as usize;
@@ -151,7 +152,7 @@ impl<const N: usize> Stacks<N> {
     }
 }
 
-/// Some entries, from entry `i` on.
+/// Returns entries from entry `i` on.
 ///
 /// # Safety
 /// The stacks have them. They are initialized, or not read.

@@ -1,10 +1,10 @@
-//! The traversal of the hierarchy by many rays in flight.
+//! Traversal of the hierarchy by many rays in flight.
 //!
-//! [`RAYS_IN_FLIGHT`] rays take turns. In each round new rays replace the finished
-//! ones; then every ray at a node makes one step and prefetches its next node one
-//! round ahead; then every ray at a leaf is tested. So the work on the other rays
-//! hides one ray's cache misses and dependency chains. The only branch that depends
-//! on a ray is the one on a hit: a mispredicted one costs as much as a node.
+//! [`RAYS_IN_FLIGHT`] rays take turns. In each round new rays replace the finished ones; then every
+//! ray at a node makes one step and prefetches its next node one round ahead; then every ray at a
+//! leaf is tested. So the work on the other rays hides one ray's cache misses and dependency
+//! chains. The only branch that depends on a ray is the one on a hit: a mispredicted one costs as
+//! much as a node.
 #![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 use std::mem::MaybeUninit;
@@ -24,11 +24,11 @@ use crate::accel::search::{Queries, Search};
 use crate::cost::StreamProbe;
 use math::simd::{InstructionSet, N_LANES, SimdKernel};
 
-/// Number of rays in flight: enough to hide the latency of memory, few enough
-/// for their state to stay in the L1 cache.
+/// Number of rays in flight: enough to hide the latency of memory, few enough for their state to
+/// stay in the L1 cache.
 pub const RAYS_IN_FLIGHT: usize = 32;
 
-/// The queries of a batch with these indices, each ray on its own.
+/// The queries of a batch with these indices, each traversed as a separate ray.
 pub(in crate::accel) struct StreamTraversal<'a, Q: Queries, P> {
     pub(in crate::accel) batch: Batch<'a, Q, P>,
     pub(in crate::accel) indices: &'a [u32],
@@ -43,7 +43,7 @@ struct RayState<S> {
     next: NodeRef,
     n_visits: u32,
     n_tests: u32,
-    /// The index of its query.
+    /// Index of the query.
     index: u32,
     top: Top,
 }
@@ -60,6 +60,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
         let mut searches = ArrayVec::new();
         let mut stacks = Stacks::<RAYS_IN_FLIGHT>::new(self.batch.arena);
         while !(idle.is_empty() && at_nodes.is_empty() && at_leaves.is_empty()) {
+            // Launch new rays in the idle slots.
             while let Some(i) = idle.take() {
                 let top = stacks.restart(i);
                 let ray = &mut rays[i];
@@ -67,6 +68,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
                     self.launch(set, &mut block, &mut searches, &mut n_launched, top, ray);
                 at_nodes.insert_if(i, is_launched);
             }
+            // Rays at nodes: test the children, go to the nearest.
             let (mut nodes, mut leaves) = (at_nodes, at_leaves);
             at_leaves = RaySet::EMPTY;
             while let Some(i) = nodes.take() {
@@ -78,6 +80,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
             }
             at_nodes.remove(at_leaves);
             at_leaves.remove(finished);
+            // Rays at leaves: test the primitives, pop the next node or leaf.
             while let Some(i) = leaves.take() {
                 // SAFETY: rays in a set are launched.
                 let ray = unsafe { rays[i].assume_init_mut() };
@@ -87,6 +90,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
                 finished.insert_if(i, ray.next == NodeRef::END);
             }
             at_leaves.remove(finished);
+            // Answer the queries of the finished rays; their slots are idle again.
             idle = finished;
             while let Some(i) = finished.take() {
                 // SAFETY: rays in a set are launched.
@@ -100,7 +104,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for StreamTraversal<'_, Q, P> {
 }
 
 impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
-    /// Begins the searches of the rays of a block, with the planes.
+    /// Starts the searches of a block of rays, testing planes.
     #[inline(always)]
     fn begin<I: InstructionSet>(
         &self,
@@ -109,6 +113,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
         indices: &[u32],
         searches: &mut ArrayVec<Q::Search<'a>, N_LANES>,
     ) {
+        // Start one search per ray.
         let mut limits = [0.0; N_LANES];
         searches.clear();
         for (&index, limit) in indices.iter().zip(&mut limits) {
@@ -119,6 +124,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
             *limit = search.limit();
             searches.push(search);
         }
+        // Test the planes, with rays in the lanes.
         let [origin, direction] = block.rays(set);
         let limits = set.load(&limits);
         let found = |lane: usize, t: f32, primitive: u32| {
@@ -131,8 +137,8 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
         unbounded.test_planes(set, origin, direction, limits, found);
     }
 
-    /// Launches the next ray that has to traverse the hierarchy; answers those
-    /// before it that need not. Returns `false` if no ray is left.
+    /// Launches the next ray that has to traverse the hierarchy, answering the queries before it
+    /// that need no traversal. Returns `false` if no ray is left.
     #[inline(always)]
     fn launch<I: InstructionSet>(
         &mut self,
@@ -151,6 +157,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
         } = self.batch;
         let n_tests = unbounded.len() as u32;
         while let Some(&index) = self.indices.get(*n_launched) {
+            // Prepare the next eight rays at once.
             let lane = *n_launched % N_LANES;
             if lane == 0 {
                 let indices = &self.indices[*n_launched..];
@@ -158,6 +165,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
                 self.begin(set, block, &indices[..N_LANES.min(indices.len())], searches);
             }
             *n_launched += 1;
+            // Test the other unbounded primitives; they may answer the query.
             let mut search = searches[lane];
             if !unbounded.are_planes() {
                 unbounded.test_others(&queries.rays().get(index as usize), &mut search);
@@ -167,7 +175,8 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
                 continue;
             }
             let state = ray.as_mut_ptr();
-            // SAFETY: all fields are written. One by one, they are not copied.
+            // Start at the root.
+            // SAFETY: all fields are written. Written one by one, they are not copied.
             unsafe {
                 (&raw mut (*state).slabs).write(block.slabs(lane));
                 (&raw mut (*state).intersector).write(block.intersector(lane));
@@ -185,7 +194,7 @@ impl<'a, Q: Queries, P: StreamProbe> StreamTraversal<'a, Q, P> {
 }
 
 impl<S: Search> RayState<S> {
-    /// Visits its node and proceeds to the next node or leaf.
+    /// Visits the current node and proceeds to the next node or leaf.
     #[inline(always)]
     fn descend<I: InstructionSet, P: StreamProbe>(
         &mut self,
@@ -197,7 +206,9 @@ impl<S: Search> RayState<S> {
             self.n_visits += 1;
         }
         let Self { slabs, top, .. } = self;
-        // SAFETY: the reference is the root or was popped off the stack, and to a node.
+        // Test all children at once, push those that are entered, pop the nearest; the sentinel if
+        // none is left.
+        // SAFETY: the reference is the root or was popped off the stack, and refers to a node.
         unsafe {
             let node = arena.node(self.next);
             let limit = set.splat(self.search.limit());
@@ -208,7 +219,7 @@ impl<S: Search> RayState<S> {
         self.prefetch(set, arena);
     }
 
-    /// Tests its leaf and proceeds to the next node or leaf.
+    /// Tests the current leaf and proceeds to the next node or leaf.
     #[inline(always)]
     fn test<I: InstructionSet, P: StreamProbe>(
         &mut self,
@@ -220,14 +231,17 @@ impl<S: Search> RayState<S> {
         if P::COUNTS {
             self.n_tests += self.next.leaf_size() as u32;
         }
+        // Test the primitives of the leaf.
         let limit = self.search.limit();
-        // SAFETY: the reference is a child of a node, and to a leaf.
+        // SAFETY: the reference is a child of a node, and refers to a leaf.
         let leaf = unsafe { arena.leaf(self.next) };
         self.intersector.test(set, leaf, &mut self.search);
         if S::NEAREST_FIRST && self.search.limit() < limit {
-            // SAFETY: this is its stack.
+            // Drop the children past the new hit.
+            // SAFETY: this is the ray's stack.
             unsafe { stacks.keep_up_to(set, i, &mut self.top, self.search.limit()) };
         }
+        // Pop the next node or leaf; an occlusion search may end here.
         // SAFETY: the ray has not popped the sentinel yet.
         self.next = unsafe { stacks.pop(&mut self.top) };
         if self.search.is_done() {

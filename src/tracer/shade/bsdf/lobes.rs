@@ -9,17 +9,17 @@ use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 use scene::material::{Material, RoughSurface};
 
-/// What a surface does with the light: fractions, with a sum of at most 1.
+/// Division of the light at a surface: fractions, with a sum of at most 1.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Lobes<'a> {
-    /// Of the color, reflected in all directions.
+    /// Fraction of the color, reflected in all directions.
     diffuse: f32,
-    /// Reflected by rough facets, if there are any.
+    /// Fraction reflected by rough facets, if there are any.
     glossy: f32,
     rough: Option<&'a RoughSurface>,
-    /// Reflected as by a mirror.
+    /// Fraction reflected as by a mirror.
     mirror: f32,
-    /// The probability that each of them is chosen.
+    /// The probability of choosing each of them.
     choice: Choice,
 }
 
@@ -31,8 +31,8 @@ struct Choice {
 }
 
 impl<'a> Lobes<'a> {
-    /// The fractions `diffuse`, `specular` and `reflection`; all are scaled down where
-    /// they sum to more than 1.
+    /// Reads the fractions `diffuse`, `specular` and `reflection`; all are scaled down where they
+    /// sum to more than 1.
     pub(super) fn new(material: &'a Material) -> Self {
         let sum = material.diffuse + material.specular + material.reflection;
         let scale = 1.0 / sum.max(1.0);
@@ -63,6 +63,7 @@ impl Scatters for Lobes<'_> {
         _: &Boundary<R>,
         to_light: Vector<R>,
     ) -> Scattering<R> {
+        // The diffuse lobe: Lambert's cosine law.
         let zero = to_light.x.splat(0.0);
         let cos = to_light.dot(at.point.normal).max(zero);
         let diffuse = Scattering {
@@ -72,6 +73,7 @@ impl Scatters for Lobes<'_> {
         let Some(rough) = self.rough else {
             return diffuse;
         };
+        // The glossy lobe: microfacets, and the light they reflect onto each other.
         let to_viewer = at.in_surface(at.to_viewer);
         let facets = rough
             .facets(zero)
@@ -93,8 +95,10 @@ impl Scatters for Lobes<'_> {
         lobe: R,
     ) -> Scattered<R> {
         let zero = lobe.splat(0.0);
+        // Choose a lobe by its share.
         let is_mirror = lobe.lt(zero.splat(self.choice.mirror));
         let is_glossy = lobe.lt(zero.splat(self.choice.mirror + self.choice.glossy));
+        // Sample a direction of the diffuse or the glossy lobe.
         let [x, y, z] = hemisphere(numbers);
         let mut direction = at.in_world(Vector { x, y, z });
         if let Some(rough) = self.rough {
@@ -108,6 +112,7 @@ impl Scatters for Lobes<'_> {
         if self.mirror == 0.0 {
             return scattered;
         }
+        // Replace the direction in lanes that chose the mirror.
         let share = Vec3::splat(self.mirror / self.choice.mirror);
         Scattered {
             direction: Vector::select(

@@ -10,16 +10,16 @@ use math::optics::{Split, split};
 use math::simd::{Real, Vector};
 use scene::material::RoughSurface;
 
-/// The surface of a clear medium. A path is reflected or refracted, with the
-/// probabilities of Fresnel's equations.
+/// The surface of a clear medium. A path is reflected or refracted, with the probabilities of
+/// Fresnel's equations.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct Medium<'a> {
     /// `None` for a smooth surface.
     rough: Option<&'a RoughSurface>,
 }
 
-/// Where indices differ by less, rounding errors hide the facet of two directions: the light
-/// goes straight on.
+/// Least difference of indices that bends light: below it, rounding errors hide the facet of two
+/// directions, and the light goes straight on.
 const LEAST_BEND: f32 = 1e-3;
 
 impl<'a> Medium<'a> {
@@ -81,11 +81,13 @@ fn by_facets<R: Real>(
     numbers: [R; 2],
     lobe: R,
 ) -> Scattered<R> {
+    // Sample a facet that the viewer sees.
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
     let Boundary { eta, is_visible } = *boundary;
     let to_viewer = at.in_surface(at.to_viewer);
     let normal = rough.facets(zero).facet(to_viewer, numbers);
     let facet = at.in_world(normal);
+    // Split the light at this facet by Fresnel's equations.
     let Split {
         reflectance,
         refracted,
@@ -94,6 +96,7 @@ fn by_facets<R: Real>(
         reflectance: R::select(is_visible, reflectance, zero),
         refracted: Vector::select(is_visible, refracted, at.arriving),
     };
+    // Choose the reflected or the refracted ray.
     let mirrored = (-at.to_viewer).reflect(facet).normalize();
     let chosen = chosen(split, mirrored, boundary, lobe);
     let reflected = at.reflected(mirrored, reflection(rough, at, boundary, mirrored));
@@ -102,6 +105,7 @@ fn by_facets<R: Real>(
     let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let is_behind = chosen.direction.dot(at.point.normal).lt(zero);
     let passed = R::select(is_behind, visible / returned(rough, at, eta), zero);
+    // The density of the refracted direction.
     let density = (one - reflectance)
         * rough
             .facets(zero)
@@ -114,7 +118,7 @@ fn by_facets<R: Real>(
     Scattered::select(chosen.is_refracted, refracted, reflected)
 }
 
-/// Scattering by reflection from a direction in front of the surface.
+/// Returns the scattering by reflection from a direction in front of the surface.
 #[inline(always)]
 fn reflection<R: Real>(
     rough: &RoughSurface,
@@ -122,10 +126,12 @@ fn reflection<R: Real>(
     boundary: &Boundary<R>,
     to_light: Vector<R>,
 ) -> Scattering<R> {
+    // The facet that mirrors the light to the viewer, and its reflectance.
     let facet = (at.to_viewer + to_light).normalize();
     let reflectance = split(-at.to_viewer, facet, boundary.eta).reflectance;
     let zero = reflectance.splat(0.0);
     let reflectance = R::select(boundary.is_visible, reflectance, zero);
+    // The scattering of all facets, with the light they reflect onto each other.
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let facets = rough.facets(zero).reflection(to_viewer, to_light);
     let value = reflectance * facets.value / returned(rough, at, boundary.eta);
@@ -135,8 +141,8 @@ fn reflection<R: Real>(
     }
 }
 
-/// Scattering by refraction from a direction behind the surface: Walter et al. 2007, with the
-/// density of visible facets.
+/// Returns the scattering by refraction from a direction behind the surface: Walter et al. 2007,
+/// with the density of visible facets.
 #[inline(always)]
 fn refraction<R: Real>(
     rough: &RoughSurface,
@@ -146,9 +152,11 @@ fn refraction<R: Real>(
 ) -> Scattering<R> {
     let eta = boundary.eta;
     let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
+    // The facet that refracts the light to the viewer.
     let sum = at.to_viewer * eta + to_light;
     // Toward the medium of the smaller index.
     let facet = Vector::select(eta.lt(one), -sum, sum).normalize();
+    // The density of the direction: the chance to meet the facet, times what it refracts.
     let reflectance = split(-at.to_viewer, facet, eta).reflectance;
     let (to_viewer, to_light) = (at.in_surface(at.to_viewer), at.in_surface(to_light));
     let normal = at.in_surface(facet);
@@ -158,6 +166,7 @@ fn refraction<R: Real>(
             .facets(zero)
             .refraction([to_viewer, to_light], normal, eta);
     let density = R::select(is_refracted, density, zero);
+    // The light that reaches the viewer, unless other facets hide it.
     let visible = rough.facets(zero).visibility(to_viewer, to_light);
     let share = eta * eta * visible / returned(rough, at, eta);
     Scattering {
@@ -166,14 +175,14 @@ fn refraction<R: Real>(
     }
 }
 
-/// Whether facets refract light to other directions than straight on.
+/// Returns true if facets bend refracted light.
 #[inline(always)]
 fn bends<R: Real>(Boundary { eta, is_visible }: &Boundary<R>) -> R::Mask {
     let difference = (*eta - eta.splat(1.0)).abs();
     *is_visible & eta.splat(LEAST_BEND).lt(difference)
 }
 
-/// The share of light that facets return at once.
+/// Returns the share of light that facets return directly.
 #[inline(always)]
 fn returned<R: Real>(rough: &RoughSurface, at: &Leaving<R>, eta: R) -> R {
     let one = eta.splat(1.0);
@@ -184,7 +193,7 @@ fn returned<R: Real>(rough: &RoughSurface, at: &Leaving<R>, eta: R) -> R {
     R::select(eta.lt(one), outside, inside)
 }
 
-/// The reflected or the refracted direction, chosen by the reflectance.
+/// Returns the reflected or the refracted direction, chosen by the reflectance.
 #[inline(always)]
 fn chosen<R: Real>(
     Split {

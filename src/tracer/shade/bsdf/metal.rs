@@ -42,10 +42,12 @@ impl Scatters for Metal<'_> {
         let Some(rough) = self.rough else {
             return Scattering::none(to_light.x);
         };
+        // Microfacets reflect the light once.
         let to_viewer = at.in_surface(at.to_viewer);
         let reflection = rough
             .facets(to_viewer.z)
             .reflection(to_viewer, at.in_surface(to_light));
+        // They reflect the rest onto each other.
         let color = Vector::splat(to_light.x, self.color);
         let gain = at.gain(rough.of_mirror.as_ref(), color);
         let once = reflectance(&self.conductor, reflection.cos) * reflection.value;
@@ -78,7 +80,7 @@ impl Scatters for Metal<'_> {
     }
 }
 
-/// The reflectance by the cosine of the angle of incidence.
+/// Returns the reflectance by the cosine of the angle of incidence.
 #[inline(always)]
 fn reflectance<R: Real>(conductor: &Conductor, cos: R) -> Vector<R> {
     reflectance_of_metal(conductor.index, conductor.extinction, cos)

@@ -1,5 +1,5 @@
-//! How surfaces scatter light in path tracing: for each kind of material one file with
-//! its formulas, for one point or for lanes of points of one material.
+//! Scattering of light at surfaces in path tracing: one file for each kind of material, with its
+//! formulas for one point or for lanes of points of one material.
 
 mod lobes;
 mod medium;
@@ -22,10 +22,10 @@ use particle::Particle;
 use principled::PrincipledBsdf;
 use scene::material::Material;
 
-/// How the surfaces of a material scatter light.
+/// Scattering of light at the surfaces of a material.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Bsdf<'a> {
-    /// Of a material that is neither of the others.
+    /// All other materials.
     Lobes(Lobes<'a>),
     Metal(Metal<'a>),
     Medium(Medium<'a>),
@@ -33,19 +33,20 @@ pub(super) enum Bsdf<'a> {
     Principled(PrincipledBsdf<'a>),
 }
 
-/// The formulas of one kind of [`Bsdf`], for a surface that is perpendicular to the shading
-/// normal; [`tilted`] says what follows for the actual one.
+/// The formulas of one kind of [`Bsdf`], for a surface that is perpendicular to the shading normal;
+/// [`tilted`] adapts them to the actual surface.
 pub(super) trait Scatters: Copy {
-    /// Whether light samples contribute.
+    /// Returns true if light samples contribute.
     fn is_lit(&self) -> bool;
 
-    /// Whether those from behind the surface do, too.
+    /// Returns true if light samples from behind the surface contribute, too.
     fn is_lit_from_all_sides(&self) -> bool {
         false
     }
 
-    /// Scattering from a direction in front of the surface, or from any if it is lit from all
-    /// sides; only of what light samples contribute to. `boundary` is read only for media.
+    /// Returns the scattering from a direction in front of the surface, or from any direction if it
+    /// is lit from all sides; only of light that light samples contribute to. `boundary` is read
+    /// only for media.
     fn evaluate<R: Real>(
         &self,
         at: &Leaving<R>,
@@ -53,8 +54,8 @@ pub(super) trait Scatters: Copy {
         to_light: Vector<R>,
     ) -> Scattering<R>;
 
-    /// Chooses a direction: two numbers in [0, 1) choose it, a third one chooses among the
-    /// ways in which the surface scatters. `boundary` is read only for media.
+    /// Chooses a direction: two numbers in [0, 1) choose it, a third one chooses among the ways in
+    /// which the surface scatters. `boundary` is read only for media.
     fn sample<R: Real>(
         &self,
         at: &Leaving<R>,
@@ -64,7 +65,7 @@ pub(super) trait Scatters: Copy {
     ) -> Scattered<R>;
 }
 
-/// Calls the function with what a [`Bsdf`] holds: one copy of the code for each kind.
+/// Calls the function with the variant of a [`Bsdf`]: one copy of the code for each kind.
 macro_rules! by_kind {
     ($bsdf:expr, |$kind:ident| $call:expr) => {
         match $bsdf {
@@ -94,8 +95,8 @@ pub(super) struct Leaving<R> {
 /// Scattering from one direction to the viewer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scattering<R> {
-    /// The light that arrives at the viewer, of white light of radiance 1 from a
-    /// steradian, times pi.
+    /// The light that arrives at the viewer, from white light of radiance 1 within one steradian,
+    /// times pi.
     pub(super) value: Vector<R>,
     /// The density with which [`Bsdf::sample`] chooses the direction, per steradian.
     pub(super) density: R,
@@ -106,28 +107,28 @@ pub(super) struct Scattering<R> {
 pub(super) struct Scattered<R: Real> {
     /// The unit vector to the light.
     pub(super) direction: Vector<R>,
-    /// The share of the light from there, over the density of the choice; zero ends the
+    /// The share of the light from this direction, over the density of the choice; zero ends the
     /// path.
     pub(super) factor: Vector<R>,
     /// The density of the choice; infinite if no light sample can have the direction.
     pub(super) density: R,
-    /// Whether it is refracted.
+    /// True if the light is refracted.
     pub(super) is_refracted: R::Mask,
-    /// Whether it is scattered diffusely.
+    /// True if the light is scattered diffusely.
     pub(super) is_diffuse: R::Mask,
 }
 
-/// The surface of a medium, as a ray meets it, or as each lane's does.
+/// The surface of a medium, as a ray meets it, or one per lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Boundary<R: Real> {
-    /// The index of refraction before the surface over that behind it.
+    /// Ratio of the indices of refraction, before the surface over behind it.
     pub(super) eta: R,
-    /// Whether the medium that counts changes.
+    /// True if the effective medium changes.
     pub(super) is_visible: R::Mask,
 }
 
 impl<'a> Bsdf<'a> {
-    /// The scattering of surfaces of this material.
+    /// Returns the scattering of surfaces of this material.
     #[inline]
     pub(super) fn of(material: &'a Material) -> Self {
         let rough = material.rough.as_deref();
@@ -146,7 +147,7 @@ impl<'a> Bsdf<'a> {
 }
 
 impl<R: Real> Boundary<R> {
-    /// The boundary of a surface without a medium.
+    /// Returns the boundary of a surface without a medium.
     #[inline(always)]
     pub(super) fn of_no_medium(like: R) -> Self {
         let one = like.splat(1.0);
@@ -168,7 +169,7 @@ impl<R: Real> Leaving<R> {
         }
     }
 
-    /// A direction in the space of the surface.
+    /// Transforms a direction into the space of the surface.
     #[inline(always)]
     fn in_surface(&self, direction: Vector<R>) -> Vector<R> {
         let [u, v] = self.axes;
@@ -179,22 +180,22 @@ impl<R: Real> Leaving<R> {
         }
     }
 
-    /// A direction of the space of the surface in world space.
+    /// Transforms a direction from the space of the surface into world space.
     #[inline(always)]
     fn in_world(&self, Vector { x, y, z }: Vector<R>) -> Vector<R> {
         let [u, v] = self.axes;
         (u * x + v * y + self.point.normal * z).normalize()
     }
 
-    /// The cosine of the angle between the normal and the direction to the viewer.
+    /// Returns the cosine of the angle between the normal and the direction to the viewer.
     #[inline(always)]
     fn cos_of_viewer(&self) -> R {
         let cos = self.to_viewer.dot(self.point.normal);
         cos.max(cos.splat(0.0)).min(cos.splat(1.0))
     }
 
-    /// The factor of the light that comes from the first facets, of a color, which adds
-    /// that reflected from facet to facet.
+    /// Returns the factor of the light that comes from the first facets, of a color, which adds the
+    /// light reflected from facet to facet.
     #[inline(always)]
     fn gain(&self, albedo: Option<&Albedo>, color: Vector<R>) -> Vector<R> {
         match albedo {
@@ -206,7 +207,7 @@ impl<R: Real> Leaving<R> {
         }
     }
 
-    /// The direction from which one of the facets that the viewer sees mirrors light; two
+    /// Returns the direction from which one of the facets that the viewer sees mirrors light; two
     /// numbers choose the facet.
     #[inline(always)]
     fn mirrored_by(&self, facets: Ggx<R>, numbers: [R; 2]) -> Vector<R> {
@@ -215,8 +216,8 @@ impl<R: Real> Leaving<R> {
         (-self.to_viewer).reflect(normal).normalize()
     }
 
-    /// Light reflected from a direction with this scattering; none from behind the plane of the
-    /// shading normal.
+    /// Returns light reflected from a direction with this scattering; none from behind the plane of
+    /// the shading normal.
     #[inline(always)]
     fn reflected(&self, direction: Vector<R>, scattering: Scattering<R>) -> Scattered<R> {
         let Scattering { value, density } = scattering;
@@ -233,7 +234,7 @@ impl<R: Real> Leaving<R> {
     }
 }
 
-/// The factor of the light that comes from the first facets, of a color, if white ones
+/// Returns the factor of the light that comes from the first facets, of a color, if white facets
 /// return this share of it.
 #[inline(always)]
 fn gain<R: Real>(returned: R, color: Vector<R>) -> Vector<R> {
@@ -242,7 +243,7 @@ fn gain<R: Real>(returned: R, color: Vector<R>) -> Vector<R> {
 }
 
 impl<R: Real> Scattered<R> {
-    /// `this` where `mask` is true, else `other`.
+    /// Returns `this` where `mask` is true, else `other`.
     #[inline(always)]
     fn select(mask: R::Mask, this: Self, other: Self) -> Self {
         Self {
@@ -256,7 +257,7 @@ impl<R: Real> Scattered<R> {
 }
 
 impl<R: Real> Scattering<R> {
-    /// `this` where `mask` is true, else `other`.
+    /// Returns `this` where `mask` is true, else `other`.
     #[inline(always)]
     fn select(mask: R::Mask, this: Self, other: Self) -> Self {
         Self {
@@ -274,7 +275,7 @@ impl<R: Real> Scattering<R> {
         }
     }
 
-    /// A multiple of it.
+    /// Returns the scattering times a factor.
     #[inline(always)]
     fn scaled(self, factor: R) -> Self {
         Self {
@@ -283,7 +284,7 @@ impl<R: Real> Scattering<R> {
         }
     }
 
-    /// The sum, of which each part is chosen with a probability that its density has.
+    /// Returns the sum, where each part is chosen with the probability included in its density.
     #[inline(always)]
     fn with(self, other: Self) -> Self {
         Self {

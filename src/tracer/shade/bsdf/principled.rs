@@ -1,10 +1,9 @@
-//! The principled material: a mixture of a metal, of a coated diffuse surface and of a
-//! clear medium.
+//! The principled material: a mixture of a metal, a coated diffuse surface and a clear medium.
 //!
-//! After Burley, "Extending the Disney BRDF to a BSDF with Integrated Subsurface
-//! Scattering", SIGGRAPH 2015, with fewer parameters. The reflectance of facets is
-//! Schlick's approximation. The coat lets the light to the diffuse surface that it does not
-//! reflect, so that no light is lost, and none is gained.
+//! After Burley, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering",
+//! SIGGRAPH 2015, with fewer parameters. The reflectance of facets is Schlick's approximation. The
+//! coat passes all light that it does not reflect to the diffuse surface, so no light is lost or
+//! gained.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -17,25 +16,25 @@ use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 use scene::material::{Principled, RoughSurface};
 
-/// See the file's documentation.
+/// The principled BSDF; see the module's documentation.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shade) struct PrincipledBsdf<'a> {
     rough: &'a RoughSurface,
-    /// What the coat reflects of light along the normal.
+    /// The coat's reflectance along the normal.
     coat_reflectance: f32,
-    /// The share of metal and the roughness, before the factors of pictures.
+    /// The share of metal and the roughness, before the factors of textures.
     metallic: f32,
     roughness: f32,
     /// The share of the rest that lets light through.
     transmission: f32,
-    /// The share of the clear medium: that of a surface whose pictures do not change it.
+    /// The share of the clear medium at a surface without textures.
     clear: f32,
     medium: Medium<'a>,
 }
 
-/// What a viewer sees of the metal and of the coat.
+/// The light that a viewer sees of the metal and of the coat.
 struct Reflectances<R> {
-    /// Of the metal and the coat: the factor of the light that comes from the first facet.
+    /// The factors of the light that comes from the first facet, for the metal and for the coat.
     gains: [Vector<R>; 2],
     /// The share of the light that the coat reflects.
     of_coat: R,
@@ -60,22 +59,22 @@ impl<'a> PrincipledBsdf<'a> {
         }
     }
 
-    /// The roughness at a point.
+    /// Returns the roughness at a point.
     #[inline(always)]
     fn roughness<R: Real>(&self, at: &Leaving<R>) -> R {
         let factor = at.point.factors.roughness;
         factor * factor.splat(self.roughness)
     }
 
-    /// The facets at a point.
+    /// Returns the facets at a point.
     #[inline(always)]
     fn facets<R: Real>(&self, at: &Leaving<R>) -> Ggx<R> {
         let roughness = self.roughness(at);
         Ggx::never_smooth(roughness, self.rough.facets(roughness).masking)
     }
 
-    /// The shares of the metal and of the coated surface at a point; the rest is that of the
-    /// medium.
+    /// Returns the shares of the metal and of the coated surface at a point; the rest belongs to
+    /// the medium.
     #[inline(always)]
     fn shares<R: Real>(&self, at: &Leaving<R>) -> [R; 2] {
         let factor = at.point.factors.metallic;
@@ -87,6 +86,7 @@ impl<'a> PrincipledBsdf<'a> {
     #[inline(always)]
     fn reflectances<R: Real>(&self, at: &Leaving<R>) -> Reflectances<R> {
         let one = at.point.side.splat(1.0);
+        // The coat's reflectance along the normal, and the albedo of white facets.
         let of_normal = one.splat(self.coat_reflectance);
         let cos = at.cos_of_viewer();
         let [all, fifth_power] = match (&self.rough.of_mirror, self.rough.by_roughness) {
@@ -94,6 +94,7 @@ impl<'a> PrincipledBsdf<'a> {
             (Some(albedo), None) => albedo.at(cos),
             (None, None) => [one, one.splat(0.0)],
         };
+        // The light from facet to facet, and the share that the coat reflects.
         let of_coat = gain(all, Vector::splat(one, Vec3::splat(self.coat_reflectance)));
         let once = of_normal * (all - fifth_power) + fifth_power;
         Reflectances {
@@ -102,7 +103,7 @@ impl<'a> PrincipledBsdf<'a> {
         }
     }
 
-    /// The probabilities of facets and of the diffuse surface; the rest is that of the
+    /// Returns the probabilities of facets and of the diffuse surface; the rest belongs to the
     /// medium.
     #[inline(always)]
     fn choice<R: Real>(&self, at: &Leaving<R>, of_coat: R) -> [R; 2] {
@@ -129,8 +130,10 @@ impl Scatters for PrincipledBsdf<'_> {
         to_light: Vector<R>,
     ) -> Scattering<R> {
         let (zero, one) = (to_light.x.splat(0.0), to_light.x.splat(1.0));
+        // Find the shares of the parts.
         let Reflectances { gains, of_coat } = self.reflectances(at);
         let [of_facets, of_diffuse] = self.choice(at, of_coat);
+        // The facets of the metal and of the coat, with Schlick's approximation.
         let to_viewer = at.in_surface(at.to_viewer);
         let facets = self.facets(at);
         let facets = facets.reflection(to_viewer, at.in_surface(to_light));
@@ -141,6 +144,7 @@ impl Scatters for PrincipledBsdf<'_> {
         let [metal, coated] = self.shares(at);
         let of_metal = (color + (white - color) * grazing).times(gains[0]) * metal;
         let reflected_by_coat = gains[1] * ((coat + (one - coat) * grazing) * coated);
+        // The diffuse surface below the coat.
         let cos = to_light.dot(at.point.normal).max(zero);
         let below = color * (coated * (one - of_coat) * cos);
         let opaque = Scattering {
@@ -150,6 +154,7 @@ impl Scatters for PrincipledBsdf<'_> {
         if self.clear == 0.0 {
             return opaque;
         }
+        // The clear medium, tinted where light passes through it.
         let clear = one.splat(self.clear);
         let of_medium = self.medium.evaluate(at, boundary, to_light);
         let is_behind = to_light.dot(at.point.normal).lt(zero);
@@ -170,10 +175,12 @@ impl Scatters for PrincipledBsdf<'_> {
         lobe: R,
     ) -> Scattered<R> {
         let zero = lobe.splat(0.0);
+        // Choose a part by its share.
         let Reflectances { of_coat, .. } = self.reflectances(at);
         let [of_facets, _] = self.choice(at, of_coat);
         let clear = zero.splat(self.clear);
         let is_glossy = lobe.lt(clear + of_facets);
+        // Sample a direction of the diffuse surface or of the facets.
         let [x, y, z] = hemisphere(numbers);
         let diffuse = at.in_world(Vector { x, y, z });
         let glossy = at.mirrored_by(self.facets(at), numbers);
@@ -181,6 +188,7 @@ impl Scatters for PrincipledBsdf<'_> {
         if self.clear == 0.0 {
             return self.reflected(at, boundary, direction, !is_glossy);
         }
+        // Replace the direction in lanes that chose the medium.
         let is_clear = lobe.lt(clear);
         let of_medium = self.medium.sample(at, boundary, numbers, lobe / clear);
         direction = Vector::select(is_clear, of_medium.direction, direction);
@@ -195,7 +203,7 @@ impl Scatters for PrincipledBsdf<'_> {
 }
 
 impl PrincipledBsdf<'_> {
-    /// Light from a direction that was chosen by any part.
+    /// Returns light from a direction that was chosen by any part.
     #[inline(always)]
     fn reflected<R: Real>(
         &self,
@@ -211,8 +219,8 @@ impl PrincipledBsdf<'_> {
     }
 }
 
-/// What a surface of this color lets pass of each channel, so that a ray that passes two of them
-/// has the color.
+/// Returns the share that a surface of this color lets pass of each channel, so that a ray that
+/// passes two of them has the color.
 #[inline(always)]
 fn refracted_share<R: Real>(color: Vector<R>) -> Vector<R> {
     Vector {

@@ -1,4 +1,4 @@
-//! Checks of all ways to scatter light, against quadrature.
+//! Tests of all scattering functions against quadrature.
 
 use std::f32::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ fn material(text: &str) -> Material {
     material
 }
 
-/// Rough materials, which light samples light.
+/// Returns rough materials for which light samples contribute.
 fn rough() -> Vec<Material> {
     let texts = [
         "{ color: 0.8 }",
@@ -41,7 +41,8 @@ fn direction(cos: f32, turn: f32) -> Vector<f32> {
     }
 }
 
-/// A point of a surface in the plane of x and y, whose shading normal is tilted by an angle.
+/// Returns a point of a surface in the plane of x and y, whose shading normal is tilted by an
+/// angle.
 fn leaving(to_viewer: Vector<f32>, tilt_deg: f32) -> Leaving<f32> {
     let (sin, cos) = tilt_deg.to_radians().sin_cos();
     let point = ShadingPoint {
@@ -56,7 +57,7 @@ fn leaving(to_viewer: Vector<f32>, tilt_deg: f32) -> Leaving<f32> {
     Leaving::new(point, to_viewer)
 }
 
-/// The surface of the material's medium, from outside or from inside.
+/// Returns the surface of the material's medium, from outside or from inside.
 fn boundary(material: &Material, is_inside: bool) -> Boundary<f32> {
     let index = material.dielectric.map_or(1.0, |medium| medium.index);
     Boundary {
@@ -91,7 +92,8 @@ fn sampled(
     ))
 }
 
-/// The directions of light that this material scatters: of all sides, or above the surface.
+/// Returns the directions of light that this material scatters: from all sides, or from above the
+/// surface.
 fn directions(material: &Material) -> impl Iterator<Item = Vector<f32>> {
     let is_all = by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides());
     let middle = move |k: u32| (k as f32 + 0.5) / N as f32;
@@ -99,7 +101,7 @@ fn directions(material: &Material) -> impl Iterator<Item = Vector<f32>> {
     all.filter(move |direction| is_all || direction.z > 0.0)
 }
 
-/// Numbers from 0 to 1 in three dimensions.
+/// Returns numbers from 0 to 1 in three dimensions.
 fn numbers() -> impl Iterator<Item = [f32; 3]> {
     (0..N * N).map(|i| {
         let golden = (f64::from(i) * 0.618_033_988_749_895).fract() as f32;
@@ -108,7 +110,7 @@ fn numbers() -> impl Iterator<Item = [f32; 3]> {
     })
 }
 
-/// Whether light from a direction is ever evaluated.
+/// Returns true if light from a direction is ever evaluated.
 fn is_lit(material: &Material, at: &Leaving<f32>, to_light: Vector<f32>) -> bool {
     let is_lit = by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides());
     is_lit || at.point.is_faced_by(to_light)
@@ -288,8 +290,8 @@ fn light_is_finite_at_all_extremes() {
     }
 }
 
-/// The greatest difference between what a surface scatters from one direction to another and
-/// from there to the first, over their sum.
+/// Returns the greatest difference between the scattering from one direction to another and in
+/// reverse, over their sum.
 fn irreciprocity(material: &Material) -> f32 {
     let boundary = boundary(material, false);
     let grid =

@@ -1,17 +1,17 @@
-//! Surfaces whose shading normal is tilted against the geometric one.
+//! Surfaces whose shading normal is tilted against the geometric normal.
 //!
 //! Formulas by the shading normal scatter a part of the light into the surface, where it would be
 //! lost. As in Schüssler et al., "Microfacet-Based Normal Mapping for Robust Monte Carlo Path
-//! Tracing", SIGGRAPH Asia 2017, this part is reflected once more, and none is lost. Where a
-//! mirror would leave it close to the plane of the surface, and so double the light of a lamp that
-//! sets behind a facet of a mesh, it is spread here: light from below is turned up to a height
-//! that is greater by the reciprocal of the sine of the tilt, which takes the lowest to the
-//! normal. Solid angles grow by the same factor, by Archimedes.
+//! Tracing", SIGGRAPH Asia 2017, this part is reflected once more, and none is lost. Where a mirror
+//! would leave it close to the plane of the surface, and so double the light of a lamp that sets
+//! behind a facet of a mesh, it is spread here: light from below is turned up to a height that is
+//! greater by the reciprocal of the sine of the tilt, which takes the lowest to the normal. Solid
+//! angles grow by the same factor, by Archimedes.
 
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use math::simd::{Mask, Real, Vector};
 
-/// Scattering from a direction.
+/// Returns the scattering from a direction.
 #[inline(always)]
 pub(in crate::shade) fn evaluate<R: Real>(
     bsdf: impl Scatters,
@@ -20,17 +20,20 @@ pub(in crate::shade) fn evaluate<R: Real>(
     to_light: Vector<R>,
 ) -> Scattering<R> {
     let zero = to_light.x.splat(0.0);
+    // Without a tilt, the formulas by the shading normal hold.
     let direct = bsdf.evaluate(at, boundary, to_light);
     let tilt = tilt(at);
     if tilt.le(zero).all() {
         return direct;
     }
+    // Light between the two planes is lost: it arrives after one more reflection.
     let height = to_light.dot(at.point.geometric_normal);
     let is_between = (height * to_light.dot(at.point.normal)).lt(zero);
     let turned = turned(at, to_light, -height * tilt);
     let is_turned = zero.lt(tilt) & zero.lt(height * turned.dot(at.point.normal));
     let none = Scattering::none(zero);
     let direct = Scattering::select(is_between, none, direct);
+    // Add the light of the direction that is turned onto this one.
     let other = bsdf.evaluate(at, boundary, turned).scaled(tilt);
     direct.with(Scattering::select(is_turned, other, none))
 }
@@ -44,16 +47,19 @@ pub(in crate::shade) fn sample<R: Real>(
     numbers: [R; 2],
     lobe: R,
 ) -> Scattered<R> {
+    // Sample by the shading normal.
     let chosen = bsdf.sample(at, boundary, numbers, lobe);
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
     let tilt = tilt(at);
     if tilt.le(zero).all() {
         return chosen;
     }
+    // Find the lanes whose direction is on the wrong side of the surface.
     let side = R::select(chosen.is_refracted, -one, one);
     let cos = side * chosen.direction.dot(at.point.normal);
     let height = chosen.direction.dot(at.point.geometric_normal);
     let is_lost = zero.lt(tilt) & zero.lt(cos) & (side * height).lt(zero);
+    // Turn those directions up; for the others, find the direction that would turn to them.
     let least = tilt.max(one.splat(f32::MIN_POSITIVE));
     let to = R::select(
         is_lost,
@@ -62,6 +68,7 @@ pub(in crate::shade) fn sample<R: Real>(
     );
     let turned = turned(at, chosen.direction, to);
     let is_found = zero.lt(tilt) & zero.lt(cos) & zero.lt(side * turned.dot(at.point.normal));
+    // Add the densities of both ways to choose the direction.
     let of_turned = bsdf.evaluate(at, boundary, turned).density;
     let density = R::select(
         is_lost,
@@ -75,7 +82,7 @@ pub(in crate::shade) fn sample<R: Real>(
     }
 }
 
-/// The sine of the angle between the normals, 0 where they are equal.
+/// Returns the sine of the angle between the normals, 0 where they are equal.
 #[inline(always)]
 fn tilt<R: Real>(at: &Leaving<R>) -> R {
     let chord = at.point.normal - at.point.geometric_normal;
@@ -84,8 +91,8 @@ fn tilt<R: Real>(at: &Leaving<R>) -> R {
     (chord2 * (one - chord2 * one.splat(0.25)).max(one.splat(0.0))).sqrt()
 }
 
-/// A direction turned about an axis in the plane of the surface, so that its cosine with the
-/// geometric normal is this.
+/// Returns a direction turned about an axis in the plane of the surface, so that its cosine with
+/// the geometric normal is `height`.
 #[inline(always)]
 fn turned<R: Real>(at: &Leaving<R>, direction: Vector<R>, height: R) -> Vector<R> {
     let (zero, one) = (height.splat(0.0), height.splat(1.0));

@@ -1,32 +1,30 @@
-//! The test of all rays of a packet at once against the eight boxes of a node.
+//! Beam test: all rays of a packet at once against the eight boxes of a node.
 
 use super::rays::{PacketRays, greatest, least};
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
 
-/// A bound of all rays of a packet: on each axis the extremes of the origins and
-/// of the reciprocal directions, which have the same sign.
+/// Bounds of all rays of a packet: on each axis the extremes of the origins and of the reciprocal
+/// directions, which have the same sign.
 ///
-/// No ray of the packet enters a box that the beam misses, in floating-point
-/// arithmetic. Proof: consider an axis that the rays point up, where
-/// `inverse > 0`, and `(plane - origin) * inverse` of one ray. Correct rounding is
-/// monotonic: `a <= b` implies `fl(a) <= fl(b)`. So the difference is at least the
-/// one with the greatest origin, and so is its product with the ray's `inverse`;
-/// the product of a number with `inverse` lies between its products with the
-/// least and the greatest `inverse`, whatever its sign. So the lesser of these
-/// two products, for the greatest origin, is a lower bound for the ray. Likewise
-/// the greater of the two, for the least origin, is an upper bound. Where the
-/// rays point down, the product decreases with the difference, and the origins
-/// are exchanged. Maxima, minima and the largest limit are monotonic, too. So if
-/// a ray has `enter <= exit`, then `enter(beam) <= enter <= exit <= exit(beam)`.
+/// No ray of the packet enters a box that the beam misses, in floating-point arithmetic. Proof:
+/// consider an axis that the rays point up, where `inverse > 0`, and `(plane - origin) * inverse`
+/// for one ray. Correct rounding is monotonic: `a <= b` implies `fl(a) <= fl(b)`. So the difference
+/// is at least the difference for the greatest origin, and so is its product with the ray's
+/// `inverse`; the product of a number with `inverse` lies between its products with the least and
+/// the greatest `inverse`, whatever its sign. So the lesser of these two products, for the greatest
+/// origin, is a lower bound for the ray. Likewise the greater of the two, for the least origin, is
+/// an upper bound. Where the rays point down, the product decreases with the difference, and the
+/// origins are exchanged. Maxima, minima and the largest limit are monotonic, too. So if a ray has
+/// `enter <= exit`, then `enter(beam) <= enter <= exit <= exit(beam)`.
 pub(super) struct Beam<I: InstructionSet> {
     axes: [BeamAxis<I>; 3],
     /// The shift that selects the order of a node's children for these rays.
     order_shift: u32,
 }
 
-/// One axis of the test.
+/// One axis of the beam test.
 struct BeamAxis<I: InstructionSet> {
     inverse_min: I::Lanes,
     inverse_max: I::Lanes,
@@ -50,8 +48,8 @@ impl<I: InstructionSet> Beam<I> {
         }
     }
 
-    /// The boxes that the beam enters before it leaves them or reaches the largest
-    /// limit, and where it enters them. Both in reverse order of the visits.
+    /// Returns the boxes that the beam enters before it leaves them or reaches the largest limit,
+    /// as bits, and where it enters each. Both in reverse order of the visits.
     #[inline(always)]
     pub(super) fn entered<S: Search>(
         &self,
@@ -60,6 +58,7 @@ impl<I: InstructionSet> Beam<I> {
         farthest: f32,
     ) -> (u8, [f32; N_LANES]) {
         let [x, y, z] = &self.axes;
+        // Bound where any ray enters and leaves each box.
         let (near_x, far_x) = x.planes(set, node);
         let (near_y, far_y) = y.planes(set, node);
         let (near_z, far_z) = z.planes(set, node);
@@ -69,12 +68,13 @@ impl<I: InstructionSet> Beam<I> {
             return (enter.le(exit).bits(), enter.to_array());
         }
         let shift = set.splat_bits(self.order_shift);
+        // Put the boxes into reverse order of the visits.
         let enter = enter.permute(&node.order, shift);
         let exit = exit.permute(&node.order, shift);
         (enter.le(exit).bits(), enter.to_array())
     }
 
-    /// The lane of the child at this position of the reverse order of the visits.
+    /// Returns the lane of the child at this position of the reverse order of the visits.
     #[inline(always)]
     pub(super) fn lane<S: Search>(&self, node: &WideNode, position: usize) -> usize {
         if S::NEAREST_FIRST {
@@ -110,8 +110,8 @@ impl<I: InstructionSet> BeamAxis<I> {
         }
     }
 
-    /// A lower bound for where the rays hit the near plane of each box, and an
-    /// upper bound for the far plane.
+    /// Returns a lower bound for where the rays hit the near plane of each box, and an upper bound
+    /// for the far plane.
     #[inline(always)]
     fn planes(&self, set: I, node: &WideNode) -> (I::Lanes, I::Lanes) {
         let near = set.load(node.row(self.near_row)) - self.origin_of_near;
@@ -156,7 +156,7 @@ mod tests {
         (node, std::array::from_fn(|k| ray(k as u64)))
     }
 
-    /// The boxes that the beam hits, and those that one of the rays enters.
+    /// The boxes that the beam hits, and the boxes that a ray enters.
     struct Entered(WideNode, [Ray; 16]);
 
     impl SimdKernel for Entered {

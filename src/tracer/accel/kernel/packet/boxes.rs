@@ -1,4 +1,4 @@
-//! The test of a box against all rays, with rays in the lanes.
+//! Box test of a packet: one box against all rays, one ray per lane.
 
 use super::rays::PacketRays;
 use super::soa::{PerRay, rays_per_part};
@@ -6,8 +6,8 @@ use crate::accel::layout::WideNode;
 use math::simd::{Arithmetic, InstructionSet, Wide};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
-    /// The rays that enter the box in this lane of a node before they leave it
-    /// or reach their limits.
+    /// Returns the rays that enter the box in this lane of a node before they leave it or reach
+    /// their limits, as bits.
     #[inline(always)]
     pub(super) fn entering(&self, node: &WideNode, lane: usize, limits: &PerRay<f32>) -> u16 {
         let mut entering = 0;
@@ -30,7 +30,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         I::Wide::bits(enter.le(exit))
     }
 
-    /// Where rays hit the near and the far plane of a box on this axis.
+    /// Returns where the rays hit the near and the far plane of a box on this axis.
     #[inline(always)]
     fn slab(&self, node: &WideNode, lane: usize, part: usize, axis: usize) -> (I::Wide, I::Wide) {
         let (set, slab) = (self.set, &self.slabs[axis]);

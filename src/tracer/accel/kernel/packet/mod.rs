@@ -1,34 +1,29 @@
 //! Packet traversal: coherent rays traverse the hierarchy as one.
 //!
-//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent
-//! Ray Tracing", Computer Graphics Forum 20(3), 2001. [`N_RAYS`] coherent rays
-//! that are consecutive in a batch (`soa`) share one stack (`traversal`). A
-//! visit to a node tests its eight boxes, one per lane, against a beam that
-//! contains all rays (`beam`), and pushes those that the beam hits. A box that
-//! is popped is tested against the rays, one per lane (`boxes`); so are the
-//! primitives of a leaf, one after the other (`triangles`, `spheres`), and, before
-//! the hierarchy, planes (`planes`). The hits change the states of the searches,
-//! which are in lanes, too (`searches`).
+//! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer
+//! Graphics Forum 20(3), 2001. [`N_RAYS`] coherent rays that are consecutive in a batch (`soa`)
+//! share one stack (`traversal`). A visit to a node tests its eight boxes, one per lane, against a
+//! beam that contains all rays (`beam`), and pushes the boxes that the beam hits. A popped box is
+//! tested against the rays, one per lane (`boxes`); so are the primitives of a leaf, one after the
+//! other (`triangles`, `spheres`), and, before the hierarchy, planes (`planes`). Hits change the
+//! states of the searches, which are stored one per lane, too (`searches`).
 //!
-//! # Why the results of a ray are those of a single traversal
+//! # Why results equal those of single traversals
 //!
-//! Each ray visits the nodes that it would visit alone, in the same order and
-//! with the same limit, so that its answer and its counters are those of
+//! Each ray visits the nodes that it would visit in a single traversal, in the same order and with
+//! the same limit, so it gives the same answer and the same counters as
 //! [`SingleTraversal`](super::SingleTraversal):
 //!
-//! - The order of a node's children depends only on the signs of the ray's
-//!   direction, which all rays of a packet share. So the nodes that the packet
-//!   visits, without those where a ray is inactive, are those of that ray.
-//! - Alone a ray visits a child if `enter <= exit`, and `enter` is at most its
-//!   limit at the visit to the parent and at most its limit when the child is
-//!   popped. Limits never grow, so that one test with the latter limit, of the
-//!   rays that were active in the parent, selects the same rays. Its arithmetic
-//!   is that of [`Slabs`](super::slab::Slabs), to the bit.
-//! - The beam rejects no child that a ray of the packet enters: see
-//!   [`Beam`](beam::Beam).
-//! - The tests of a leaf are those of
-//!   [`LeafIntersector`](super::leaf::LeafIntersector), to the bit, and the
-//!   result does not depend on their order.
+//! - The order of a node's children depends only on the signs of the ray's direction, which all
+//!   rays of a packet share. So a ray visits the nodes that the packet visits, except where it is
+//!   inactive, in the packet's order.
+//! - A single ray visits a child if `enter <= exit`, and `enter` is at most its limit at the visit
+//!   to the parent and at most its limit when the child is popped. Limits never grow, so one test
+//!   against the latter limit, of the rays that were active in the parent, selects the same rays.
+//!   Its arithmetic gives the same bits as [`Slabs`](super::slab::Slabs).
+//! - The beam rejects no child that a ray of the packet enters: see [`Beam`](beam::Beam).
+//! - The tests of a leaf give the same bits as [`LeafIntersector`](super::leaf::LeafIntersector),
+//!   and the result does not depend on their order.
 
 mod soa;
 mod rays;
@@ -48,7 +43,7 @@ use rays::PacketRays;
 use soa::{N_RAYS, RaySoa};
 use traversal::{Packet, PacketStack};
 
-/// Fewer coherent rays are faster in the stream.
+/// With fewer coherent rays, the stream is faster.
 const MIN_RAYS: u32 = 8;
 
 /// Finds the coherent rays of a batch and answers their queries.
@@ -57,7 +52,7 @@ pub(in crate::accel) struct PacketTraversal<'a, Q: Queries, P>(
 );
 
 impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
-    /// The indices of the other queries.
+    /// Indices of the remaining queries.
     type Output = Vec<u32>;
 
     #[inline(always)]
@@ -70,22 +65,25 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
             return incoherent;
         }
         let (mut soa, mut stack) = (RaySoa::EMPTY, PacketStack::new());
-        // What the packets have saved so far. Where rays diverge early, this is
-        // negative after the first packet, and the stream gets the other rays.
+        // The work that packets have saved so far. Where rays diverge early, this is negative after
+        // the first packet, and the stream gets the remaining rays.
         let mut gain = 0;
         let mut first = 0;
         while first + N_RAYS as u32 <= n_queries {
             let next = first + N_RAYS as u32;
             let (queries, rays) = (batch.queries, batch.queries.rays());
+            // Skip sixteen rays that are hardly coherent.
             if gain < 0 || !soa::may_be_coherent(rays, first as usize) {
                 incoherent.extend(first..next);
                 first = next;
                 continue;
             }
+            // Select the rays that are coherent with the first; copies of it fill the other lanes.
             soa.fill(rays, first as usize);
             let mut coherent = soa.coherent_with_first(set);
             if coherent.count_ones() >= MIN_RAYS {
                 soa.replace_by_first(!coherent);
+                // Prepare the rays, test the unbounded primitives, traverse the hierarchy.
                 let rays = PacketRays::new(set, &soa, batch.arena.largest());
                 let mut packet = Packet::new(&rays, queries, first as usize, batch.primitives);
                 let active = packet.test_unbounded(batch.unbounded) & coherent;
@@ -96,6 +94,7 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
             } else {
                 coherent = 0;
             }
+            // Leave the incoherent rays to the stream.
             let mut rest = !coherent;
             while rest != 0 {
                 incoherent.push(first + rest.trailing_zeros());
@@ -121,7 +120,7 @@ mod tests {
     use scene::geometry::{Ray, RayStream, Shape, Sphere};
     use scene::world::{MaterialId, ObjectId, Primitive};
 
-    /// The indices of the rays that no packet takes.
+    /// Returns the indices of the rays that no packet takes.
     fn incoherent(simd: Simd, rays: &[Ray]) -> Vec<u32> {
         let sphere = |x| Sphere {
             center: Vec3::new(x as f32, 0.0, -5.0),

@@ -1,4 +1,4 @@
-//! The test of planes, one after the other, against all rays.
+//! Plane test of a packet: planes one after the other against all rays.
 
 use super::rays::PacketRays;
 use super::searches::Searches;
@@ -8,7 +8,7 @@ use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector, Wide};
 use scene::geometry::Plane;
 
 impl<I: InstructionSet> PacketRays<'_, I> {
-    /// Tests planes, each with its index, and reports the hits.
+    /// Tests planes, each given with its index, and reports the hits.
     #[inline(always)]
     pub(super) fn planes<Q: Queries>(
         &self,
@@ -34,7 +34,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         }
     }
 
-    /// The vectors of a half.
+    /// Returns the vectors of a half of the packet.
     #[inline(always)]
     fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
         self.set.load_vector(&[x[half], y[half], z[half]])

@@ -1,4 +1,4 @@
-//! The rays of a packet, one per lane.
+//! The rays of a packet, prepared for traversal, one per lane.
 
 use super::soa::{N_HALVES, PerRay, RaySoa};
 use crate::accel::kernel::leaf::LeafIntersector;
@@ -11,22 +11,20 @@ pub(super) struct PacketRays<'c, I: InstructionSet> {
     pub(super) set: I,
     pub(super) soa: &'c RaySoa,
     pub(super) slabs: [RaySlab; 3],
-    /// Slopes and scales of their [`Shear`]s.
+    /// Slopes and scales of the rays' [`Shear`]s.
     pub(super) slopes: [PerRay<f32>; 2],
     pub(super) scale: PerRay<f32>,
-    /// Whether they point down each axis.
+    /// True for each axis that the rays point down.
     pub(super) is_downward: [bool; 3],
-    /// The first numbers of a node's rows that hold the near and the far planes
-    /// of each axis.
+    /// Offsets of the node's rows that hold the near and the far planes of each axis.
     pub(super) near_rows: [usize; 3],
     pub(super) far_rows: [usize; 3],
-    /// The axes of their [`Shear`]s, and the origins with permuted axes.
+    /// Axes of the rays' [`Shear`]s, and the origins with permuted axes.
     pub(super) shear_axes: [usize; 3],
     pub(super) permuted_origins: [&'c PerRay<f32>; 3],
 }
 
-/// One axis of the slab test of the rays: see
-/// [`Slabs`](crate::accel::kernel::slab::Slabs).
+/// One axis of the rays' slab test: see [`Slabs`](crate::accel::kernel::slab::Slabs).
 pub(super) struct RaySlab {
     pub(super) inverse_direction: PerRay<f32>,
     pub(super) origin_of_near: PerRay<f32>,
@@ -34,7 +32,7 @@ pub(super) struct RaySlab {
 }
 
 impl RaySlab {
-    /// Memory for an axis.
+    /// Memory for one axis.
     const EMPTY: Self = Self {
         inverse_direction: [[0.0; N_LANES]; N_HALVES],
         origin_of_near: [[0.0; N_LANES]; N_HALVES],
@@ -43,8 +41,7 @@ impl RaySlab {
 }
 
 impl<'c, I: InstructionSet> PacketRays<'c, I> {
-    /// The rays, for tests against boxes whose coordinates are at most
-    /// `largest`.
+    /// Prepares the rays for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
     pub(super) fn new(set: I, soa: &'c RaySoa, largest: f32) -> Self {
         let direction = soa.ray(0).direction;
@@ -68,11 +65,11 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
         rays
     }
 
-    /// Prepares the rays of a half for tests against boxes whose coordinates are at
-    /// most `largest`.
+    /// Prepares the rays of a half for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
     fn prepare(&mut self, half: usize, largest: f32) {
         let (set, soa) = (self.set, self.soa);
+        // Slabs: reciprocal direction, and the origin displaced by the margin.
         let [x, y, z] = &soa.origins;
         let (x, y, z) = (set.load(&x[half]), set.load(&y[half]), set.load(&z[half]));
         let farthest = x.abs().max(y.abs()).max(z.abs());
@@ -80,7 +77,7 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
         self.slabs[0].prepare(set, half, x, set.load(&soa.directions[0][half]), margin);
         self.slabs[1].prepare(set, half, y, set.load(&soa.directions[1][half]), margin);
         self.slabs[2].prepare(set, half, z, set.load(&soa.directions[2][half]), margin);
-        // As in `Shear::along`.
+        // Shear: permute the axes as `Shear::along` does; all rays share the dominant one.
         let [x, y, z] = self.shear_axes.map(|axis| axis % 3);
         let scale = set.splat(1.0) / set.load(&soa.directions[z][half]);
         self.scale[half] = scale.to_array();
@@ -88,13 +85,13 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
         self.slopes[1][half] = (set.load(&soa.directions[y][half]) * scale).to_array();
     }
 
-    /// The test of the ray in this lane alone, with primitives in the lanes.
+    /// Returns the leaf intersector of the ray in this lane, which has primitives in the lanes.
     #[inline(always)]
     pub(super) fn intersector(&self, lane: usize) -> LeafIntersector {
         LeafIntersector::with_shear(&self.soa.ray(lane), self.shear(lane))
     }
 
-    /// The shear of a ray.
+    /// Returns the shear of a ray.
     #[inline(always)]
     pub(super) fn shear(&self, ray: usize) -> Shear {
         let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
@@ -128,7 +125,7 @@ impl RaySlab {
     }
 }
 
-/// The greatest number of a ray.
+/// Returns the greatest of the rays' numbers.
 #[inline(always)]
 pub(super) fn greatest<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
     let lanes = set.load(a).max(set.load(b));
@@ -136,7 +133,7 @@ pub(super) fn greatest<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
     Real::max(Real::max(a, b), Real::max(c, d))
 }
 
-/// The least number of a ray.
+/// Returns the least of the rays' numbers.
 #[inline(always)]
 pub(super) fn least<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
     let lanes = set.load(a).min(set.load(b));

@@ -1,4 +1,4 @@
-//! The searches of a packet's rays, with rays in the lanes.
+//! The searches of a packet's rays, one per lane.
 
 use super::rays::greatest;
 use super::soa::{N_HALVES, N_RAYS, PerRay, rays_per_part};
@@ -11,20 +11,20 @@ pub(super) struct Searches<'a, I, Q> {
     set: I,
     queries: &'a Q,
     primitives: &'a [Primitive],
-    /// The index of the first query.
+    /// Index of the first query.
     first: usize,
-    /// Negative infinity for finished rays.
+    /// Limit of each ray; negative infinity once the ray is finished.
     pub(super) limits: PerRay<f32>,
-    /// The primitives of the nearest hits so far.
+    /// Primitives of the nearest hits so far.
     nearest: PerRay<u32>,
     /// The largest limit at the last call of [`update_farthest`](Self::update_farthest).
     pub(super) farthest: f32,
-    /// Whether a limit has changed since then.
+    /// True if a limit has changed since then.
     is_changed: bool,
 }
 
 impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
-    /// The searches of the queries from index `first` on.
+    /// Starts the searches of the queries from index `first` on.
     #[inline(always)]
     pub(super) fn new(set: I, queries: &'a Q, first: usize, primitives: &'a [Primitive]) -> Self {
         let mut limits = [[0.0; N_LANES]; N_HALVES];
@@ -43,7 +43,7 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
         }
     }
 
-    /// The search of a ray.
+    /// Returns the search of a ray.
     #[inline(always)]
     pub(super) fn get(&self, ray: usize) -> Q::Search<'a> {
         let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
@@ -72,12 +72,14 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
     /// Reports the hits of the rays of a part on a primitive.
     #[inline(always)]
     pub(super) fn found_in_part(&mut self, part: usize, hits: u16, t: I::Wide, primitive: u32) {
+        // Select the rays whose hit is nearer than their limit.
         let set = self.set;
         let limits = set.load_wide(&self.limits, part);
         let nearer = hits & I::Wide::bits(t.lt(limits));
         if nearer == 0 {
             return;
         }
+        // Decide which rays are updated in lanes, and which one by one.
         let (next, mut single) = if Q::Search::NEAREST_FIRST {
             // At equal distance the primitive decides.
             let next = t.next_up();
@@ -86,6 +88,7 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
             let all = if self.queries.ignores() { nearer } else { 0 };
             (set.splat_wide(f32::NEG_INFINITY), all)
         };
+        // Update limits and nearest primitives in lanes.
         let lanes = set.wide_mask(nearer & !single);
         I::Wide::select(lanes, next, limits).store(&mut self.limits, part);
         if Q::Search::NEAREST_FIRST {
@@ -95,6 +98,7 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
             I::Wide::select(lanes, primitive, of_part).store(nearest, part);
         }
         self.is_changed = true;
+        // Update the remaining rays one by one.
         let t = t.to_arrays();
         while single != 0 {
             let lane = single.trailing_zeros() as usize % N_RAYS;
@@ -104,7 +108,7 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
         }
     }
 
-    /// The rays that are finished.
+    /// Returns the finished rays, as bits.
     #[inline(always)]
     pub(super) fn finished(&self) -> u16 {
         let least = self.set.splat_wide(f32::NEG_INFINITY);
@@ -116,7 +120,7 @@ impl<'a, I: InstructionSet, Q: Queries> Searches<'a, I, Q> {
         finished
     }
 
-    /// Computes the largest limit anew if one has changed.
+    /// Recomputes the largest limit if a limit has changed.
     #[inline(always)]
     pub(super) fn update_farthest(&mut self) {
         if self.is_changed {

@@ -1,5 +1,4 @@
-//! The coordinates of rays as a structure of arrays, and which of the rays are
-//! coherent.
+//! Rays of a packet as a structure of arrays, and the selection of coherent ones.
 
 use glam::Vec3;
 
@@ -7,26 +6,25 @@ use crate::accel::kernel::block::LaneArray;
 use math::simd::{self, InstructionSet, Lanes, Mask, N_LANES, Real};
 use scene::geometry::{Ray, RayStream, Shear};
 
-/// The cosine of the largest angle between the first ray of a packet and
-/// another: 11 degrees.
+/// Cosine of the largest angle, 11 degrees, between the first ray of a packet and another.
 const MIN_COSINE: f32 = 0.98;
 
-/// Registers that hold one number of each ray of a packet.
+/// Number of eight-lane registers that hold one number of each ray of a packet.
 pub(super) const N_HALVES: usize = 2;
 
-/// Rays of a packet.
+/// Number of rays of a packet.
 pub(super) const N_RAYS: usize = N_HALVES * N_LANES;
 
 /// A value for each ray of a packet.
 pub(super) type PerRay<T> = [[T; N_LANES]; N_HALVES];
 
-/// Rays of a packet in one register.
+/// Returns the number of rays of a packet in one register.
 #[inline(always)]
 pub(super) const fn rays_per_part<I: InstructionSet>() -> usize {
     N_RAYS / <I::Wide as simd::Wide>::N_PARTS
 }
 
-/// The rays of a part among these: bit `i` for its ray `i`.
+/// Returns the active rays of a part: bit `i` for its ray `i`.
 #[inline(always)]
 pub(super) fn active_in_part<I: InstructionSet>(active: u16, part: usize) -> u16 {
     active >> (rays_per_part::<I>() * part) & (u16::MAX >> (N_RAYS - rays_per_part::<I>()))
@@ -57,7 +55,7 @@ impl RaySoa {
         }
     }
 
-    /// One of the rays.
+    /// Returns one of the rays.
     #[inline(always)]
     pub(super) fn ray(&self, ray: usize) -> Ray {
         let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
@@ -69,7 +67,7 @@ impl RaySoa {
         }
     }
 
-    /// The rays that are coherent with the first one: in the same octant, with the
+    /// Returns the rays, as bits, that are coherent with the first: in the same octant, with the
     /// same dominant axis, and at a small angle.
     #[inline(always)]
     pub(super) fn coherent_with_first<I: InstructionSet>(&self, set: I) -> u16 {
@@ -97,7 +95,7 @@ impl RaySoa {
     }
 }
 
-/// The directions that are coherent with the first one, whose dominant axis is
+/// Returns the directions, as bits, that are coherent with the first one, whose dominant axis is
 /// given.
 #[inline(always)]
 fn coherent_lanes<I: InstructionSet>(
@@ -108,12 +106,14 @@ fn coherent_lanes<I: InstructionSet>(
 ) -> u8 {
     let (x, y, z) = (set.load(x), set.load(y), set.load(z));
     let (first_x, first_y, first_z) = (set.splat(first.x), set.splat(first.y), set.splat(first.z));
+    // Compare the octants by the signs of the components.
     let other_octant = x.flip_sign_by(first_x).signs()
         | y.flip_sign_by(first_y).signs()
         | z.flip_sign_by(first_z).signs();
+    // Compare the angle with the first ray.
     let cosine = x * first_x + y * first_y + z * first_z;
     let is_near = set.splat(MIN_COSINE).le(cosine).bits();
-    // As in `Shear::along`.
+    // Compare the dominant axes, found as in `Shear::along`.
     let (x, y, z) = (x.abs(), y.abs(), z.abs());
     let is_y = x.lt(y).bits();
     let is_z = x.max(y).lt(z).bits();
@@ -125,7 +125,7 @@ fn coherent_lanes<I: InstructionSet>(
     !other_octant & is_near & same_axis
 }
 
-/// Whether enough of these rays may be coherent, guessed from a few of them.
+/// Guesses from a few of these rays if enough of them are coherent.
 #[inline(always)]
 pub(super) fn may_be_coherent(rays: &RayStream, first: usize) -> bool {
     let n_near = usize::from(are_near(rays, first, first + 4))
@@ -134,7 +134,7 @@ pub(super) fn may_be_coherent(rays: &RayStream, first: usize) -> bool {
     n_near >= 2
 }
 
-/// Whether the angle between two rays is small.
+/// Returns true if the angle between two rays is small.
 #[inline(always)]
 fn are_near(rays: &RayStream, i: usize, j: usize) -> bool {
     rays.get(i).direction.dot(rays.get(j).direction) >= MIN_COSINE

@@ -1,6 +1,5 @@
-//! The test of a leaf's spheres, one after the other, against all rays: the
-//! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector)
-//! with rays in the lanes.
+//! Sphere test of a packet: a leaf's spheres one after the other against all rays. The arithmetic
+//! of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector) with one ray per lane.
 
 use super::rays::PacketRays;
 use super::searches::Searches;
@@ -30,6 +29,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
             };
             let r2 = set.splat_wide(leaf.row(3)[lane]);
             for part in 0..I::Wide::N_PARTS {
+                // Quadratic, as in `LeafIntersector`.
                 let active = active_in_part::<I>(active, part);
                 if active == 0 {
                     continue;
@@ -42,11 +42,11 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 let nearest = c - d * (b * inverse_a);
                 let discriminant = r2 - nearest.dot(nearest);
                 let is_hit = zero.le(discriminant);
+                // Skip the roots if every active ray misses.
                 if I::Wide::bits(is_hit) & active == 0 {
                     continue;
                 }
-                // A negative discriminant gives NaN, in lanes that are masked
-                // already.
+                // A negative discriminant gives NaN, in lanes that are masked already.
                 let q = b + (a * discriminant).sqrt().flip_sign_by(b);
                 let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
                 let (near, far) = (t0.min(t1), t1.max(t0));
@@ -57,7 +57,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         }
     }
 
-    /// The vectors of a part.
+    /// Returns the vectors of a part.
     #[inline(always)]
     fn part(&self, [x, y, z]: &[PerRay<f32>; 3], part: usize) -> Vector<I::Wide> {
         Vector {

@@ -1,4 +1,4 @@
-//! The traversal of the hierarchy by a packet.
+//! Traversal of the hierarchy by a packet.
 #![expect(unsafe_code, reason = "the arena was checked once, for all rays")]
 
 use arrayvec::ArrayVec;
@@ -26,27 +26,26 @@ pub(super) struct Packet<'r, I: InstructionSet, Q> {
     n_tests: PerRay<u32>,
 }
 
-/// A child that is still to be visited.
+/// A child still to be visited.
 #[derive(Clone, Copy)]
 pub(super) struct StackEntry {
-    /// Its parent, and its lane there.
+    /// The parent, and the child's lane in it.
     parent: NodeRef,
     lane: u8,
     /// The rays that are active in the parent.
     active: u16,
-    /// No ray enters it before this.
+    /// Lower bound for where any ray enters the child.
     enter: f32,
 }
 
-/// Each node on a path leaves at most seven children on the stack, and the last
-/// one pushes eight.
+/// Each node on a path leaves at most seven children on the stack, and the last one pushes eight.
 const CAPACITY: usize = (N_LANES - 1) * (MAX_DEPTH + 1) + N_LANES;
 
-/// The children that are still to be visited. Its memory is not initialized.
+/// The children still to be visited. Its memory is not initialized.
 pub(super) type PacketStack = ArrayVec<StackEntry, CAPACITY>;
 
 impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
-    /// The packet of the queries from index `first` on.
+    /// Starts the queries from index `first` on.
     #[inline(always)]
     pub(super) fn new(
         rays: &'r PacketRays<'r, I>,
@@ -63,7 +62,7 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         }
     }
 
-    /// Tests the unbounded primitives; returns the rays that are not finished.
+    /// Tests the unbounded primitives; returns the unfinished rays.
     #[inline(always)]
     pub(super) fn test_unbounded(&mut self, unbounded: &Unbounded) -> u16 {
         if unbounded.len() == 0 {
@@ -82,8 +81,9 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         !self.searches.finished()
     }
 
-    /// Traverses the hierarchy with these rays, at least one. Returns the gain over
-    /// single traversals, in the unit of [`BOX_COST`].
+    /// Traverses the hierarchy with these rays, at least one. Returns the gain over single
+    /// traversals in units of what a single traversal spends on a box that its ray enters: see
+    /// [`BOX_COST`].
     #[inline(always)]
     pub(super) fn traverse<P: StreamProbe>(
         &mut self,
@@ -95,20 +95,23 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         let mut current = NodeRef::ROOT;
         stack.clear();
         loop {
+            // At an inner node: push the children that the beam hits.
             if P::COUNTS {
                 add(self.rays.set, &mut self.n_visits, active, 1);
             }
-            // SAFETY: the reference is the root or a child of a node, and to a
-            // node.
+            // SAFETY: the reference is the root or a child of a node, and refers to a node.
             let node = unsafe { arena.node(current) };
             self.push_children(current, node, active, stack);
             loop {
+                // Pop a child; stop when none is left.
                 let Some(entry) = stack.pop() else {
                     return gain;
                 };
+                // Skip a child past the farthest limit.
                 if entry.enter > self.searches.farthest {
                     continue;
                 }
+                // Find the rays that enter its box; skip the child if none does.
                 // SAFETY: its children were pushed: it is a node.
                 let parent = unsafe { arena.node(entry.parent) };
                 let lane = usize::from(entry.lane) % N_LANES;
@@ -119,9 +122,11 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
                     continue;
                 }
                 current = NodeRef(parent.children[lane]);
+                // Descend into an inner node.
                 if !current.is_leaf() {
                     break;
                 }
+                // At a leaf: test its primitives against the active rays.
                 if P::COUNTS {
                     add(
                         self.rays.set,
@@ -130,14 +135,14 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
                         current.leaf_size() as u32,
                     );
                 }
-                // SAFETY: the reference is a child of a node, and to a leaf.
+                // SAFETY: the reference is a child of a node, and refers to a leaf.
                 let leaf = unsafe { arena.leaf(current) };
                 self.test(leaf, active);
             }
         }
     }
 
-    /// Pushes the children that rays may enter, the first one to visit on top.
+    /// Pushes the children that rays may enter, the first to visit on top.
     #[inline(always)]
     fn push_children(
         &self,
@@ -161,8 +166,8 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         }
     }
 
-    /// Tests the rays against a leaf: with rays in the lanes or, if there are few,
-    /// ray by ray with primitives in the lanes.
+    /// Tests the rays against a leaf: with one ray per lane or, if few rays are active, ray by ray
+    /// with one primitive per lane.
     #[inline(always)]
     fn test(&mut self, leaf: Leaf, active: u16) {
         let n_halves = u32::from(active & 0xff != 0) + u32::from(active >> 8 != 0);
@@ -186,8 +191,8 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         searches.update_farthest();
     }
 
-    /// Writes the answers of the coherent rays and reports their counters. The
-    /// first ray of the packet has index `first`.
+    /// Writes the answers of the coherent rays and reports their counters. The first ray of the
+    /// packet has index `first`.
     #[inline(always)]
     pub(super) fn answer<P: StreamProbe>(
         &self,
@@ -211,16 +216,15 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
     }
 }
 
-/// The gain of a packet before its traversal begins, in the unit of [`BOX_COST`]:
-/// preparing sixteen rays at once is cheaper.
+/// Gain of a packet before its traversal starts, in the unit of [`BOX_COST`]: preparing sixteen
+/// rays at once is cheaper.
 const START_GAIN: i32 = 20;
 
-/// The cost of a packet's test of a box. The unit is what a single traversal
-/// spends on a box that its ray enters.
+/// Cost of a packet's box test. The unit is the cost of a box that a ray enters in a single
+/// traversal.
 const BOX_COST: i32 = 6;
 
-/// The cost of one ray's test of up to eight primitives, in tests of one
-/// primitive against eight rays.
+/// Cost of one ray's test of up to eight primitives, in tests of one primitive against eight rays.
 const RAY_COST: u32 = 2;
 
 /// Adds `n` to the counts of these rays.

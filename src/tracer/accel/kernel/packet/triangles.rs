@@ -1,6 +1,6 @@
-//! The test of a leaf's triangles, one after the other, against all rays: the
-//! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector)
-//! with rays in the lanes.
+//! Triangle test of a packet: a leaf's triangles one after the other against all rays. The
+//! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector) with one ray per
+//! lane.
 
 use super::rays::PacketRays;
 use super::searches::Searches;
@@ -30,20 +30,24 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 if active == 0 {
                     continue;
                 }
+                // Shear the vertices, and compare the areas of the three sub-triangles.
                 let areas = Areas::new(&[
                     self.sheared(part, [x[0][lane], y[0][lane], z[0][lane]]),
                     self.sheared(part, [x[1][lane], y[1][lane], z[1][lane]]),
                     self.sheared(part, [x[2][lane], y[2][lane], z[2][lane]]),
                 ]);
-                // Coherent rays make this branch predictable.
+                // Skip the depths if every active ray misses. Coherent rays make this branch
+                // predictable.
                 if !I::Wide::bits(areas.is_missed()) & active == 0 {
                     continue;
                 }
+                // Report the hits at the weighted depths.
                 let scale = self.set.load_wide(&self.scale, part);
                 let AreaTest { hits, is_unsure, t } = areas.test(scale);
                 let primitive = leaf.primitive(TRIANGLE_ROWS, i);
                 let hits = I::Wide::bits(hits & zero.lt(t)) & active;
                 searches.found_in_part(part, hits, t, primitive);
+                // Repeat exactly the tests that rounding may have decided.
                 let mut unsure = I::Wide::bits(is_unsure) & active;
                 while unsure != 0 {
                     let lane = unsure.trailing_zeros() as usize % N_RAYS;
@@ -58,7 +62,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         }
     }
 
-    /// The parameter of a ray's hit on a triangle, where rounding may decide.
+    /// Returns the parameter of a ray's hit on a triangle where rounding may decide.
     #[cold]
     #[inline(never)]
     fn intersect_exactly(&self, ray: usize, leaf: Leaf, i: usize) -> Option<f32> {
@@ -66,8 +70,8 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         shear.intersect_exactly(shear.points(&ray, leaf.triangle(i)))
     }
 
-    /// The point with these coordinates, in the order of the axes of the shears, in
-    /// the shears of the rays of a part.
+    /// Returns a point, given in the order of the shears' axes, in the shear space of each ray of a
+    /// part.
     #[inline(always)]
     fn sheared(&self, part: usize, [x, y, z]: [f32; 3]) -> Vector<I::Wide> {
         let (set, [slope_x, slope_y]) = (self.set, &self.slopes);
