@@ -99,6 +99,19 @@ mod sampler {
         }
     }
 
+    /// The program's crates, as the names of their functions begin.
+    const CRATES: [&str; 9] = [
+        "raycost::",
+        "base::",
+        "math::",
+        "vtk::",
+        "scene::",
+        "tracer::",
+        "render::",
+        "output::",
+        "tools::",
+    ];
+
     const NO_SAMPLE: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="480" height="40">
 <text x="10" y="25" font-family="sans-serif">The run was too short: no sample was taken.</text>
 </svg>
@@ -117,16 +130,17 @@ mod sampler {
         }
         // The signal handler that takes the sample.
         let is = |krate, symbols: &Vec<Symbol>| symbols.last().is_some_and(|s| is_of(krate, s));
+        let is_own = |symbols: &Vec<Symbol>| CRATES.iter().any(|krate| is(krate, symbols));
         stack.retain(|symbols| !is("pprof::", symbols));
         // A waiting thread steals work on top of its stack: functions below a task of rayon are not
         // its callers.
-        let Some(own) = stack.iter().position(|symbols| is("raycost::", symbols)) else {
+        let Some(own) = stack.iter().position(is_own) else {
             return;
         };
         let task = stack[own..].iter().position(|symbols| is("rayon", symbols));
         stack.truncate(task.map_or(stack.len(), |task| own + task));
         let mut callers = stack.split_off(own);
-        callers.retain(|symbols| is("raycost::", symbols));
+        callers.retain(is_own);
         stack.retain(|symbols| !is("rayon", symbols));
         stack.append(&mut callers);
     }
