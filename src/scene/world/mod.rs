@@ -99,6 +99,19 @@ pub struct Scene {
     attributes: Vec<ObjectAttributes>,
 }
 
+/// Checks the settings that may contradict each other.
+fn check(config: &Config) -> Result<(), Fault> {
+    if config.objects.is_empty() {
+        let objects = FieldPath::default().key("objects");
+        let fault = Fault::new(objects, "the scene has no objects", "expected at least one");
+        let help = "add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`";
+        return Err(fault.with_help(help));
+    }
+    check_materials(config)?;
+    fog::check(config)?;
+    config.image.check_sampling()
+}
+
 #[derive(Debug, Clone)]
 struct ObjectAttributes {
     /// The index of the object's first primitive.
@@ -125,28 +138,31 @@ impl Scene {
         geometries: Geometries,
         space: RenderSpace,
     ) -> Result<Self, Fault> {
-        // Check the settings that contradict each other.
-        if config.objects.is_empty() {
-            return Err(Fault::new(
-                FieldPath::default().key("objects"),
-                "the scene has no objects",
-                "expected at least one",
-            )
-            .with_help("add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`"));
+        check(config)?;
+        let mut scene = Self::without_objects(config, &geometries, space);
+        scene.complete_materials(config, &geometries)?;
+        let lower_level = scene.place_objects(config, geometries)?;
+        // The instances, the fog and the lights need all primitives.
+        if scene.scatters_paths() {
+            lower_level.check_emission(config)?;
         }
-        check_materials(config)?;
-        fog::check(config)?;
-        config.image.check_sampling()?;
-        // Set up everything but the primitives and the lights.
+        lower_level.add_to(&mut scene);
+        scene.add_fog(config);
+        scene.add_lights(config);
+        Ok(scene)
+    }
+
+    /// Returns the scene with its settings and materials, but neither objects nor lights.
+    fn without_objects(config: &Config, geometries: &Geometries, space: RenderSpace) -> Self {
         let plane = config
             .camera
             .image_plane(config.image.picture_size(), &space);
-        let has_images = config.materials.values().any(Material::has_images);
+        let has = |is_such: fn(&Material) -> bool| config.materials.values().any(is_such);
         let materials = config.materials.values().cloned();
-        let mut scene = Self {
+        Self {
             space,
             image_plane: plane,
-            cone: has_images.then(|| plane.ray_cone(config.image.samples_per_pixel)),
+            cone: has(Material::has_images).then(|| plane.ray_cone(config.image.samples_per_pixel)),
             background: geometries.pictures.background(config),
             shading: config.shading.in_space(&space),
             development: config.film.development(config.shading.model),
@@ -157,34 +173,40 @@ impl Scene {
             materials: materials
                 .map(|material| material.in_space(&space))
                 .collect(),
-            has_media: config
-                .materials
-                .values()
-                .any(|material| material.dielectric.is_some()),
-            has_cutouts: config
-                .materials
-                .values()
-                .any(|material| material.cutout.is_some()),
-            has_factors: config
-                .materials
-                .values()
-                .any(|material| material.factors != FactorPictures::default()),
+            has_media: has(|material| material.dielectric.is_some()),
+            has_cutouts: has(|material| material.cutout.is_some()),
+            has_factors: has(|material| material.factors != FactorPictures::default()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
             instances: None,
             classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
             attributes: Vec::with_capacity(config.objects.len()),
-        };
-        // Complete the materials with pictures, microscopic facets and colors of arrays.
-        for (name, material) in config.materials.keys().zip(&mut scene.materials) {
+        }
+    }
+
+    /// Gives the materials their pictures, microscopic facets and colors of arrays.
+    fn complete_materials(
+        &mut self,
+        config: &Config,
+        geometries: &Geometries,
+    ) -> Result<(), Fault> {
+        for (name, material) in config.materials.keys().zip(&mut self.materials) {
             geometries.pictures.give_to(name, material);
             if config.shading.model == ShadingModel::Path {
                 material.roughen(config.shading.masking);
             }
         }
         let numbers_of = |object: usize| geometries.objects[object].scalars();
-        arrays::prepare(config, &geometries.places, numbers_of, &mut scene.materials)?;
-        // Place the objects, instanced meshes in the lower level.
+        arrays::prepare(config, &geometries.places, numbers_of, &mut self.materials)
+    }
+
+    /// Adds the primitives of all objects; returns the lower level, with the instanced meshes.
+    fn place_objects(
+        &mut self,
+        config: &Config,
+        geometries: Geometries,
+    ) -> Result<LowerLevel, Fault> {
+        let space = self.space;
         let mut lower_level = LowerLevel::default();
         let objects = config.objects.iter().zip(geometries.objects);
         for (index, (object, geometry)) in objects.enumerate() {
@@ -196,45 +218,42 @@ impl Scene {
                 uvs: pictures::needs_uvs(config, object, &materials, geometry.has_uvs(), &path)?,
                 colors: vertex_colors::are_needed(config, object, &geometry, &path)?,
             };
-            let first = scene.primitives.len() as u32;
+            let first = self.primitives.len() as u32;
             let id = ObjectId(index as u32);
             let placement = Placement::new(object, id, &materials, needs, &path, &space);
             if let ObjectGeometry::Instances(placed) = geometry {
-                let added = lower_level.add(&placement, *placed, &mut scene.n_degenerate)?;
-                scene.attributes.push(added);
+                let added = lower_level.add(&placement, *placed, &mut self.n_degenerate)?;
+                self.attributes.push(added);
                 continue;
             }
             let attributes =
-                placement.add_geometry(geometry, &mut scene.primitives, &mut scene.n_degenerate)?;
+                placement.add_geometry(geometry, &mut self.primitives, &mut self.n_degenerate)?;
             let kind = attributes.kind();
-            let added = &scene.primitives[first as usize..];
+            let added = &self.primitives[first as usize..];
             let class = |primitive| SurfaceClass::new(primitive, kind);
-            scene.classes.extend(added.iter().map(class));
-            scene
-                .attributes
-                .push(ObjectAttributes { first, attributes });
+            self.classes.extend(added.iter().map(class));
+            self.attributes.push(ObjectAttributes { first, attributes });
         }
-        // Append the instances, the fog and the lights, which need all primitives.
-        if scene.scatters_paths() {
-            lower_level.check_emission(config)?;
-        }
-        lower_level.add_to(&mut scene);
-        scene.add_fog(config);
-        scene.lights = match config.shading.model {
-            ShadingModel::AmbientOcclusion => {
-                Lights::surroundings(scene.shading.occlusion_distance)
-            }
+        Ok(lower_level)
+    }
+
+    /// Adds the lights: listed ones, emissive surfaces and the background.
+    fn add_lights(&mut self, config: &Config) {
+        self.lights = match config.shading.model {
+            ShadingModel::AmbientOcclusion => Lights::surroundings(self.shading.occlusion_distance),
             _ => Lights::new(
-                config.lights.iter().map(|light| light.in_space(&space)),
-                &scene.materials,
-                scene.world(),
-                scene.scatters_paths().then_some(&scene.background),
+                config
+                    .lights
+                    .iter()
+                    .map(|light| light.in_space(&self.space)),
+                &self.materials,
+                self.world(),
+                self.scatters_paths().then_some(&self.background),
                 config.shading.light_sampling,
-                scene.scattering_fog().copied(),
-                scene.weakens_lights(),
+                self.scattering_fog().copied(),
+                self.weakens_lights(),
             ),
         };
-        Ok(scene)
     }
 
     /// Returns true if any material is a dielectric.
