@@ -22,19 +22,9 @@ pub const FILE: OutputFile = OutputFile {
 /// The name of the last entry, the cost of rays without a hit.
 const NOTHING: &str = "nothing";
 
-/// Kinds of rays and their names in the file; `None` for all.
-const RAY_KINDS: [(&str, Option<RayKind>); 6] = [
-    ("all", None),
-    ("camera", Some(RayKind::Camera)),
-    ("shadow", Some(RayKind::Shadow)),
-    ("reflection", Some(RayKind::Reflection)),
-    ("refraction", Some(RayKind::Refraction)),
-    ("diffuse", Some(RayKind::Diffuse)),
-];
-
 /// Returns the number of rows per object or material.
 pub(crate) fn rows_per_thing() -> usize {
-    AttributionRule::ALL.len() * RAY_KINDS.len()
+    AttributionRule::ALL.len() * (1 + RayKind::ALL.len())
 }
 
 /// The metrics of a row, after the number of pixels; their shares of the whole picture are at the
@@ -134,7 +124,8 @@ impl<W: Write> Table<W> {
     ) -> io::Result<()> {
         for charge in AttributionRule::ALL {
             let whole = self.numbers(whole, whole.all(charge));
-            for (ray_kind, kind) in RAY_KINDS {
+            for kind in std::iter::once(None).chain(RayKind::ALL.map(Some)) {
+                let ray_kind = kind.map_or("all", RayKind::name);
                 let work = match kind {
                     None => account.all(charge),
                     Some(kind) => account.of_kind(charge, kind),

@@ -52,6 +52,17 @@ impl RayKind {
         Self::Refraction,
         Self::Diffuse,
     ];
+
+    /// Returns the name in files and on the terminal.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Camera => "camera",
+            Self::Shadow => "shadow",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
+            Self::Diffuse => "diffuse",
+        }
+    }
 }
 
 /// Counted work, which depends neither on the machine nor on the number of threads.

@@ -7,7 +7,7 @@ use crate::writers::distances::Distances;
 use crate::writers::rays::{CLOUD, FILE, Rays};
 use base::folder::OutputFolder;
 use render::attribution::TracedRay;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, RayKind};
 
 const RAYS: &str = include_str!("rays.pvsm");
 
@@ -23,14 +23,14 @@ const FEW: usize = 300;
 const VIEW_ANGLE: f32 = 30.0;
 /// Length of an arrow's head as a fraction of the view's height, for few and for many rays.
 const HEADS: [f32; 2] = [0.03, 0.012];
-/// The kinds of rays in the order of their numbers, in a palette for
-/// color-blind readers (Okabe and Ito, 2008).
-const KINDS: [(&str, [f32; 3]); 5] = [
-    ("camera", [0.0, 0.45, 0.70]),
-    ("shadow", [0.90, 0.62, 0.0]),
-    ("reflection", [0.84, 0.37, 0.0]),
-    ("refraction", [0.0, 0.62, 0.45]),
-    ("diffuse", [0.34, 0.71, 0.91]),
+/// The colors of the kinds of rays, by their numbers: a palette for color-blind readers (Okabe and
+/// Ito, 2008).
+const KIND_COLORS: [[f32; 3]; RayKind::ALL.len()] = [
+    [0.0, 0.45, 0.70],
+    [0.90, 0.62, 0.0],
+    [0.84, 0.37, 0.0],
+    [0.0, 0.62, 0.45],
+    [0.34, 0.71, 0.91],
 ];
 
 /// Returns the state for these rays.
@@ -44,8 +44,8 @@ pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String 
     let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
     let view = SideView::of(rays, &camera, max_distance as f32);
     let cost = cost_axis(rays);
-    let is_present = |kind: &usize| rays.iter().any(|ray| ray.kind as usize == *kind);
-    let kinds: Vec<usize> = (0..KINDS.len()).filter(is_present).collect();
+    let is_present = |kind: &RayKind| rays.iter().any(|ray| ray.kind == *kind);
+    let kinds: Vec<RayKind> = RayKind::ALL.into_iter().filter(is_present).collect();
     let head = HEADS[usize::from(rays.n > FEW)] * view.height;
     let number = |key: &str| -> Option<f64> {
         match key {
@@ -57,8 +57,8 @@ pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String 
         }
     };
     fill(RAYS, |key| {
-        let color = |kind: &usize| KINDS[*kind].1.map(|channel| channel.to_string());
-        let name = |kind: &usize| [kind.to_string(), KINDS[*kind].0.to_owned()];
+        let color = |kind: &RayKind| KIND_COLORS[*kind as usize].map(|channel| channel.to_string());
+        let name = |kind: &RayKind| [(*kind as usize).to_string(), kind.name().to_owned()];
         match key {
             FILE => Some(path_of(FILE).into()),
             CLOUD => Some(path_of(CLOUD).into()),
