@@ -21,6 +21,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use serde::Serialize;
 
 use base::folder::OutputFolder;
+use base::host::affinity;
 use base::provenance::Checksum;
 use output::memory::Memory;
 use output::summary::{FrameSection, OtherRuns, Threads};
@@ -217,6 +218,12 @@ impl Session {
             threads: Threads {
                 used: measured.schedule.n_threads as usize,
                 available: std::thread::available_parallelism().map_or(1, usize::from),
+                pin: options.pin,
+                affinity: pool.broadcast(|_| {
+                    affinity::allowed_cpus()
+                        .ok()
+                        .map(|cpus| affinity::cpu_list(&cpus))
+                }),
             },
             measured,
             vtkhdf: options.vtkhdf,

@@ -1,12 +1,13 @@
 //! Options of a rendering.
 
-use std::fmt;
+use std::{fmt, io};
 
 use super::RenderError;
+use base::host::affinity;
 use base::stop::Cancellation;
 use base::text::Diagnostic;
 use render::tiles::Progress;
-use scene::config::{SimdSet, Traversal};
+use scene::config::{Pinning, SimdSet, Traversal};
 
 /// Receives progress, from any thread.
 pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
@@ -26,6 +27,8 @@ pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 pub struct Options<'a> {
     /// Number of threads, at least 1; `None` for one per processor.
     pub threads: Option<u16>,
+    /// The places of the threads.
+    pub pin: Pinning,
     /// The instruction set; `None` for the fastest one of the processor.
     pub simd: Option<SimdSet>,
     /// The way in which the rays of a wave are traced.
@@ -89,8 +92,31 @@ impl Options<'_> {
 
     /// Starts the threads.
     pub(super) fn thread_pool(&self) -> Result<rayon::ThreadPool, RenderError> {
-        thread_pool(self.threads, &self.cancellation).map_err(RenderError::Machine)
+        let pool = thread_pool(self.threads, &self.cancellation).map_err(RenderError::Machine)?;
+        if self.pin == Pinning::Cores {
+            pin(&pool)?;
+        }
+        Ok(pool)
     }
+}
+
+/// Restricts each thread of a pool to one CPU.
+fn pin(pool: &rayon::ThreadPool) -> Result<(), RenderError> {
+    let cannot = |why: String| Diagnostic::new(format!("cannot pin the threads: {why}"));
+    let refused = |error: io::Error| {
+        let help = "leave out `--pin`, which only Linux has";
+        RenderError::Machine(cannot(error.to_string()).with_help(help))
+    };
+    let cpus = affinity::cpus_by_core().map_err(refused)?;
+    let n = pool.current_num_threads();
+    if n > cpus.len() {
+        let message = cannot(format!("there are {n}, but only {} CPUs", cpus.len()));
+        let help = format!("use `--threads {}`", cpus.len());
+        return Err(RenderError::Scene(message.with_help(help)));
+    }
+    let pinned = pool.broadcast(|thread| affinity::pin_to_cpu(cpus[thread.index()]));
+    let pinned: io::Result<()> = pinned.into_iter().collect();
+    pinned.map_err(refused)
 }
 
 /// Starts threads whose work the cancellation stops; `None` for one per processor.
@@ -116,6 +142,7 @@ impl fmt::Debug for Options<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Options")
             .field("threads", &self.threads)
+            .field("pin", &self.pin)
             .field("simd", &self.simd)
             .field("traversal", &self.traversal)
             .field("measure_overhead", &self.measure_overhead)

@@ -217,7 +217,7 @@ impl Rendering<'_> {
             attribution: measured.attribution.as_ref(),
             vtkhdf: self.vtkhdf,
             profiler,
-            threads: self.threads,
+            threads: self.threads.clone(),
         }
     }
 }

@@ -24,6 +24,7 @@ mod limits;
 mod mutations;
 mod new;
 mod package;
+mod pinning;
 mod prediction;
 mod roofline;
 mod schema;

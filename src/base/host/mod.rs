@@ -2,6 +2,7 @@
 //! fails, and advice on other errors.
 
 mod advice;
+pub mod affinity;
 mod allocator;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod heap;

@@ -10,6 +10,7 @@ use base::text::Diagnostic;
 use base::text::numbers::parse_bytes;
 use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use render::ranks::n_launched;
+use scene::config::Pinning;
 use tools::series::FRAMES;
 
 /// Merge the parts of a picture that `raycost render --part` wrote
@@ -30,8 +31,8 @@ pub(in crate::cli) struct MergeArguments {
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
 
-    /// Also write cloud and frame in this format, those of an animation in one file each;
-    /// needs a build with `--features hdf5`
+    /// Also write cloud and frame in this format; an animation has one file each for all frames.
+    /// Needs a build with `--features hdf5`
     #[arg(long, value_name = "FORMAT")]
     format: Option<ExtraFormat>,
 
@@ -44,7 +45,7 @@ pub(in crate::cli) struct MergeArguments {
     #[arg(long)]
     sync: bool,
 
-    /// Use at most so much memory, such as 4G or 500M [default: three quarters of what is
+    /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
     /// available]. A picture that needs more is written in pieces
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     memory: Option<u64>,
@@ -94,6 +95,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         timeout: None,
         format: arguments.format,
         threads: arguments.threads,
+        pin: Pinning::None,
         simd: None,
         traversal: None,
         measure_overhead: false,

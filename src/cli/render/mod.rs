@@ -32,7 +32,7 @@ use render::checkpoint::PicturePart;
 use render::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use render::ranks::{Ranks, n_launched};
 use scene::animation::FrameRange;
-use scene::config::{Config, SimdSet, Traversal};
+use scene::config::{Config, Pinning, SimdSet, Traversal};
 use scene::world::Geometries;
 use vtk::hdf;
 
@@ -67,8 +67,8 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "PART")]
     part: Option<PicturePart>,
 
-    /// Keep finished tiles in the output folder while rendering, and go on with those of
-    /// an interrupted run
+    /// Keep finished tiles in the output folder while rendering, and continue an interrupted run
+    /// from its tiles
     #[arg(long)]
     resume: bool,
 
@@ -81,14 +81,18 @@ pub(super) struct RenderArguments {
     #[arg(skip)]
     merges: bool,
 
-    /// Also write cloud and frame in this format, those of an animation in one file each;
-    /// needs a build with `--features hdf5`
+    /// Also write cloud and frame in this format; an animation has one file each for all frames.
+    /// Needs a build with `--features hdf5`
     #[arg(long, value_name = "FORMAT")]
     format: Option<ExtraFormat>,
 
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Where the threads may run; `threads` in summary.json says where they could
+    #[arg(long, value_name = "WHERE", default_value = "none")]
+    pin: Pinning,
 
     /// Vector instructions to use [default: the fastest that the processor has]
     #[arg(long, value_name = "SET")]
@@ -117,7 +121,7 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     sync: bool,
 
-    /// Use at most so much memory, such as 4G or 500M [default: three quarters of what is
+    /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
     /// available]. A picture that needs more is written in pieces, by way of a file of tiles
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     memory: Option<u64>,
@@ -333,6 +337,7 @@ impl RenderArguments {
     fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
         Options {
             threads: self.threads,
+            pin: self.pin,
             simd: self.simd,
             traversal: self.traversal.unwrap_or_default(),
             measure_overhead: self.measure_overhead,
@@ -348,7 +353,7 @@ fn start_profiler() -> Result<Profiler, Failure> {
         NoProfiler::NotBuilt => Diagnostic::new("this raycost was built without a profiler")
             .with_help("build one: `cargo run --release --features profile -- render …`")
             .into(),
-        NoProfiler::Unknown => Diagnostic::new("profiles are taken on Linux and macOS alone")
+        NoProfiler::Unknown => Diagnostic::new("only Linux and macOS take profiles")
             .with_help("leave out `--profile`")
             .into(),
         NoProfiler::Refused(why) => Failure::Machine(

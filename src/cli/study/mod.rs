@@ -274,7 +274,7 @@ fn checked_files(
     let flags = point.flags.iter().chain(&plan.flags).cloned();
     let words: Vec<String> = words.chain([scene]).chain(flags.clone()).collect();
     // `check` has none of these.
-    let of_render = ["--threads=", "--simd=", "--traversal="];
+    let of_render = ["--threads=", "--pin=", "--simd=", "--traversal="];
     let is_of_check = |word: &&String| !of_render.iter().any(|flag| word.starts_with(flag));
     let words = words.iter().filter(is_of_check);
     let refused = |error: clap::Error| {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sysinfo::System;
 
 use base::provenance;
+use scene::config::Pinning;
 
 /// The machine that rendered, as far as the system reports it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,13 +34,20 @@ pub struct Build {
     pub flags: String,
 }
 
-/// The number of threads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// The threads.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Threads {
     /// Threads that rendered.
     pub used: usize,
     /// Threads that the machine can run at once.
     pub available: usize,
+    /// The places of the threads that the user asked for.
+    #[serde(default)]
+    pub pin: Pinning,
+    /// The CPUs on which each thread of this process may run, as Linux lists them, such as
+    /// `0-3,8`; null where the system does not report them.
+    #[serde(default)]
+    pub affinity: Vec<Option<String>>,
 }
 
 impl Machine {

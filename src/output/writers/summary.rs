@@ -59,7 +59,7 @@ fn of(job: &Job) -> Summary {
         ),
         machine: Machine::current(),
         build: Some(rendering.build.clone()),
-        threads: rendering.threads,
+        threads: rendering.threads.clone(),
         ranks: rendering.ranks.cloned(),
         other_runs: rendering.other_runs.cloned(),
         stages: stages.ended.iter().map(StageEntry::from).collect(),

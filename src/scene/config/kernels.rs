@@ -1,4 +1,5 @@
-//! The vector instructions and the traversal of rays, which do not change the results.
+//! The vector instructions, the traversal of rays and the places of threads, which do not change
+//! the results.
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -10,7 +11,7 @@ use math::simd::Simd;
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
 pub enum SimdSet {
-    /// What every processor has
+    /// The instructions that every processor has
     Portable,
     /// 8 numbers at a time, on x86-64
     Avx2,
@@ -28,6 +29,18 @@ pub enum Traversal {
     /// Many at a time
     #[default]
     Stream,
+}
+
+/// Where the threads may run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum Pinning {
+    /// Where the system puts them
+    #[default]
+    None,
+    /// Each on one CPU: one thread per core before two share one. On Linux
+    Cores,
 }
 
 impl SimdSet {
@@ -48,6 +61,12 @@ impl SimdSet {
 }
 
 impl<'de> Deserialize<'de> for SimdSet {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        text::keyword(d)
+    }
+}
+
+impl<'de> Deserialize<'de> for Pinning {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         text::keyword(d)
     }

@@ -41,7 +41,7 @@ pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE, PictureWindow};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
-pub use kernels::{SimdSet, Traversal};
+pub use kernels::{Pinning, SimdSet, Traversal};
 pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};

@@ -10,7 +10,7 @@ use super::factor_level::{
     BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth, setting,
 };
 use scene::config::{
-    CostMode, MAX_SAMPLES, MAX_SHAPES, SimdSet, Structure, TileOrder, Tiling, Traversal,
+    CostMode, MAX_SAMPLES, MAX_SHAPES, Pinning, SimdSet, Structure, TileOrder, Tiling, Traversal,
 };
 use vtk::Codec;
 
@@ -70,6 +70,8 @@ factors! {
     TileOrder "tile_order": TileOrder => |order| keyword("tile-order", order);
     /// The cost that is measured for each pixel.
     Cost "cost": CostMode => |cost| keyword("cost", cost);
+    /// The places of the threads.
+    Pin "pin": Pinning => |pin| keyword("pin", pin);
     /// The vector instructions.
     Simd "simd": SimdSet => |simd| keyword("simd", simd);
     /// The way in which the rays of a wave are traced.
