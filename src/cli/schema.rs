@@ -15,7 +15,7 @@ the first line of a scene:
   raycost schema > scene.schema.json
   # yaml-language-server: $schema=scene.schema.json")]
 pub(super) struct SchemaArguments {
-    /// What the files are
+    /// Kind of the files
     #[arg(value_name = "KIND", default_value = "scene")]
     kind: SchemaKind,
 }

@@ -4,12 +4,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::{Value, json};
+
 use super::{Failure, shown};
 use base::folder::SUMMARY;
+use base::text::Diagnostic;
 use base::text::numbers::counted;
-use base::text::{self, Diagnostic};
 use output::results::{read_unchanged, verify};
-use output::summary::Summary;
+use output::summary::{Partial, Summary};
 use tools::series::{FRAMES, FrameSeries, frame_folder};
 
 /// Returns the outputs in a folder: itself, or the folders of its frames; `None` if it has none.
@@ -26,20 +28,62 @@ pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
     Some(frames).filter(|frames| !frames.is_empty())
 }
 
+/// An output whose files are as they were written.
+pub(super) struct WholeOutput {
+    folder: PathBuf,
+    n_files: u64,
+    /// `None` for a still.
+    n_frames: Option<u64>,
+    /// The folders of pictures with missing tiles.
+    partial: Vec<(PathBuf, Partial)>,
+}
+
+impl WholeOutput {
+    /// Returns the lines of the report.
+    pub(super) fn lines(&self) -> String {
+        let note = |(part, partial): &(PathBuf, _)| format!("note    {}: {partial}\n", shown(part));
+        let notes: String = self.partial.iter().map(note).collect();
+        let files = files(self.n_files, self.n_frames);
+        format!("output  {} is whole: {files}\n{notes}", shown(&self.folder))
+    }
+
+    /// Returns the report for other programs.
+    pub(super) fn json(&self) -> Value {
+        let partial = self.partial.iter();
+        let partial = partial
+            .map(|(part, missing)| json!({ "out": part.to_string_lossy(), "partial": missing }));
+        json!({
+            "out": self.folder.to_string_lossy(),
+            "n_files": self.n_files,
+            "n_frames": self.n_frames,
+            "partial": partial.collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Returns the number of files, and of the frames that they belong to.
+fn files(n_files: u64, n_frames: Option<u64>) -> String {
+    let files = counted(n_files, "file");
+    match n_frames {
+        None => files,
+        Some(n) => format!("{files} in {}", counted(n, "frame")),
+    }
+}
+
 /// Compares the files of output folders, which are `folder` or its frames, with their summaries,
 /// and the files beside frames with these.
 ///
 /// # Errors
 /// A file that has changed since it was written, or a frame that is missing.
-pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> {
-    let (mut n, mut broken, mut notes) = (0, Vec::new(), String::new());
+pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, Failure> {
+    let (mut n, mut broken, mut missing) = (0, Vec::new(), Vec::new());
     let mut summaries = Vec::new();
     for part in parts {
         let within = part.strip_prefix(folder).unwrap_or(Path::new(""));
         let verdicts = read_unchanged(&[part], || verify(part))?;
         let summary = Summary::read(&part.join(SUMMARY)).ok();
         if let Some(partial) = summary.as_ref().and_then(|summary| summary.partial) {
-            notes += &format!("note    {}: {partial}\n", shown(part));
+            missing.push((part.clone(), partial));
         }
         summaries.extend(summary);
         n += verdicts.len() as u64;
@@ -48,19 +92,19 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<(), Failure> 
             Some(format!("{}: {}", name.display(), verdict.fault.as_ref()?))
         }));
     }
-    let shown = shown(folder);
-    let files = match parts {
-        [one] if one == folder => counted(n, "file"),
-        frames => {
-            broken.extend(faults_of_series(folder, &summaries));
-            let n_frames = counted(frames.len() as u64, "frame");
-            format!("{} in {n_frames}", counted(n, "file"))
-        }
-    };
-    if broken.is_empty() {
-        let text = format!("output  {shown} is whole: {files}\n{notes}");
-        return Ok(text::print(&text)?);
+    let n_frames = (parts != [folder]).then_some(parts.len() as u64);
+    if n_frames.is_some() {
+        broken.extend(faults_of_series(folder, &summaries));
     }
+    if broken.is_empty() {
+        return Ok(WholeOutput {
+            folder: folder.to_owned(),
+            n_files: n,
+            n_frames,
+            partial: missing,
+        });
+    }
+    let (shown, files) = (shown(folder), files(n, n_frames));
     let message = format!("`{shown}` is damaged: {} of {files}", broken.len());
     Err(Diagnostic::new(message)
         .with_note(broken.join("\n"))

@@ -20,6 +20,7 @@ mod figures;
 mod fuzz;
 mod gallery;
 mod include;
+mod json;
 mod limits;
 mod mutations;
 mod new;

@@ -10,7 +10,7 @@ use super::picture::{FinishedPicture, Until};
 use super::tiles;
 use super::{RenderArguments, start_profiler};
 use crate::cli::open_scene::OpenScene;
-use crate::cli::{Failure, shell_word, shown};
+use crate::cli::{Failure, json, shell_word, shown};
 use crate::session::{Frames, Input, Session};
 use base::stop;
 use base::text::numbers::{counted, duration};
@@ -66,6 +66,9 @@ pub(super) fn render(
                     failure.or_kept(|| frames_kept(arguments, n_kept + n_rendered))
                 })?,
         };
+        if arguments.json {
+            json::print_summary(&folder)?;
+        }
         match done {
             FrameDone::Kept => n_kept += 1,
             FrameDone::Rendered => n_rendered += 1,
@@ -79,7 +82,7 @@ pub(super) fn render(
         None => job.finish()?,
         Some(_) => part::next_line(&out),
     };
-    if !arguments.quiet {
+    if !arguments.quiet && !arguments.json {
         let kept = match n_kept {
             0 => String::new(),
             n => format!(", {n} complete from an earlier run"),
@@ -234,7 +237,7 @@ impl FrameJob<'_> {
             }
         };
         self.hierarchies.take_from(&session, geometry)?;
-        if !arguments.quiet {
+        if !arguments.quiet && !arguments.json {
             text::print(&match &done {
                 FrameRender::Part(part, done) => done.line(*part, folder),
                 FrameRender::Whole(text, _) => {

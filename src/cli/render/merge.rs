@@ -104,6 +104,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         sync: arguments.sync,
         memory: arguments.memory,
         while_input_is_open: false,
+        json: false,
         quiet: arguments.quiet,
     };
     super::render_scene(&arguments, None)

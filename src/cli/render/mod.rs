@@ -21,7 +21,7 @@ use ranks::Crew;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
-use crate::cli::{Failure, run_summary};
+use crate::cli::{Failure, json, run_summary};
 use crate::session::{Event, Options, Session};
 use base::folder::refuse_root;
 use base::stop;
@@ -130,6 +130,11 @@ pub(super) struct RenderArguments {
     #[arg(long, hide = true)]
     while_input_is_open: bool,
 
+    /// Print the `summary.json` of the run as a line of JSON, after the output folder; of an
+    /// animation, a line for each frame
+    #[arg(long, conflicts_with_all = ["quiet", "picture", "part"])]
+    json: bool,
+
     /// Print only errors
     #[arg(long, short)]
     quiet: bool,
@@ -222,7 +227,9 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     if let Some(team) = team {
         team.ranks.leave();
     }
-    if !arguments.quiet {
+    if arguments.json {
+        json::print_summary(&out)?;
+    } else if !arguments.quiet {
         text::print(&still_lines(arguments, &picture, profiler.as_ref()))?;
     }
     // The process ends: the system frees all memory at once.

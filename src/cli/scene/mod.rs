@@ -45,7 +45,7 @@ pub(in crate::cli) struct SceneArguments {
     height: Option<u32>,
 
     /// Only this window of the picture: its first column and row, from 0, its width and its
-    /// height. Its pixels are those of the whole picture
+    /// height. Its pixels are the same as in the whole picture
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT")]
     crop: Option<Crop>,
 

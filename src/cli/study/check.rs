@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::{Value, json};
+
 use super::{Failure, Study};
 use base::text::numbers::{count, counted};
 use base::text::{Diagnostic, one_line};
@@ -16,48 +18,82 @@ pub(in crate::cli) fn is_study(source: &Source) -> bool {
     source.has_key(SCENES)
 }
 
-/// Checks a study with its small matrix, and every scene that it names. Returns the report.
+/// A study whose scenes can be rendered here.
+pub(in crate::cli) struct CheckedStudy {
+    /// The file, or `-`.
+    name: String,
+    study: Study,
+    /// The runs of the small matrix.
+    n_quick_runs: u64,
+}
+
+/// Checks a study with its small matrix, and every scene that it names.
 ///
 /// # Errors
 /// The first fault of the study or of a scene, or if it cannot run here.
-pub(in crate::cli) fn checked(source: &Source) -> Result<String, Failure> {
-    let shown = one_line(source.name()).into_owned();
+pub(in crate::cli) fn checked(source: &Source) -> Result<CheckedStudy, Failure> {
     let stem = Path::new(source.name()).file_stem().unwrap_or_default();
     let out = Path::new("out/studies").join(stem);
     let quick = Study::of(source, PathBuf::new(), true, true)?;
-    let study = Study::of(source, out, false, true)?;
-    let plan = &study.plan;
-    let scenes = study.scenes.names().into_iter();
-    let scenes: Vec<_> = scenes.map(|name| one_line(name).into_owned()).collect();
-    let mut lines = vec![
-        (
-            "study",
-            format!("{shown} is fine: {}", one_line(&plan.title)),
-        ),
-        ("scenes", scenes.join(", ")),
-        ("points", points(plan, study.points.len())),
-        (
-            "runs",
-            format!(
-                "{}: {} and {} of each point; {} with `raycost study --quick`",
-                count(plan.n_runs()),
-                counted(u64::from(plan.warm_up), "warm-up run"),
-                counted(u64::from(plan.repeats), "measured run"),
-                count(quick.plan.n_runs()),
-            ),
-        ),
-        ("plots", count(plan.plots.len() as u64)),
-    ];
-    if let Some(launcher) = &plan.launcher {
-        let note = match launcher.suspect() {
-            None => "",
-            Some(_) => ", which only runs with `raycost study --allow-commands`",
-        };
-        lines.push(("starts", format!("{}{note}", one_line(launcher.command()))));
+    Ok(CheckedStudy {
+        name: source.name().to_owned(),
+        study: Study::of(source, out, false, true)?,
+        n_quick_runs: quick.plan.n_runs(),
+    })
+}
+
+impl CheckedStudy {
+    /// Returns the report for other programs.
+    pub(in crate::cli) fn json(&self) -> Value {
+        let plan = &self.study.plan;
+        json!({
+            "study": self.name,
+            "title": plan.title,
+            "scenes": self.study.scenes.names(),
+            "n_points": self.study.points.len(),
+            "n_runs": plan.n_runs(),
+            "n_quick_runs": self.n_quick_runs,
+            "n_plots": plan.plots.len(),
+            "out": self.study.out.to_string_lossy(),
+        })
     }
-    lines.push(("files", format!("in {}", study.out.display())));
-    let line = |(name, text): (&str, String)| format!("{name:<8}{text}\n");
-    Ok(lines.into_iter().map(line).collect())
+
+    /// Returns the lines of the report.
+    pub(in crate::cli) fn lines(&self) -> String {
+        let (study, shown) = (&self.study, one_line(&self.name));
+        let plan = &study.plan;
+        let scenes = study.scenes.names().into_iter();
+        let scenes: Vec<_> = scenes.map(|name| one_line(name).into_owned()).collect();
+        let mut lines = vec![
+            (
+                "study",
+                format!("{shown} is fine: {}", one_line(&plan.title)),
+            ),
+            ("scenes", scenes.join(", ")),
+            ("points", points(plan, study.points.len())),
+            (
+                "runs",
+                format!(
+                    "{}: {} and {} of each point; {} with `raycost study --quick`",
+                    count(plan.n_runs()),
+                    counted(u64::from(plan.warm_up), "warm-up run"),
+                    counted(u64::from(plan.repeats), "measured run"),
+                    count(self.n_quick_runs),
+                ),
+            ),
+            ("plots", count(plan.plots.len() as u64)),
+        ];
+        if let Some(launcher) = &plan.launcher {
+            let note = match launcher.suspect() {
+                None => "",
+                Some(_) => ", which only runs with `raycost study --allow-commands`",
+            };
+            lines.push(("starts", format!("{}{note}", one_line(launcher.command()))));
+        }
+        lines.push(("files", format!("in {}", study.out.display())));
+        let line = |(name, text): (&str, String)| format!("{name:<8}{text}\n");
+        lines.into_iter().map(line).collect()
+    }
 }
 
 /// Returns the number of points and of the levels that are crossed.

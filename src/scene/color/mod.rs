@@ -39,7 +39,7 @@ pub struct Development {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Transfer {
-    /// That of sRGB displays (IEC 61966-2-1)
+    /// Of sRGB displays (IEC 61966-2-1)
     #[default]
     Srgb,
     /// None: the numbers are proportional to the light

@@ -34,7 +34,7 @@ pub enum PixelArray {
     Instance,
     /// The number of the pixel, in the cloud
     Pixel,
-    /// Whether the hit is near the horizon, in the cloud
+    /// 1 for a hit near the horizon, in the cloud
     Horizon,
     /// The time of the pixel
     TimeNs,

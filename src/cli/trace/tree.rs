@@ -121,7 +121,6 @@ impl<'a> Trees<'a> {
             (true, part) => part.to_array().map(|channel| format!("({channel:.3})")),
             (false, color) => channels(color),
         });
-        let (kind, color) = kind(ray.kind);
         let has_samples = tree.rays.last().is_some_and(|last| last.sample > 0);
         let sample = if ray.parent.is_none() && has_samples {
             format!(", sample {}", ray.sample)
@@ -130,7 +129,10 @@ impl<'a> Trees<'a> {
         };
         TreeRow {
             branches,
-            first: (format!("{kind}{sample}"), color.on_default()),
+            first: (
+                format!("{}{sample}", ray.kind.name()),
+                color(ray.kind).on_default(),
+            ),
             cells,
         }
     }
@@ -227,15 +229,14 @@ impl TreeRow {
     }
 }
 
-/// Returns the name of a kind of rays and its color, the terminal's nearest to the color in
-/// `rays.pvsm`.
-fn kind(kind: RayKind) -> (&'static str, AnsiColor) {
+/// Returns the color of a kind of rays, the terminal's nearest to the color in `rays.pvsm`.
+fn color(kind: RayKind) -> AnsiColor {
     match kind {
-        RayKind::Camera => ("camera", AnsiColor::Blue),
-        RayKind::Shadow => ("shadow", AnsiColor::Yellow),
-        RayKind::Reflection => ("reflection", AnsiColor::Red),
-        RayKind::Refraction => ("refraction", AnsiColor::Green),
-        RayKind::Diffuse => ("diffuse", AnsiColor::Cyan),
+        RayKind::Camera => AnsiColor::Blue,
+        RayKind::Shadow => AnsiColor::Yellow,
+        RayKind::Reflection => AnsiColor::Red,
+        RayKind::Refraction => AnsiColor::Green,
+        RayKind::Diffuse => AnsiColor::Cyan,
     }
 }
 

@@ -1,5 +1,8 @@
 //! `raycost trace`.
 
+mod json;
+mod tree;
+
 use std::path::Path;
 
 use super::open_scene::OpenScene;
@@ -7,7 +10,6 @@ use super::progress::{BuildBar, PixelBar};
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
-use super::tree::Trees;
 use super::{Failure, hottest, shell_word, shown};
 use crate::session::{Input, Options};
 use base::folder::{OutputFolder, Written};
@@ -23,6 +25,7 @@ use scene::config::{Config, Image, Tiling, WrittenArrays};
 use scene::world::{Geometries, Scene, World};
 use tracer::accel::Accel;
 use tracer::cost::{Meter, Metric};
+use tree::Trees;
 
 /// Show all rays of some pixels and the cost of each
 ///
@@ -72,6 +75,10 @@ pub(super) struct TraceArguments {
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// Print each pixel with all of its rays as a line of JSON
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
 
     /// Print only errors
     #[arg(long, short)]
@@ -153,7 +160,11 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         cloud: &cloud,
     };
     let written = write_traced(&traced, config.compress, &folder)?;
-    if !arguments.quiet {
+    if arguments.json {
+        for pixel in &observed {
+            super::json::print(&json::pixel(pixel, &traced, &config))?;
+        }
+    } else if !arguments.quiet {
         let trees = Trees::new(&config, &traced).text();
         let closing = closing_lines(&observed, &written, &arguments.scene.out());
         text::print_styled(&(trees + &pixels.found() + &closing))?;

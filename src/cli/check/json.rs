@@ -1,0 +1,71 @@
+//! The report of `raycost check --json` on a scene.
+
+use serde_json::{Value, json};
+
+use super::CheckedScene;
+use output::memory;
+use output::prediction::{ArrayFile, DiskUse};
+use output::summary::ImageSection;
+use render::schedule::TileGrid;
+use scene::config::Acceleration;
+
+/// Returns the report. Its keys are those of `summary.json` where both have them.
+pub(super) fn report(checked: &CheckedScene) -> Value {
+    let CheckedScene { config, scene, .. } = checked;
+    let frames = checked.open.frames.as_ref().map(|frames| {
+        let [first, last] = [0, frames.n_frames() - 1].map(|number| frames.frame(number).time);
+        json!({ "n": frames.n_frames(), "first_time": first, "last_time": last, "fps": frames.fps() })
+    });
+    let (kind, quality) = match config.acceleration {
+        Acceleration::Bvh(quality) => ("bvh", Some(quality)),
+        Acceleration::BruteForce => ("brute_force", None),
+    };
+    let (image, tiling) = (&config.image, &config.tiles);
+    let n_tiles = TileGrid::new(image.width, image.height, tiling.size).n_tiles();
+    let world = scene.world();
+    json!({
+        "scene": { "name": checked.arguments.name(), "file": checked.arguments.scene.to_string_lossy() },
+        "frames": frames,
+        "image": ImageSection::from(image),
+        "n_camera_rays": image.n_camera_rays(),
+        "n_objects": config.objects.len(),
+        "n_materials": config.materials.len(),
+        "n_lights": config.lights.len(),
+        "n_primitives": world.n_primitives(),
+        "n_instances": world.instances.map(|instances| instances.n_instances()),
+        "n_degenerate_triangles": scene.n_degenerate,
+        "acceleration": { "kind": kind, "quality": quality },
+        "cost": { "mode": config.cost },
+        "tiles": { "tile_size": tiling.size, "order": tiling.order.name(), "n_tiles": n_tiles },
+        "memory": of_memory(checked),
+        "disk": of_disk(&checked.expected.disk),
+        "out": checked.folder().to_string_lossy(),
+        "files": checked.files(),
+    })
+}
+
+/// Returns the expected peak, the upper bound and the free memory, in bytes.
+fn of_memory(checked: &CheckedScene) -> Value {
+    let memory = &checked.memory;
+    json!({
+        "peak": checked.expected.peak_memory,
+        "at_most": memory.total(),
+        "film": memory.film,
+        "scene": memory.scene,
+        "available": memory::available(),
+        "rows_at_a_time": memory.band_rows,
+    })
+}
+
+/// Returns the lengths of the files in bytes; of arrays whose compressed length is not predicted,
+/// the length before compression.
+fn of_disk(disk: &DiskUse) -> Value {
+    let array = |file: &ArrayFile| json!({ "file": file.name, "bytes": file.n_bytes, "before_compression": !file.is_known });
+    json!({
+        "arrays": disk.arrays.iter().map(array).collect::<Vec<_>>(),
+        "layers_before_compression": disk.layers,
+        "pictures": disk.pictures,
+        "texts": disk.texts,
+        "tiles_until_the_end": disk.tiles,
+    })
+}

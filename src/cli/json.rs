@@ -1,0 +1,36 @@
+//! Results as JSON on standard output, one line each, for `--json`.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::Failure;
+use base::files::read_text;
+use base::folder::SUMMARY;
+use base::text::{self, Diagnostic};
+use output::summary::MAX_BYTES;
+
+/// Prints a value as a line.
+pub(super) fn print(value: &Value) -> Result<(), Failure> {
+    print_text(&value.to_string())
+}
+
+/// Prints the `summary.json` of a written folder as a line, after the key `out` with the folder.
+pub(super) fn print_summary(folder: &Path) -> Result<(), Failure> {
+    let path = folder.join(SUMMARY);
+    let summary = read_text(&path, MAX_BYTES).map_err(|error| {
+        let message = format!("cannot read `{}`: {error}", path.display());
+        Failure::Machine(Diagnostic::new(message))
+    })?;
+    // The numbers keep their digits: only line ends and indents go, which no string has.
+    let line: String = summary.lines().map(str::trim_start).collect();
+    let members = line.strip_prefix('{').unwrap_or(&line);
+    print_text(&format!(
+        "{{\"out\": {},{members}",
+        json!(folder.to_string_lossy())
+    ))
+}
+
+fn print_text(json: &str) -> Result<(), Failure> {
+    Ok(text::print(&(text::visible_json(json) + "\n"))?)
+}
