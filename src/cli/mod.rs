@@ -34,10 +34,10 @@ use clap::{Parser, Subcommand};
 pub use failure::Failure;
 
 use crate::session;
+use ::scene::import;
 use base::stop::{self, Cancellation};
 use base::text::numbers::shell_word;
 use base::text::{self, Diagnostic, one_line};
-pub use scene::import;
 
 /// A ray tracer that shows its work
 ///

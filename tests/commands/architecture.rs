@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::in_repository;
 
-/// The folders of the crates in the order of `Cargo.toml`; that of the program is the last.
+/// The folders of the crates in the order of `Cargo.toml`; the program's is the last.
 fn crates() -> Vec<PathBuf> {
     let manifest = fs::read_to_string(in_repository("Cargo.toml")).unwrap();
     let (_, members) = manifest.split_once("\nmembers = [").unwrap();
@@ -43,7 +43,7 @@ fn declared(text: &str) -> Vec<String> {
 }
 
 /// All Rust files below a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -122,6 +122,20 @@ fn a_crate_uses_only_those_above_it() {
                 assert!(names[..index].contains(&used), "{name} uses {used}");
             }
         }
+    }
+}
+
+/// Otherwise flame graphs would leave out its functions.
+#[test]
+fn the_profiler_knows_every_crate() {
+    let profiler = in_repository("src/render/instruments/profile.rs");
+    let profiler = fs::read_to_string(profiler).unwrap();
+    for folder in crates() {
+        let name = match folder.file_name().and_then(|name| name.to_str()) {
+            Some("src") => "raycost",
+            other => other.unwrap(),
+        };
+        assert!(profiler.contains(&format!("\"{name}::\"")), "{name}");
     }
 }
 

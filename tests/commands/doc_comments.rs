@@ -1,4 +1,4 @@
-//! The doc comments of keys and keywords, which `raycost schema` shows, are those of the sources.
+//! `raycost schema` shows the doc comments that keys and keywords have in the sources.
 //!
 //! The sources are formatted, so that a line shows what it is: a type begins with `struct` or
 //! `enum`, a list of kinds with the name of its macro, and both end with `}` in the first

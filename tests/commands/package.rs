@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 
+use crate::architecture::files;
 use crate::common::{assert_success, in_repository};
 
 #[path = "../../build/package.rs"]
@@ -44,21 +45,21 @@ fn it_has_the_pictures_of_the_readme_and_no_documents_in_pdf() {
 /// A crate's package has nothing from outside of its folder.
 #[test]
 fn no_crate_includes_files_of_others() {
-    let found = Command::new("grep")
-        .args(["-rnE", r#"include_(str|bytes)!\("|#\[path = ""#])
-        .args(["--include=*.rs", "src"])
-        .current_dir(in_repository(""))
-        .output()
-        .unwrap();
-    let text = String::from_utf8(found.stdout).unwrap();
-    assert!(text.lines().count() > 10);
-    for line in text.lines() {
-        let (file, _) = line.split_once(':').unwrap();
-        // Folders from the crate down to the file.
-        let depth = file.split('/').count() - 3;
-        let up = line.matches("../").count();
-        assert!(up <= depth, "{line}");
+    let src = in_repository("src");
+    let mut n_found = 0;
+    for file in files(&src) {
+        let text = fs::read_to_string(&file).unwrap();
+        let names = ["include_str!(\"", "include_bytes!(\"", "#[path = \""];
+        let is_other_file = |line: &&str| names.iter().any(|name| line.contains(name));
+        for line in text.lines().filter(is_other_file) {
+            n_found += 1;
+            // Folders from the crate down to the file.
+            let depth = file.strip_prefix(&src).unwrap().iter().count() - 2;
+            let up = line.matches("../").count();
+            assert!(up <= depth, "{}: {line}", file.display());
+        }
     }
+    assert!(n_found > 10);
 }
 
 #[test]

@@ -7,24 +7,27 @@ use output::memory;
 use output::prediction::{ArrayFile, DiskUse};
 use output::summary::ImageSection;
 use render::schedule::TileGrid;
-use scene::config::Acceleration;
 
-/// Returns the report. Its keys are those of `summary.json` where both have them.
+/// Returns the report. It has the keys of `summary.json` for what both say.
 pub(super) fn report(checked: &CheckedScene) -> Value {
     let CheckedScene { config, scene, .. } = checked;
     let frames = checked.open.frames.as_ref().map(|frames| {
         let [first, last] = [0, frames.n_frames() - 1].map(|number| frames.frame(number).time);
-        json!({ "n": frames.n_frames(), "first_time": first, "last_time": last, "fps": frames.fps() })
+        json!({
+            "n": frames.n_frames(),
+            "first_time": first,
+            "last_time": last,
+            "fps": frames.fps(),
+        })
     });
-    let (kind, quality) = match config.acceleration {
-        Acceleration::Bvh(quality) => ("bvh", Some(quality)),
-        Acceleration::BruteForce => ("brute_force", None),
-    };
-    let (image, tiling) = (&config.image, &config.tiles);
+    let (image, tiling, acceleration) = (&config.image, &config.tiles, config.acceleration);
     let n_tiles = TileGrid::new(image.width, image.height, tiling.size).n_tiles();
     let world = scene.world();
     json!({
-        "scene": { "name": checked.arguments.name(), "file": checked.arguments.scene.to_string_lossy() },
+        "scene": {
+            "name": checked.arguments.name(),
+            "file": checked.arguments.scene.to_string_lossy(),
+        },
         "frames": frames,
         "image": ImageSection::from(image),
         "n_camera_rays": image.n_camera_rays(),
@@ -34,7 +37,7 @@ pub(super) fn report(checked: &CheckedScene) -> Value {
         "n_primitives": world.n_primitives(),
         "n_instances": world.instances.map(|instances| instances.n_instances()),
         "n_degenerate_triangles": scene.n_degenerate,
-        "acceleration": { "kind": kind, "quality": quality },
+        "acceleration": { "kind": acceleration.kind(), "quality": acceleration.quality() },
         "cost": { "mode": config.cost },
         "tiles": { "tile_size": tiling.size, "order": tiling.order.name(), "n_tiles": n_tiles },
         "memory": of_memory(checked),
@@ -60,7 +63,13 @@ fn of_memory(checked: &CheckedScene) -> Value {
 /// Returns the lengths of the files in bytes; of arrays whose compressed length is not predicted,
 /// the length before compression.
 fn of_disk(disk: &DiskUse) -> Value {
-    let array = |file: &ArrayFile| json!({ "file": file.name, "bytes": file.n_bytes, "before_compression": !file.is_known });
+    let array = |file: &ArrayFile| {
+        json!({
+            "file": file.name,
+            "bytes": file.n_bytes,
+            "before_compression": !file.is_known,
+        })
+    };
     json!({
         "arrays": disk.arrays.iter().map(array).collect::<Vec<_>>(),
         "layers_before_compression": disk.layers,

@@ -13,7 +13,7 @@ use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
     Repeats, Structure, TileOrder, Tiling,
 };
-pub use scene::import;
+use scene::import;
 use scene::yaml::{self, Document, Fault, Source};
 use tools::starter;
 use vtk::Codec;

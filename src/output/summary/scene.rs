@@ -217,13 +217,9 @@ impl AccelerationSection {
         simd: Simd,
         traversal: Traversal,
     ) -> Self {
-        let (kind, quality) = match acceleration {
-            Acceleration::Bvh(quality) => ("bvh", Some(quality)),
-            Acceleration::BruteForce => ("brute_force", None),
-        };
         Self {
-            kind: kind.to_owned(),
-            quality,
+            kind: acceleration.kind().to_owned(),
+            quality: acceleration.quality(),
             simd: Some(simd.to_string()),
             traversal: Some(traversal),
             bvh,

@@ -299,8 +299,8 @@ impl RenderingView<'_> {
 }
 
 /// Writes every file of the rendering on the current rayon pool, and removes files of an earlier
-/// run that this one does not write. Returns the files in the order of [`files`], and the stages
-/// including those of writing.
+/// run that this one does not write. Returns the files in the order of [`files`], and the stages,
+/// writing included.
 ///
 /// # Errors
 /// The first file that could not be written; then no file has changed.

@@ -17,8 +17,8 @@ pub(super) struct Tallies {
     primitives: Option<Tally<3>>,
     /// Indexed by [`BvhNode::id`], the node's cache line.
     lines: Option<Tally<3>>,
-    /// The ID of the first node of instanced meshes; greater than all IDs if there are no such
-    /// meshes.
+    /// The ID of the first node of instanced meshes; greater than all IDs if the scene has no
+    /// instanced meshes.
     first_lower_id: u32,
 }
 
@@ -202,7 +202,7 @@ impl ObjectTallies<'_> {
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
     /// The index of the first primitive, and the ID of the first node, of instanced meshes; greater
-    /// than all others if there are no such meshes.
+    /// than all others if the scene has no instanced meshes.
     first_lower: u32,
     first_lower_id: u32,
     primitives: Option<TallyCache<'a, 3>>,

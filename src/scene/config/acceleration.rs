@@ -25,6 +25,24 @@ pub enum Acceleration {
     BruteForce,
 }
 
+impl Acceleration {
+    /// Returns the name in files: `bvh` or `brute_force`.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::Bvh(_) => "bvh",
+            Self::BruteForce => "brute_force",
+        }
+    }
+
+    /// Returns the quality of a hierarchy.
+    pub fn quality(self) -> Option<Quality> {
+        match self {
+            Self::Bvh(quality) => Some(quality),
+            Self::BruteForce => None,
+        }
+    }
+}
+
 /// The effort spent on building a hierarchy. All qualities find the same hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, serde::Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`fast`, `balanced` or `high`")]

@@ -55,7 +55,7 @@ pub(super) fn read(
     let header = table.byte_headers().map_err(of_table)?;
     let columns = Columns::of(header, "color", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
-    // The colors of an array replace those of the table.
+    // An array's colors replace the table's.
     let color_column = columns.extra.filter(|_| array.is_none());
     let mut found = Spheres {
         colors: color_column.map(|_| Vec::new()),

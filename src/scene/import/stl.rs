@@ -1,6 +1,6 @@
 //! STL: triangles without shared vertices, as text or binary.
 //!
-//! The format is that of 3D Systems' StereoLithography Interface Specification (1989). A binary
+//! The format: 3D Systems, StereoLithography Interface Specification (1989). A binary
 //! file begins with 80 arbitrary bytes, often `solid` as in a text: the two are distinguished by
 //! the length, which the number of triangles determines. Equal vertices are merged, so that normals
 //! can be smooth; the normals in the file are ignored, since they follow from the vertices.

@@ -30,7 +30,7 @@ impl Wrap {
                 1.0 - (1.0 - in_pair).abs()
             }
         };
-        // `max` turns NaN into 0, including that of infinity.
+        // `max` turns NaN into 0, also if it came from infinity.
         Real::min(Real::max(folded, 0.0), 1.0)
     }
 

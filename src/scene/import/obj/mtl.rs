@@ -175,8 +175,8 @@ impl Statements {
         }
         let transparency = match (self.opacity_number, self.transparency) {
             (Some(opacity), _) => 1.0 - opacity,
-            // Programs that mistake it for the opacity write this for opaque surfaces: nobody draws
-            // an invisible surface.
+            // Programs that mistake it for the opacity write this for opaque surfaces: an
+            // invisible one would serve no purpose.
             (None, Some(1.0)) | (None, None) => 0.0,
             (None, Some(transparency)) => transparency,
         };

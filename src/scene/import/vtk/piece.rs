@@ -166,7 +166,7 @@ impl Piece {
     /// magnitude of vectors.
     ///
     /// # Errors
-    /// There is no such array or component.
+    /// The array or the component is missing.
     pub(super) fn scalars(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<f32>)> {
         let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;
@@ -193,7 +193,7 @@ impl Piece {
     /// Returns the colors of an array, one per point or cell: linear light.
     ///
     /// # Errors
-    /// There is no such array, or its tuples are not colors.
+    /// The array is missing, or its tuples are not colors.
     pub(super) fn colors(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<Vec3>)> {
         let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;

@@ -74,7 +74,7 @@ pub(super) fn lines_per_primitive(quality: Quality) -> usize {
 }
 
 /// Builds the hierarchy over all primitives except the `unbounded`, whose indices ascend. The arena
-/// is empty if there are no such primitives or the build was stopped. Calls `report` with each
+/// is empty if all primitives are unbounded or the build was stopped. Calls `report` with each
 /// finished share of the build, from any thread; the shares add up to 1.
 pub(super) fn arena(
     simd: Simd,

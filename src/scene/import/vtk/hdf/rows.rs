@@ -69,7 +69,7 @@ impl Datasets<'_> {
     /// the remaining dimensions.
     ///
     /// # Errors
-    /// There are no such rows, or the dataset is not numeric, is damaged, or is too large for the
+    /// The dataset lacks these rows, is not numeric, is damaged, or is too large for the
     /// memory.
     pub(super) fn rows(
         &mut self,
