@@ -97,6 +97,7 @@ pub fn difference(before: &Value, now: &Value) -> Option<String> {
         "flags" => "other flags".to_owned(),
         "n_threads" => "another number of threads".to_owned(),
         "no_hardware_counters" => "other hardware counters".to_owned(),
+        "no_energy" => "other meters of energy".to_owned(),
         "scenes" => match first_different(before, now) {
             Some((name, Value::Null, _)) => format!("other scenes, without `{name}`"),
             Some((name, ..)) => {

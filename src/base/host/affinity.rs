@@ -67,8 +67,8 @@ fn siblings(cpu: usize) -> Option<Vec<usize>> {
     parse_cpu_list(&std::fs::read_to_string(file).ok()?)
 }
 
-/// Parses a list of CPUs as Linux writes it, such as `0-3,8`.
-fn parse_cpu_list(text: &str) -> Option<Vec<usize>> {
+/// Parses a list of CPUs as Linux writes it, such as `0-3,8`; `None` if it is none.
+pub fn parse_cpu_list(text: &str) -> Option<Vec<usize>> {
     let mut cpus = Vec::new();
     for range in text.trim().split(',') {
         let (first, last) = range.split_once('-').unwrap_or((range, range));

@@ -106,8 +106,8 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     measure_overhead: bool,
 
-    /// Count cycles, instructions, cache and branch misses of each stage in hardware,
-    /// if the machine allows it; see `stages` in summary.json
+    /// Count cycles, instructions, cache and branch misses of each stage in hardware, and the
+    /// energy of the machine's processors, if the machine allows it; see `stages` in summary.json
     #[arg(long)]
     hardware_counters: bool,
 

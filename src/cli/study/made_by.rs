@@ -11,10 +11,12 @@ use render::instruments::HardwareCounters;
 
 /// Returns the provenance of tables: machine and build.
 pub(super) fn of_tables() -> Value {
+    let hardware = HardwareCounters::start();
     json!({
         "machine": Machine::current(),
         "build": this_build(),
-        "no_hardware_counters": HardwareCounters::start().why_not(),
+        "no_hardware_counters": hardware.why_not(),
+        "no_energy": hardware.why_no_energy(),
     })
 }
 

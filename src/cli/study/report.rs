@@ -165,8 +165,13 @@ fn notes<'a>(rows: impl Iterator<Item = &'a StatisticsRow> + Clone) -> String {
 pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
     let mut text =
         "files   runs.jsonl, statistics.csv, statistics.json and plots in each folder\n".to_owned();
-    if let Some(reason) = made_by["no_hardware_counters"].as_str() {
-        text += &format!("note    cycles, instructions and misses: {reason}\n");
+    for (key, metrics) in [
+        ("no_hardware_counters", "cycles, instructions and misses"),
+        ("no_energy", "energy"),
+    ] {
+        if let Some(reason) = made_by[key].as_str() {
+            text += &format!("note    {metrics}: {reason}\n");
+        }
     }
     if n_left > 0 {
         text += &format!(

@@ -98,6 +98,9 @@ pub struct Summary {
     pub overhead: Option<OverheadSection>,
     /// Why there are no hardware counters; `None` if there are.
     pub no_hardware_counters: Option<String>,
+    /// Why no energy was measured; `None` if it was.
+    #[serde(default)]
+    pub no_energy: Option<String>,
     /// Peak resident memory of the process in bytes; `None` if the system does
     /// not report it.
     pub peak_memory_bytes: Option<u64>,

@@ -25,6 +25,10 @@ pub struct StageEntry {
     /// Hardware counters by name; empty if there are none.
     #[serde(default)]
     pub events: IndexMap<String, u64>,
+    /// Energy of all processor packages of the machine, with its other programs, in joules; `None`
+    /// if it was not measured.
+    #[serde(default)]
+    pub energy_j: Option<f64>,
 }
 
 /// The repeated renderings of the picture.
@@ -102,6 +106,7 @@ impl From<&Stage> for StageEntry {
             page_faults: stage.system.map(|work| work.page_faults),
             context_switches: stage.system.map(|work| work.context_switches),
             events: events.map(|(name, n)| ((*name).to_owned(), *n)).collect(),
+            energy_j: stage.energy_j,
         }
     }
 }

@@ -67,6 +67,7 @@ fn of(job: &Job) -> Summary {
         thread_time: thread_time(rendering),
         overhead: rendering.overhead.as_ref().map(Into::into),
         no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
+        no_energy: stages.no_energy().map(str::to_owned),
         peak_memory_bytes: peak_memory_bytes(),
         n_pixels: Some(config.image.n_pixels() as u64),
         n_hits: rendering.survey.n_hits,

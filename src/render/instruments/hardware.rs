@@ -1,14 +1,18 @@
 //! Hardware performance counters, through Linux perf events.
 
 use std::io::{self, ErrorKind};
+use std::path::Path;
 
 use indexmap::IndexMap;
 
-/// The counters of this thread and of all threads that start later, or the reason why there are
-/// none.
+use super::energy::EnergyMeters;
+
+/// The counters of this thread and of all threads that start later, and the meters of the machine's
+/// energy, or the reasons why there are none.
 #[derive(Debug)]
 pub struct HardwareCounters {
     counters: Result<Vec<Open>, String>,
+    energy: EnergyMeters,
 }
 
 /// The names of all counters.
@@ -91,23 +95,37 @@ mod open {
 use open::Open;
 
 impl HardwareCounters {
-    /// Starts all counters.
+    /// Starts all counters and meters.
     pub fn start() -> Self {
         Self {
             counters: open::all().map_err(|error| reason(&error)),
+            energy: EnergyMeters::start(Path::new("/sys")),
         }
     }
 
     /// Starts no counters, as none were requested.
     pub fn none() -> Self {
+        let why_not = "not requested: render with --hardware-counters";
         Self {
-            counters: Err("not requested: render with --hardware-counters".to_owned()),
+            counters: Err(why_not.to_owned()),
+            energy: EnergyMeters::none(why_not),
         }
     }
 
     /// Returns the reason why there are no counters, if there are none.
     pub fn why_not(&self) -> Option<&str> {
         self.counters.as_ref().err().map(String::as_str)
+    }
+
+    /// Returns the reason why no energy is measured, if it is not.
+    pub fn why_no_energy(&self) -> Option<&str> {
+        self.energy.why_not()
+    }
+
+    /// Returns the energy of all processor packages of the machine since the last call, or since
+    /// the start, in joules.
+    pub fn energy_since(&mut self) -> Option<f64> {
+        self.energy.lap()
     }
 
     /// Returns all counts so far.
@@ -154,6 +172,7 @@ mod tests {
         };
         let mut counters = HardwareCounters {
             counters: Ok(vec![clock]),
+            energy: EnergyMeters::none(""),
         };
         let before = counters.read()["cpu_ns"];
         let (worked, has_worked) = channel();

@@ -1,7 +1,8 @@
 //! Instruments that watch the whole process: stages and their times, resources of the operating
-//! system, hardware counters, a sampling profiler, and the limits of the machine for the roofline
+//! system, hardware counters, energy, a sampling profiler, and the limits of the machine for the roofline
 //! model.
 
+mod energy;
 mod hardware;
 mod machine_limits;
 mod memory_benchmark;

@@ -40,6 +40,8 @@ pub struct Stage {
     pub system: Option<SystemWork>,
     /// Hardware counters; empty if there are none.
     pub events: Counts,
+    /// The energy of all processor packages of the machine in joules, if it is measured.
+    pub energy_j: Option<f64>,
 }
 
 /// Measures consecutive stages.
@@ -92,6 +94,7 @@ impl Stages {
                 cpu_ms: milliseconds(elapsed),
                 system: stages.system,
                 events: Counts::new(),
+                energy_j: None,
             });
             stages.begin = begin;
         }
@@ -115,6 +118,7 @@ impl Stages {
                 .zip(self.system)
                 .map(|(now, before)| now.since(before)),
             events: events.collect(),
+            energy_j: self.hardware.energy_since(),
         });
         (self.wall, self.cpu) = (wall, cpu);
         (self.system, self.counts) = (system, counts);
@@ -129,5 +133,10 @@ impl Stages {
     /// Returns the reason why there are no hardware counters, if there are none.
     pub fn no_hardware_counters(&self) -> Option<&str> {
         self.hardware.why_not()
+    }
+
+    /// Returns the reason why no energy is measured, if it is not.
+    pub fn no_energy(&self) -> Option<&str> {
+        self.hardware.why_no_energy()
     }
 }

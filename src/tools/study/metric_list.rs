@@ -92,11 +92,12 @@ const OF_RANKS: [Row; 5] = [
 
 /// Metrics of each stage, prefixed with its name.
 #[rustfmt::skip]
-const OF_STAGES: [Row; 4] = [
+const OF_STAGES: [Row; 5] = [
     ("wall_ms", "ms", "wall time"),
     ("cpu_ms", "ms", "CPU time of all threads"),
     ("page_faults", "count", "page faults"),
     ("context_switches", "count", "context switches"),
+    ("energy_j", "J", "energy of the machine's processor packages, where it reports it"),
 ];
 
 /// Metrics of each file, prefixed with its name, with `_` for `.`.

@@ -57,6 +57,7 @@ impl RunMetrics {
         for (event, count) in &stage.events {
             self.add_count(&format!("{name}_{event}"), Some(*count));
         }
+        self.add(&format!("{name}_energy_j"), stage.energy_j);
     }
 
     /// Adds time, instructions, bytes and fetches per ray.
