@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::Failure;
 use base::files::read_text;
@@ -10,9 +11,11 @@ use base::folder::SUMMARY;
 use base::text::{self, Diagnostic};
 use output::summary::MAX_BYTES;
 
-/// Prints a value as a line.
-pub(super) fn print(value: &Value) -> Result<(), Failure> {
-    print_text(&value.to_string())
+/// Prints a value as a line. Its 32-bit numbers have their shortest digits; within a
+/// [`serde_json::Value`] they would have those of 64 bits.
+pub(super) fn print(value: &impl Serialize) -> Result<(), Failure> {
+    // Cannot fail: all keys are strings.
+    print_text(&serde_json::to_string(value).unwrap_or_default())
 }
 
 /// Prints the `summary.json` of a written folder as a line, after the key `out` with the folder.

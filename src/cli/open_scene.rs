@@ -60,6 +60,11 @@ impl<'a> OpenScene<'a> {
         Input::read(document, config, needed)
     }
 
+    /// Returns the values that the command line has set, such as `image.seed=7`.
+    pub(super) fn settings(&self) -> Vec<String> {
+        self.document.settings().map(str::to_owned).collect()
+    }
+
     /// Returns the time of a frame that the animation has, by default the first one; `None` for a
     /// still.
     pub(super) fn time(&self, frame: Option<u32>) -> Option<f64> {

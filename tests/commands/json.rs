@@ -103,6 +103,23 @@ fn a_check_prints_what_the_rendering_then_says() {
 }
 
 #[test]
+fn a_check_prints_the_values_that_are_set_with_their_digits() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = config("blocks");
+    let set = ["--set=image.filter=tent", "--set=image.filter_radius=1.1"];
+    let checked = values(&[&["check", &scene][..], &set].concat(), folder.path());
+    let render = ["render", &scene, "--width=40", "--height=30", "--out=out"];
+    values(&[&render[..], &set].concat(), folder.path());
+    let summary = summary(folder.path(), "out");
+    assert_eq!(checked[0]["scene"], summary["scene"]);
+    assert_eq!(
+        summary["scene"]["set"],
+        serde_json::json!(set.map(|flag| &flag["--set=".len()..]))
+    );
+    assert_eq!(checked[0]["image"]["filter_radius"], 1.1);
+}
+
+#[test]
 fn a_trace_prints_the_rays_of_its_file() {
     let folder = tempfile::tempdir().unwrap();
     let scene = config("glass");
@@ -139,6 +156,16 @@ fn a_trace_prints_the_rays_of_its_file() {
     ] {
         let written = file.array(name).i32s().map(i64::from);
         assert_eq!(printed(pointer, -1), written.collect::<Vec<_>>());
+    }
+    for name in ["direction", "distance", "contribution"] {
+        let numbers = |ray: &&Value| match &ray[name] {
+            Value::Array(all) => all.clone(),
+            one => vec![one.clone()],
+        };
+        for number in rays.iter().flat_map(numbers).filter_map(|n| n.as_f64()) {
+            let shortest = (number as f32).to_string();
+            assert_eq!(number.to_string(), shortest, "{name}");
+        }
     }
     let distances = rays
         .iter()

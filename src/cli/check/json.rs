@@ -1,15 +1,25 @@
 //! The report of `raycost check --json` on a scene.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::CheckedScene;
 use output::memory;
 use output::prediction::{ArrayFile, DiskUse};
-use output::summary::ImageSection;
+use output::summary::{ImageSection, SceneSection};
 use render::schedule::TileGrid;
 
+#[derive(Serialize)]
+struct Report {
+    scene: SceneSection,
+    frames: Option<Value>,
+    image: ImageSection,
+    #[serde(flatten)]
+    others: Value,
+}
+
 /// Returns the report. It has the keys of `summary.json` for what both say.
-pub(super) fn report(checked: &CheckedScene) -> Value {
+pub(super) fn report(checked: &CheckedScene) -> impl Serialize {
     let CheckedScene { config, scene, .. } = checked;
     let frames = checked.open.frames.as_ref().map(|frames| {
         let [first, last] = [0, frames.n_frames() - 1].map(|number| frames.frame(number).time);
@@ -23,13 +33,7 @@ pub(super) fn report(checked: &CheckedScene) -> Value {
     let (image, tiling, acceleration) = (&config.image, &config.tiles, config.acceleration);
     let n_tiles = TileGrid::new(image.width, image.height, tiling.size).n_tiles();
     let world = scene.world();
-    json!({
-        "scene": {
-            "name": checked.arguments.name(),
-            "file": checked.arguments.scene.to_string_lossy(),
-        },
-        "frames": frames,
-        "image": ImageSection::from(image),
+    let others = json!({
         "n_camera_rays": image.n_camera_rays(),
         "n_objects": config.objects.len(),
         "n_materials": config.materials.len(),
@@ -44,7 +48,17 @@ pub(super) fn report(checked: &CheckedScene) -> Value {
         "disk": of_disk(&checked.expected.disk),
         "out": checked.folder().to_string_lossy(),
         "files": checked.files(),
-    })
+    });
+    Report {
+        scene: SceneSection {
+            name: checked.arguments.name(),
+            file: checked.arguments.scene.to_string_lossy().into_owned(),
+            set: checked.open.settings(),
+        },
+        frames,
+        image: image.into(),
+        others,
+    }
 }
 
 /// Returns the expected peak, the upper bound and the free memory, in bytes.

@@ -5,7 +5,7 @@ mod report;
 
 use std::path::PathBuf;
 
-use serde_json::Value;
+use serde::Serialize;
 
 use super::open_scene::OpenScene;
 use super::scene::SceneArguments;
@@ -150,13 +150,13 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 /// Prints a report in the wanted form.
-fn print(
+fn print<R: Serialize>(
     arguments: &CheckArguments,
     lines: impl Fn() -> String,
-    value: impl Fn() -> Value,
+    report: impl Fn() -> R,
 ) -> Result<(), Failure> {
     if arguments.json {
-        super::json::print(&value())
+        super::json::print(&report())
     } else {
         Ok(text::print(&lines())?)
     }

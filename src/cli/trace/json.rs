@@ -1,5 +1,6 @@
 //! The rays of a pixel for `raycost trace --json`.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use output::writers::Traced;
@@ -8,14 +9,41 @@ use scene::config::Config;
 
 /// Returns a pixel, its color without limits, and its rays; the cells of `rays.vtp` are these, in
 /// this order. Places and lengths are in world space.
-pub(super) fn pixel(pixel: &ObservedPixel, traced: &Traced, config: &Config) -> Value {
-    let (x, y) = pixel.place;
+pub(super) fn pixel(pixel: &ObservedPixel, traced: &Traced, config: &Config) -> impl Serialize {
     let rays = pixel.tree.rays.iter();
-    let rays: Vec<_> = rays.map(|one| ray(one, traced, config)).collect();
-    json!({ "pixel": [x, y], "color": pixel.tree.color().to_array(), "rays": rays })
+    PixelEntry {
+        pixel: pixel.place.into(),
+        color: pixel.tree.color().to_array(),
+        rays: rays.map(|one| ray(one, traced, config)).collect(),
+    }
 }
 
-fn ray(ray: &TracedRay, traced: &Traced, config: &Config) -> Value {
+#[derive(Serialize)]
+struct PixelEntry {
+    pixel: [u32; 2],
+    color: [f32; 3],
+    rays: Vec<RayEntry>,
+}
+
+#[derive(Serialize)]
+struct RayEntry {
+    kind: &'static str,
+    parent: Option<u32>,
+    sample: u32,
+    bounce: u32,
+    light: Option<u32>,
+    origin: [f64; 3],
+    direction: [f32; 3],
+    distance: Option<f32>,
+    in_fog: bool,
+    hit: Option<Value>,
+    node_visits: u32,
+    primitive_tests: u32,
+    time_ns: Option<f32>,
+    contribution: [f32; 3],
+}
+
+fn ray(ray: &TracedRay, traced: &Traced, config: &Config) -> RayEntry {
     let space = &traced.scene.space;
     let hit = ray.surface().map(|hit| {
         let primitive = &traced.scene.primitives[hit.primitive as usize];
@@ -28,20 +56,20 @@ fn ray(ray: &TracedRay, traced: &Traced, config: &Config) -> Value {
             "instance": hit.instance.map(|id| id.0),
         })
     });
-    json!({
-        "kind": ray.kind.name(),
-        "parent": ray.parent,
-        "sample": ray.sample,
-        "bounce": ray.bounce,
-        "light": ray.light,
-        "origin": space.legible(space.world_point(ray.ray.origin)),
-        "direction": ray.ray.direction.to_array(),
-        "distance": ray.end().map(|t| space.world_length(t)),
-        "in_fog": ray.particle.is_some(),
-        "hit": hit,
-        "node_visits": ray.node_visits,
-        "primitive_tests": ray.primitive_tests,
-        "time_ns": traced.is_timed.then_some(ray.time_ns),
-        "contribution": ray.contribution.to_array(),
-    })
+    RayEntry {
+        kind: ray.kind.name(),
+        parent: ray.parent,
+        sample: ray.sample,
+        bounce: ray.bounce,
+        light: ray.light,
+        origin: space.legible(space.world_point(ray.ray.origin)),
+        direction: ray.ray.direction.to_array(),
+        distance: ray.end().map(|t| space.world_length(t)),
+        in_fog: ray.particle.is_some(),
+        hit,
+        node_visits: ray.node_visits,
+        primitive_tests: ray.primitive_tests,
+        time_ns: traced.is_timed.then_some(ray.time_ns),
+        contribution: ray.contribution.to_array(),
+    }
 }
