@@ -143,6 +143,16 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+impl ImageSection {
+    /// Returns the position in the picture; a whole picture is its own window.
+    pub fn place(&self) -> PictureWindow {
+        self.window.unwrap_or(PictureWindow {
+            origin: [0; 2],
+            picture: [self.width, self.height],
+        })
+    }
+}
+
 impl From<&Image> for ImageSection {
     fn from(image: &Image) -> Self {
         Self {

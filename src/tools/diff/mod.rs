@@ -38,6 +38,7 @@ pub use state::FILE as STATE;
 use group::{Groups, sorted};
 
 use base::text::Diagnostic;
+use scene::config::PictureWindow;
 use tracer::cost::Metric;
 
 /// The changes from A to B.
@@ -147,7 +148,7 @@ impl Diff {
     /// Compares two outputs.
     ///
     /// # Errors
-    /// If the outputs differ in size, have no cost in common, or cannot be read.
+    /// If the outputs show different pixels, have no cost in common, or cannot be read.
     pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
         let size = common_size(sides)?;
         let metrics = common_metrics(sides)?;
@@ -235,19 +236,26 @@ fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {
-    if a.size() == b.size() {
+    if a.size() == b.size() && a.window() == b.window() {
         return Ok(a.size());
     }
-    let pixels = |side: &Side| {
-        let [width, height] = side.size();
-        format!("`{}` has {width} x {height}", side.name())
+    let what = if a.window().picture == b.window().picture {
+        "outputs show different windows of the picture"
+    } else {
+        "pictures differ in size"
     };
-    let [width, height] = a.size();
     let message = format!(
-        "the pictures differ in size: {}, {} pixels",
-        pixels(a),
-        pixels(b)
+        "the {what}: `{}` has {}, `{}` has {} pixels",
+        a.name(),
+        a.place(),
+        b.name(),
+        b.place()
     );
-    let help = format!("render B again with `--width {width} --height {height}`");
-    Err(Diagnostic::new(message).with_help(help))
+    let PictureWindow { picture, origin } = a.window();
+    let mut flags = format!("--width {} --height {}", picture[0], picture[1]);
+    if a.size() != picture {
+        let ([x, y], [width, height]) = (origin, a.size());
+        flags += &format!(" --crop {x},{y},{width},{height}");
+    }
+    Err(Diagnostic::new(message).with_help(format!("render B again with `{flags}`")))
 }

@@ -7,6 +7,7 @@ use base::text::Diagnostic;
 use output::results::{ObjectsTable, Results};
 use output::summary::{self, Summary};
 use render::film::Column;
+use scene::config::PictureWindow;
 use vtk::Scalar;
 
 /// An output folder, A or B.
@@ -54,6 +55,22 @@ impl Side {
     /// Returns the number of columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Returns the position in the picture.
+    pub(super) fn window(&self) -> PictureWindow {
+        self.summary().image.place()
+    }
+
+    /// Returns "40 x 30", and of a window " at 7,5 of 80 x 60".
+    pub(super) fn place(&self) -> String {
+        let ([width, height], PictureWindow { origin, picture }) = (self.size, self.window());
+        let mut place = format!("{width} x {height}");
+        if self.size != picture {
+            let ([x, y], [width, height]) = (origin, picture);
+            place += &format!(" at {x},{y} of {width} x {height}");
+        }
+        place
     }
 
     /// Returns the contents of `summary.json`.

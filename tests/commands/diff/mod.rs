@@ -11,6 +11,7 @@ use std::process::Output;
 use serde_json::{Value, json};
 
 use crate::common::{assert_success, raycost, replace_file};
+use output::results::Results;
 
 /// A scene with mirrors, a plane, which has no bounding box, and a background.
 const SCENE: &str = "
@@ -189,6 +190,79 @@ fn outputs_that_cannot_be_compared_are_refused() {
         assert!(found.contains("such as `5%`"), "{found}");
     }
     assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn the_same_windows_are_compared() {
+    let crop = "--crop=13,7,20,15";
+    let folder = outputs(&["--cost=counters", crop]);
+    let (found, code) = json_report(folder.path(), &["a", "b"]);
+    let size = json!({ "width": 20, "height": 15 });
+    assert_eq!((&found["image"], code), (&size, Some(0)));
+    // Its pixels are those of the whole picture.
+    render(folder.path(), "whole", SCENE, &["--cost=counters"]);
+    let visits = |name: &str| {
+        let array = Results::open(&folder.path().join(name)).unwrap();
+        let array = array.frame().unwrap().read("node_visits").unwrap();
+        array.values.iter().collect::<Vec<f64>>()
+    };
+    let whole = visits("whole");
+    let rows = whole.chunks(50).skip(7).take(15);
+    let sum: f64 = rows.flat_map(|row| &row[13..33]).sum();
+    assert_eq!(found["totals"]["node_visits"]["a"], json!(sum as i64));
+    // A window of everything is the whole picture.
+    render(
+        folder.path(),
+        "all",
+        SCENE,
+        &["--cost=counters", "--crop=0,0,50,40"],
+    );
+    assert_success(&diff(folder.path(), &["all", "whole", "--fail-above=0%"]));
+}
+
+#[test]
+fn different_windows_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, flags) in [
+        ("whole", &[][..]),
+        ("window", &["--crop=13,7,20,15"]),
+        ("moved", &["--crop=14,7,20,15"]),
+        ("large", &["--width=70", "--crop=13,7,20,15"]),
+    ] {
+        render(
+            folder.path(),
+            name,
+            SCENE,
+            &[&["--cost=counters"], flags].concat(),
+        );
+    }
+    let windows = "the outputs show different windows of the picture";
+    let crop = "render B again with `--width 50 --height 40 --crop 13,7,20,15`";
+    for (names, message, help) in [
+        (
+            ["window", "moved"],
+            format!(
+                "{windows}: `window` has 20 x 15 at 13,7 of 50 x 40, `moved` has 20 x 15 at 14,7 \
+                 of 50 x 40 pixels"
+            ),
+            crop,
+        ),
+        (
+            ["whole", "window"],
+            format!("{windows}: `whole` has 50 x 40, `window` has 20 x 15 at 13,7 of 50 x 40"),
+            "render B again with `--width 50 --height 40`",
+        ),
+        (
+            ["window", "large"],
+            "the pictures differ in size: `window` has 20 x 15 at 13,7 of 50 x 40, `large` has \
+             20 x 15 at 13,7 of 70 x 40 pixels"
+                .to_owned(),
+            crop,
+        ),
+    ] {
+        let found = error(folder.path(), &names);
+        assert!(found.contains(&message) && found.contains(help), "{found}");
+    }
 }
 
 #[test]
