@@ -39,6 +39,7 @@ pub(super) fn json(
         "notes": notes,
         "size": pixels.shown,
         "full_size": pixels.full,
+        "origin": summary.image.place().origin,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
         "metrics": Metric::ALL.map(metric),
         "hottest": hottest,
@@ -91,8 +92,12 @@ fn facts(summary: &Summary) -> Vec<String> {
         ("bvh", None) => "BVH".to_owned(),
         _ => "brute force".to_owned(),
     };
+    let place = image.window.map_or(String::new(), |window| {
+        let ([x, y], [width, height]) = (window.origin, window.picture);
+        format!(" at {x}, {y} of {width} × {height}")
+    });
     let mut facts = vec![
-        format!("{} × {} pixels", image.width, image.height),
+        format!("{} × {} pixels{place}", image.width, image.height),
         format!(
             "{} per pixel",
             Adaptive::samples(image.adaptive, image.samples_per_pixel)

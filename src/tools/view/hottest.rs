@@ -17,7 +17,7 @@ use vtk::ArrayValues;
 const MAX_PIXELS_LISTED: usize = 3;
 
 /// Returns the most expensive pixels by time and by node visits, each if measured. A pixel has its
-/// column, its row, its value, and its index among the shown pixels, or null if it is not shown.
+/// column and its row in the whole picture, its value, and its index among the shown pixels, or null if it is not shown.
 ///
 /// # Errors
 /// If the frame is damaged.
@@ -32,26 +32,27 @@ pub(super) fn json(
     }
     found.push(("node_visits", by_count(frame, "node_visits")?));
     let width = u64::from(frame.width());
+    let [left, top] = summary.image.place().origin;
     let pixel = |HotPixel { place, value }: &HotPixel| {
         let (x, y) = *place;
         let shown_at = pixels.index(u64::from(y) * width + u64::from(x));
-        json!({ "x": x, "y": y, "value": value, "index": shown_at })
+        json!({ "x": left + x, "y": top + y, "value": value, "index": shown_at })
     };
     let by_array = |(array, found): &(&str, Vec<HotPixel>)| json!({ "array": array, "pixels": found.iter().map(pixel).collect::<Vec<_>>() });
     let is_found = |(_, found): &&(&str, Vec<HotPixel>)| !found.is_empty();
     Ok(found.iter().filter(is_found).map(by_array).collect())
 }
 
-/// Returns the command that traces pixels of this rendering, without `--pixel`.
+/// Returns the command that traces pixels of this rendering, without `--pixel`; of a window, pixels
+/// of the whole picture.
 pub(super) fn trace_command(summary: &Summary) -> String {
     let image = &summary.image;
+    let [width, height] = image.place().picture;
     let frame = summary.frame.as_ref();
     let frame = frame.map_or(String::new(), |frame| format!(" --frame {}", frame.number));
     format!(
-        "raycost trace {}{frame} --width {} --height {} --spp {} --seed {}",
+        "raycost trace {}{frame} --width {width} --height {height} --spp {} --seed {}",
         shell_word(Path::new(&summary.scene.file)),
-        image.width,
-        image.height,
         image.samples_per_pixel,
         image.seed,
     )

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use serde_json::json;
+
 use super::{rendered, rendered_at, viewed};
 use crate::common::{assert_success, raycost};
 
@@ -135,6 +137,38 @@ fn about(folder: &Path) -> serde_json::Value {
     let page = fs::read_to_string(viewed(folder)).unwrap();
     let (_, about) = page.split_once("id=\"about\">").unwrap();
     serde_json::from_str(about.split_once("</script>").unwrap().0).unwrap()
+}
+
+/// A trace needs no window: pixels have their places in the picture.
+#[test]
+fn a_window_is_shown_at_its_place() {
+    let flags = ["--cost=counters", "--crop=9,4,20,15"];
+    let folder = rendered("seed_extended", &flags);
+    let about = about(folder.path());
+    assert_eq!(about["origin"], json!([9, 4]));
+    assert_eq!(about["full_size"], json!([20, 15]));
+    assert_eq!(about["facts"][0], "20 × 15 pixels at 9, 4 of 40 × 30");
+    let pixel = &about["hottest"][0]["pixels"][0];
+    let index = pixel["index"].as_u64().unwrap();
+    let [x, y] = [9 + index % 20, 4 + index / 20];
+    assert_eq!((&pixel["x"], &pixel["y"]), (&json!(x), &json!(y)));
+    let command = format!(
+        "{} --pixel {x},{y} --json",
+        about["trace"].as_str().unwrap()
+    );
+    let mut words = command.split(' ');
+    assert_eq!(words.next(), Some("raycost"));
+    let traced = raycost()
+        .args(words)
+        .arg("--out")
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    assert_success(&traced);
+    let traced: serde_json::Value = serde_json::from_slice(&traced.stdout).unwrap();
+    let visits = traced["rays"].as_array().unwrap().iter();
+    let visits: u64 = visits.filter_map(|ray| ray["node_visits"].as_u64()).sum();
+    assert_eq!(pixel["value"].as_f64(), Some(visits as f64));
 }
 
 #[test]

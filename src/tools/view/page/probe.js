@@ -15,8 +15,8 @@ function createProbe(section) {
     body.append(row);
   }
 
-  /** The column (`axis` 0) or row (1) in the rendering of a shown one. */
-  const fullPlace = (place, axis) => Math.floor(((2 * place + 1) * about.full_size[axis]) / (2 * about.size[axis]));
+  /** The column (`axis` 0) or row (1) in the whole picture of a shown one. */
+  const fullPlace = (place, axis) => about.origin[axis] + Math.floor(((2 * place + 1) * about.full_size[axis]) / (2 * about.size[axis]));
 
   /** Splits a label such as `name (3)`, so that a long name is truncated, not its number. */
   const named = (text) => {

@@ -27,6 +27,27 @@ fn a_rendering_without_cost_shows_its_geometry() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
+fn pixels_of_a_window_have_their_places_in_the_picture() {
+    let folder = rendered("seed_extended", &["--cost=counters", "--crop=9,4,20,15"]);
+    let visits = array(&arrays(folder.path()), "node_visits").values.clone();
+    let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+    for [x, y] in [[0, 0], [7, 11], [19, 14]] {
+        let share = |i: usize, n: f64| (i as f64 + 0.5) / n;
+        point_at_share(&mut browser, share(x, 20.0), share(y, 15.0));
+        let title = format!("Pixel {}, {}", 9 + x, 4 + y);
+        assert_eq!(browser.text("#probe h2"), title);
+        assert_eq!(probed(&mut browser, "node_visits"), [visits.at(y * 20 + x)]);
+    }
+    browser.value("document.querySelector('#hottest li button').click()");
+    let title = browser.text("#probe h2");
+    let place = browser.text("#hottest li button");
+    assert_eq!(title, format!("Pixel {place}"));
+    browser.screenshot("window", false);
+    browser.assert_calm();
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
 fn an_empty_rendering_and_a_single_pixel_are_shown() {
     let sphere = "{ center: [0, 0, 0], radius: 0.001 }";
     for (name, flags) in [
