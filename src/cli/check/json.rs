@@ -10,7 +10,7 @@ use output::summary::{ImageSection, SceneSection};
 use render::schedule::TileGrid;
 
 #[derive(Serialize)]
-struct Report {
+struct SceneReport {
     scene: SceneSection,
     frames: Option<Value>,
     image: ImageSection,
@@ -49,7 +49,7 @@ pub(super) fn report(checked: &CheckedScene) -> impl Serialize {
         "out": checked.folder().to_string_lossy(),
         "files": checked.files(),
     });
-    Report {
+    SceneReport {
         scene: SceneSection {
             name: checked.arguments.name(),
             file: checked.arguments.scene.to_string_lossy().into_owned(),

@@ -15,14 +15,14 @@ pub(super) struct EnergyMeters {
 /// The meter of a package.
 #[derive(Debug)]
 struct Package {
-    source: Source,
+    source: EnergySource,
     joules_per_count: f64,
     /// The last count.
     before: u64,
 }
 
 #[derive(Debug)]
-enum Source {
+enum EnergySource {
     #[cfg(target_os = "linux")]
     Perf(perf_event::Counter),
     /// The file of a count that starts anew after a greatest one.
@@ -63,7 +63,7 @@ impl EnergyMeters {
 }
 
 impl Package {
-    fn start(mut source: Source, joules_per_count: f64) -> io::Result<Self> {
+    fn start(mut source: EnergySource, joules_per_count: f64) -> io::Result<Self> {
         let before = source.read()?;
         Ok(Self {
             source,
@@ -75,7 +75,7 @@ impl Package {
     fn lap(&mut self) -> io::Result<f64> {
         let now = self.source.read()?;
         let counted = match &self.source {
-            Source::Powercap { greatest, .. } if now < self.before => {
+            EnergySource::Powercap { greatest, .. } if now < self.before => {
                 now + greatest.saturating_sub(self.before)
             }
             _ => now.saturating_sub(self.before),
@@ -85,7 +85,7 @@ impl Package {
     }
 }
 
-impl Source {
+impl EnergySource {
     fn read(&mut self) -> io::Result<u64> {
         match self {
             #[cfg(target_os = "linux")]
@@ -111,7 +111,7 @@ fn of_perf(sysfs: &Path) -> io::Result<Vec<Package>> {
         // These counters refuse to exclude anything.
         builder.any_pid().one_cpu(cpu).include_kernel().include_hv();
         let counter = builder.enabled(true).build()?;
-        Package::start(Source::Perf(counter), joules_per_count)
+        Package::start(EnergySource::Perf(counter), joules_per_count)
     };
     let cpus = cpus.ok_or(ErrorKind::InvalidData)?.into_iter();
     cpus.map(package).collect()
@@ -137,7 +137,7 @@ fn of_powercap(sysfs: &Path) -> io::Result<Vec<Package>> {
             .is_some_and(|number| number.parse::<u32>().is_ok());
         let zone = zone.path();
         if is_whole && read(&zone.join("name"))?.starts_with("package") {
-            let source = Source::Powercap {
+            let source = EnergySource::Powercap {
                 file: zone.join("energy_uj"),
                 greatest: read_number(&zone.join("max_energy_range_uj"))?,
             };
