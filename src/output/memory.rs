@@ -195,6 +195,9 @@ fn against_bands(config: &Config) -> Option<&'static str> {
     if config.cost.has_time() && is_repeated {
         return Some("with one rendering, `--repeats 1`, it would be written in pieces");
     }
+    if has(OptionalOutput::Tests) {
+        return Some("without the output `tests` it would be written in pieces");
+    }
     if has(OptionalOutput::Exr) {
         return Some("without `image.exr` it would be written in pieces");
     }

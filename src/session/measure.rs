@@ -51,10 +51,11 @@ impl Session {
         });
         // Render the passes onto the film.
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
-        let (film, schedule, repeats) = options.reported("render", n_rendered, |report: Report| {
-            let (limits, world) = (&scope.limits, (scene, accel));
-            repeat_within(limits, config.repeats, world, &plan, &meter, report)
-        });
+        let (mut film, schedule, repeats) =
+            options.reported("render", n_rendered, |report: Report| {
+                let (limits, world) = (&scope.limits, (scene, accel));
+                repeat_within(limits, config.repeats, world, &plan, &meter, report)
+            });
         stages.end("render");
         stop::check()?;
         scope.check()?;
@@ -76,9 +77,10 @@ impl Session {
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
         let attribution = is_attributed.then(|| {
             let world = (scene, accel, &config.image);
-            let attribution = options.reported("observe", n_pixels, |report: Report| {
+            let mut attribution = options.reported("observe", n_pixels, |report: Report| {
                 CostAttribution::measure(world, (&film, &meter), &config.output, report)
             });
+            film.keep_step_counts(std::mem::take(&mut attribution.step_counts));
             stages.end("observe");
             attribution
         });

@@ -17,6 +17,7 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         OptionalOutput::Objects,
         OptionalOutput::Surface,
         OptionalOutput::Bvh,
+        OptionalOutput::Tests,
     ]
     .into_iter()
     .for_each(|output| config.output.add(output));
@@ -27,12 +28,13 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         .num_threads(n_threads)
         .build()
         .unwrap();
-    let (film, attribution) = pool.install(|| {
+    let (mut film, mut attribution) = pool.install(|| {
         let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
         let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
         let world = (&scene, &accel, &config.image);
         let attribution = CostAttribution::measure(world, (&film, &meter), &config.output, |_| {});
         (film, attribution)
     });
+    film.keep_step_counts(std::mem::take(&mut attribution.step_counts));
     (scene, film, attribution)
 }

@@ -10,6 +10,7 @@ use tracer::cost::{Cost, Counters};
 pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let extra = ExtraArrays {
         groups: false,
+        tests: false,
         radiance: true,
         radiance_in_vtk: true,
         albedo: true,

@@ -1,11 +1,16 @@
 //! Attributed costs sum exactly to the counters of the film.
 
+use std::collections::HashMap;
+
 use crate::common::kept::kept;
 use crate::common::{config, counts, parse, rays, with_cost};
-use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Visits, Work};
+use render::attribution::{
+    AttributedCost, AttributionRule, CostAttribution, Hierarchy, Visits, Work,
+};
 use render::film::Strip;
 use scene::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
-use tracer::cost::{Counter, RayKind};
+use scene::world::Instances;
+use tracer::cost::{Counter, RayKind, StepCounter};
 
 const SCENES: [&str; 6] = [
     "seed_extended",
@@ -269,4 +274,48 @@ fn the_cost_of_the_root_is_that_of_all_rays() {
         .map(|(_, cost)| cost)
         .sum();
     assert!((costs[0] - 1.0 - children).abs() < 1e-3 * costs[0]);
+}
+
+#[test]
+fn the_steps_of_pixels_sum_to_the_visits_of_nodes() {
+    for name in SCENES {
+        let (scene, film, attribution) = kept(&small(name, 2, CostMode::Counters), 2);
+        let of = |counter| film.total_steps(counter);
+        let Hierarchy { nodes, visits } = attribution.hierarchy.unwrap();
+        let mut n_children: HashMap<u32, u64> = HashMap::new();
+        for parent in nodes.iter().filter_map(|node| node.parent) {
+            *n_children.entry(parent).or_default() += 1;
+        }
+        let (mut box_tests, mut entered, mut instance_visits) = (0, 0, 0);
+        for (node, visits) in nodes.iter().zip(&visits) {
+            box_tests += visits.n * n_children.get(&node.id).unwrap_or(&0);
+            match (node.parent, node.mesh) {
+                (Some(_), _) => entered += visits.n,
+                (None, Some(_)) => instance_visits += visits.n,
+                (None, None) => {}
+            }
+        }
+        assert_eq!(of(StepCounter::BoxTests), box_tests, "{name}");
+        assert_eq!(of(StepCounter::InstanceVisits), instance_visits, "{name}");
+        assert_eq!(instance_visits > 0, scene.instances.is_some());
+        // Children behind a hit are not visited.
+        assert!(
+            (entered..=box_tests).contains(&of(StepCounter::BoxHits)),
+            "{name}"
+        );
+        // An instance is not hit itself, its triangles are.
+        let is_instance = |primitive: u32| {
+            let instances = scene.instances.as_ref();
+            let is_one = |all: &Instances| {
+                all.of_box(primitive).is_some() && primitive < all.first_triangle()
+            };
+            instances.is_some_and(is_one)
+        };
+        let visits = attribution.primitives.unwrap();
+        let hit = (0..)
+            .zip(visits)
+            .filter(|(primitive, _)| !is_instance(*primitive));
+        let n_hits: u64 = hit.map(|(_, found)| found.n_hits).sum();
+        assert_eq!(of(StepCounter::PrimitiveHits), n_hits, "{name}");
+    }
 }

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use render::attribution::{Observer, RayTree, TooManyRays};
 use render::film::Film;
 use scene::config::{Config, CostMode, ShadingModel};
+use scene::geometry::{Aabb, Ray};
 use tracer::accel::{Accel, TraversalStep};
 use tracer::cost::{Clock, Cost, Counter, RayKind};
 
@@ -223,4 +224,66 @@ fn the_memory_limits_the_number_of_rays() {
         n_pixels > 1000 && n_pixels < n_rays && n_rays < 1 << 16,
         "{n_pixels}, {n_rays}"
     );
+}
+
+/// Returns true if a ray from `origin` meets the box; `None` within `margin` of its edges.
+fn meets(bounds: &Aabb, ray: &Ray, margin: f64) -> Option<bool> {
+    let meets = |margin: f64| {
+        let size = (bounds.max - bounds.min).as_dvec3() + 2.0 * margin;
+        if size.min_element() < 0.0 {
+            return false;
+        }
+        let axis = |axis: usize| {
+            let at =
+                |side: f64| (side - f64::from(ray.origin[axis])) / f64::from(ray.direction[axis]);
+            let low = at(f64::from(bounds.min[axis]) - margin);
+            let high = at(f64::from(bounds.max[axis]) + margin);
+            [low.min(high), low.max(high)]
+        };
+        let slabs = [0, 1, 2].map(axis);
+        let enter = slabs
+            .iter()
+            .fold(0.0, |enter: f64, slab| enter.max(slab[0]));
+        let exit = slabs
+            .iter()
+            .fold(f64::INFINITY, |exit: f64, slab| exit.min(slab[1]));
+        enter <= exit
+    };
+    let [shrunken, enlarged] = [-margin, margin].map(meets);
+    (shrunken == enlarged).then_some(shrunken)
+}
+
+#[test]
+fn rays_that_hit_nothing_test_the_boxes_of_the_nodes_that_they_meet() {
+    let mut n_compared = 0;
+    for name in ["spot", "trellis"] {
+        let config = small(name);
+        let scene = scene_of(&config);
+        let accel = Accel::new(&scene, config.acceleration);
+        let nodes = accel.nodes();
+        let children = |id| nodes.iter().filter(move |node| node.parent == Some(id));
+        observed(&config, |tree, _, _| {
+            for ray in tree
+                .rays
+                .iter()
+                .filter(|ray| ray.hit.is_none() && ray.t_max.is_infinite())
+            {
+                for step in tree.steps_of(ray) {
+                    let TraversalStep::Node { id, boxes } = *step else {
+                        continue;
+                    };
+                    let met = children(id).map(|node| meets(&node.bounds, &ray.ray, 1e-4));
+                    if let Some(met) = met.collect::<Option<Vec<bool>>>() {
+                        let n_hits = met.iter().filter(|met| **met).count();
+                        assert_eq!(
+                            [boxes.n, boxes.n_hits],
+                            [met.len(), n_hits].map(|n| n as u8)
+                        );
+                        n_compared += 1;
+                    }
+                }
+            }
+        });
+    }
+    assert!(n_compared > 1000, "{n_compared}");
 }

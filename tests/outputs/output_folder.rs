@@ -56,7 +56,10 @@ fn every_optional_output_but_an_array_has_a_file() {
         let n_with = expected(CostMode::Time, &[*output]).len();
         let is_array = matches!(
             output,
-            OptionalOutput::Radiance | OptionalOutput::Bounces | OptionalOutput::Groups
+            OptionalOutput::Radiance
+                | OptionalOutput::Bounces
+                | OptionalOutput::Groups
+                | OptionalOutput::Tests
         );
         assert_eq!(n_with > n_without, !is_array, "{output:?}");
     }

@@ -119,14 +119,19 @@ fn cost(rendering: &RenderingView) -> CostSection {
 /// Returns the sums of the film's arrays, by the arrays' names.
 fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
-    let has = |metric: &Metric| *metric != Metric::SAMPLES || film.counts_samples();
+    let has = |metric: &Metric| match metric.source {
+        MetricSource::Observed(_) => film.extra.tests,
+        _ => *metric != Metric::SAMPLES || film.counts_samples(),
+    };
     for metric in Metric::ALL.into_iter().filter(has) {
-        let total = if metric.is_timed() {
-            let is_measured = Metric::of_times(film.cost) == Some(metric);
-            let time_ns = is_measured.then_some(survey.time_ns);
-            time_ns.and_then(Number::from_f64)
-        } else {
-            Some(metric.of(&film.totals).into())
+        let total = match metric.source {
+            MetricSource::Clock => {
+                let is_measured = Metric::of_times(film.cost) == Some(metric);
+                let time_ns = is_measured.then_some(survey.time_ns);
+                time_ns.and_then(Number::from_f64)
+            }
+            MetricSource::Observed(counter) => Some(film.total_steps(counter).into()),
+            _ => Some(metric.of(&film.totals).into()),
         };
         totals.insert(metric.name.to_owned(), total);
         if metric.source == MetricSource::AllRays {

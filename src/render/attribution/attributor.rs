@@ -7,7 +7,7 @@ use crate::attribution::{Observer, RayTree, TracedRay};
 use scene::config::{Image, OptionalOutput, Outputs};
 use scene::world::{Instances, Primitive, Scene};
 use tracer::accel::{Accel, BvhNode, Hit, TraversalStep};
-use tracer::cost::{Clock, RayKind};
+use tracer::cost::{Clock, RayKind, StepCounter, StepCounts};
 
 /// Sums that all threads add to.
 pub(super) struct Tallies {
@@ -20,6 +20,8 @@ pub(super) struct Tallies {
     /// The ID of the first node of instanced meshes; greater than all IDs if the scene has no
     /// instanced meshes.
     first_lower_id: u32,
+    /// True if the steps of each pixel are counted.
+    pub(super) keeps_counts: bool,
 }
 
 /// Rows per object or material.
@@ -38,10 +40,15 @@ impl Tallies {
             first_lower_id: nodes
                 .and_then(|nodes| nodes.iter().find(|node| node.mesh.is_some()))
                 .map_or(u32::MAX, |first| first.id),
+            keeps_counts: outputs.has(OptionalOutput::Tests),
         }
     }
 
-    pub(super) fn into_attribution(self, nodes: Option<Vec<BvhNode>>) -> CostAttribution {
+    pub(super) fn into_attribution(
+        self,
+        nodes: Option<Vec<BvhNode>>,
+        step_counts: Vec<StepCounts>,
+    ) -> CostAttribution {
         let hierarchy = nodes.zip(self.lines).map(|(nodes, lines)| {
             let lines = lines.into_rows(visits);
             let visits = nodes.iter().map(|node| lines[node.id as usize]).collect();
@@ -52,6 +59,7 @@ impl Tallies {
             materials: accounts(self.materials),
             primitives: self.primitives.map(|tally| tally.into_rows(visits)),
             hierarchy,
+            step_counts,
         }
     }
 }
@@ -94,7 +102,8 @@ impl<'a> Attributor<'a> {
         tallies: &'a Tallies,
     ) -> Self {
         let observer = Observer::new(scene, accel, image, clock);
-        let needs_steps = tallies.primitives.is_some() || tallies.lines.is_some();
+        let needs_steps =
+            tallies.keeps_counts || tallies.primitives.is_some() || tallies.lines.is_some();
         Self {
             observer: if needs_steps {
                 observer
@@ -111,6 +120,7 @@ impl<'a> Attributor<'a> {
                 ],
             },
             steps: Steps {
+                instances: scene.instances.as_ref(),
                 first_lower: scene
                     .instances
                     .as_ref()
@@ -123,8 +133,13 @@ impl<'a> Attributor<'a> {
     }
 
     /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of `time_ns`, if
-    /// given. Returns the number of rays.
-    pub(super) fn pixel(&mut self, place: (u32, u32), time_ns: Option<f32>) -> u64 {
+    /// given, and adds their steps to `counts`, if given. Returns the number of rays.
+    pub(super) fn pixel(
+        &mut self,
+        place: (u32, u32),
+        time_ns: Option<f32>,
+        mut counts: Option<&mut StepCounts>,
+    ) -> u64 {
         // Observe the rays of the pixel.
         self.observer.observe(place, &mut self.tree);
         let rays = &self.tree.rays;
@@ -149,7 +164,11 @@ impl<'a> Attributor<'a> {
                 .attribute(AttributionRule::Primary, primary, ray, [time_ps, share]);
             self.groups
                 .attribute(AttributionRule::Hit, hit, ray, [time_ps, share]);
-            self.steps.add(ray, self.tree.steps_of(ray), time_ps);
+            let steps = self.tree.steps_of(ray);
+            self.steps.add(ray, steps, time_ps);
+            if let Some(counts) = &mut counts {
+                self.steps.count(steps, counts);
+            }
         }
         rays.len() as u64
     }
@@ -201,6 +220,7 @@ impl ObjectTallies<'_> {
 
 /// The tallies of nodes and primitives, if requested.
 struct Steps<'a> {
+    instances: Option<&'a Instances>,
     /// The index of the first primitive, and the ID of the first node, of instanced meshes; greater
     /// than all others if the scene has no instanced meshes.
     first_lower: u32,
@@ -224,8 +244,9 @@ impl Steps<'_> {
         let (mut leaf, mut upper_leaf) = (None, None);
         for step in steps {
             match *step {
-                TraversalStep::Node { id, hit } => {
-                    add(&mut self.lines, id, [1, hit.into(), share()])
+                TraversalStep::Node { id, boxes } => {
+                    let is_hit = (boxes.n_hits > 0).into();
+                    add(&mut self.lines, id, [1, is_hit, share()])
                 }
                 TraversalStep::Leaf { id, hit } => {
                     leaf = Some(id);
@@ -247,6 +268,40 @@ impl Steps<'_> {
                         add(&mut self.lines, leaf, [0, 0, time_ps]);
                     }
                 }
+            }
+        }
+    }
+}
+
+impl Steps<'_> {
+    /// Adds the steps of a ray to the counts of its pixel.
+    fn count(&self, steps: &[TraversalStep], counts: &mut StepCounts) {
+        let mut add = |counter: StepCounter, n: u32| {
+            let count = &mut counts[counter as usize];
+            *count = count.saturating_add(n);
+        };
+        // Primitives of the upper level come first, with the instances at their end.
+        let is_instance = |primitive| {
+            let is_box = |instances: &Instances| instances.of_box(primitive).is_some();
+            primitive < self.first_lower && self.instances.is_some_and(is_box)
+        };
+        // A shadow ray that has found a hit skips the other instances of its leaf, and ends.
+        let is_inside = |step: &TraversalStep| match *step {
+            TraversalStep::Test { primitive, .. } => primitive >= self.first_lower,
+            TraversalStep::Node { .. } | TraversalStep::Leaf { .. } => true,
+        };
+        for (i, step) in steps.iter().enumerate() {
+            match *step {
+                TraversalStep::Node { boxes, .. } => {
+                    add(StepCounter::BoxTests, boxes.n.into());
+                    add(StepCounter::BoxHits, boxes.n_hits.into());
+                }
+                TraversalStep::Test { primitive, .. } if is_instance(primitive) => {
+                    let is_visited = steps.get(i + 1).is_some_and(is_inside);
+                    add(StepCounter::InstanceVisits, is_visited.into());
+                }
+                TraversalStep::Test { hit, .. } => add(StepCounter::PrimitiveHits, hit.into()),
+                TraversalStep::Leaf { .. } => {}
             }
         }
     }

@@ -25,7 +25,7 @@ use base::stop;
 use scene::config::{Acceleration, Image, OptionalOutput, Outputs};
 use scene::world::Scene;
 use tracer::accel::{Accel, Bvh, BvhNode};
-use tracer::cost::Meter;
+use tracer::cost::{Meter, StepCounts};
 
 pub use attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use attributor::{Attributor, Tallies};
@@ -45,6 +45,9 @@ pub struct CostAttribution {
     pub primitives: Option<Vec<Visits>>,
     /// For each node, if [`OptionalOutput::Bvh`] is requested.
     pub hierarchy: Option<Hierarchy>,
+    /// The steps of each pixel, row-major, row 0 on top, if [`OptionalOutput::Tests`] is
+    /// requested; otherwise empty.
+    pub step_counts: Vec<StepCounts>,
 }
 
 impl CostAttribution {
@@ -83,19 +86,24 @@ impl CostAttribution {
         let tallies = Tallies::new(scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
         let attributor = || Attributor::new(scene, accel, image, meter.clock(), &tallies);
-        (0..film.grid.height)
-            .into_par_iter()
-            .for_each_init(attributor, |attributor, y| {
-                let n_rays = (0..film.grid.width)
+        let width = film.grid.width;
+        let n_counts = if tallies.keeps_counts { width } else { 0 };
+        let rows = (0..film.grid.height).into_par_iter();
+        let step_counts: Vec<Vec<StepCounts>> = rows
+            .map_init(attributor, |attributor, y| {
+                let mut counts = vec![StepCounts::default(); n_counts as usize];
+                let n_rays = (0..width)
                     .take_while(|_| !stop::is_requested())
                     .filter(|&x| film.is_rendered((x, y)))
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
-                        attributor.pixel((x, y), time_ns)
+                        attributor.pixel((x, y), time_ns, counts.get_mut(x as usize))
                     })
                     .sum();
-                report(Progress::of_pixels(film.grid.width.into(), n_rays));
-            });
-        tallies.into_attribution(nodes)
+                report(Progress::of_pixels(width.into(), n_rays));
+                counts
+            })
+            .collect();
+        tallies.into_attribution(nodes, step_counts.concat())
     }
 }

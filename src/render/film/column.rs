@@ -128,11 +128,13 @@ pub(super) fn kept_columns(
     let bounces = extra.bounces.then_some(Column::BOUNCES);
     let instance = extra.instance.then_some(Column::INSTANCE);
     let groups = extra.groups.then_some(Column::GROUP);
+    let tests = extra.tests.then(|| Metric::observed().map(Column::counted));
     all_columns(cost, repeats, counts_samples)
         .chain(radiance)
         .chain(bounces)
         .chain(instance)
         .chain(groups)
+        .chain(tests.into_iter().flatten())
 }
 
 /// Returns [`columns`], with the numbers of samples if they are counted.
@@ -144,16 +146,21 @@ fn all_columns(
     let time = cost.has_time().then_some(TIME);
     let is_repeated = cost.has_time() && repeats.has_spread();
     let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
-    let counted = |metric: Metric| Column {
-        unit: Some(metric.unit_label()),
-        ..computed(metric.name, ScalarType::U32, Origin::Counted(metric))
-    };
-    let work = || Metric::counted(counts_samples).map(counted).chain(WORK);
+    let counted = Metric::counted(counts_samples).map(Column::counted);
+    let work = || counted.chain(WORK);
     let work = cost.has_counters().then(work).into_iter().flatten();
     GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
 }
 
 impl Column {
+    /// Returns the array of a counted metric.
+    fn counted(metric: Metric) -> Self {
+        Self {
+            unit: Some(metric.unit_label()),
+            ..computed(metric.name, ScalarType::U32, Origin::Counted(metric))
+        }
+    }
+
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
     pub const POSITION: Self = Self {
         n_components: 3,
@@ -282,6 +289,7 @@ mod tests {
             bounces: true,
             instance: true,
             groups: true,
+            tests: true,
             written: WrittenArrays::only(&[]),
             ..ExtraArrays::default()
         };

@@ -1,7 +1,7 @@
 //! The cost metrics of a film.
 
 use super::{Film, Strip};
-use tracer::cost::{Counter, Metric, MetricSource, RayKind};
+use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
 impl Film {
     /// Overwrites `counts` with a counted metric of the pixels of a strip.
@@ -10,6 +10,11 @@ impl Film {
         match metric.source {
             MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
+            MetricSource::Observed(counter) => {
+                let observed = strip.step_counts.iter();
+                counts.extend(observed.map(|counts| counts[counter as usize]));
+                counts.resize(strip.rgb.len(), 0);
+            }
             MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);
                 for counter in RayKind::ALL.map(Counter::of_rays) {
@@ -18,6 +23,22 @@ impl Film {
                 self.clear_missing(strip, counts);
             }
         }
+    }
+
+    /// Keeps the steps of the rays of all pixels, row-major, row 0 on top.
+    pub fn keep_step_counts(&mut self, all: Vec<StepCounts>) {
+        let mut all = all.into_iter();
+        for strip in &mut self.strips {
+            strip.step_counts = all.by_ref().take(strip.rgb.len()).collect();
+        }
+    }
+
+    /// Returns the sum of a metric over all pixels that were observed.
+    pub fn total_steps(&self, counter: StepCounter) -> u64 {
+        let counts = self.values(|strip| &strip.step_counts);
+        counts
+            .map(|counts| u64::from(counts[counter as usize]))
+            .sum()
     }
 
     /// Overwrites `counts` with a counter of the pixels of a strip.

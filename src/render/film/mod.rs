@@ -35,7 +35,7 @@ use base::host::grow_heap;
 use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays, Repeats};
 use scene::geometry::RenderSpace;
-use tracer::cost::{Cost, RaysByBounce};
+use tracer::cost::{Cost, RaysByBounce, StepCounts};
 
 /// Rows of a strip, except for the last one: fewer than a tile has by default, so that threads with
 /// tiles side by side wait for each other only briefly, and enough for a large write to a file.
@@ -87,7 +87,13 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
         0
     };
     let instance = if extra.instance { size_of::<i32>() } else { 0 };
-    let extra = n_vectors * size_of::<Vec3>() + bounces + instance;
+    // Twice: rows as they are observed, and strips.
+    let tests = if extra.tests {
+        2 * size_of::<StepCounts>()
+    } else {
+        0
+    };
+    let extra = n_vectors * size_of::<Vec3>() + bounces + instance + tests;
     extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
 }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{PixelColumns, Rendered};
 use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays};
-use tracer::cost::RaysByBounce;
+use tracer::cost::{RaysByBounce, StepCounts};
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the uppermost row
 /// first. Arrays of times are empty without times.
@@ -25,6 +25,8 @@ pub struct Strip {
     pub albedo: Vec<Vec3>,
     /// The rays by bounce; empty if the film does not keep them.
     pub bounces: Vec<RaysByBounce>,
+    /// The steps of the pixel's rays; empty before they are observed, and without observation.
+    pub step_counts: Vec<StepCounts>,
     /// The instance at the pixel's hit; empty if the film does not keep it.
     pub instance: Vec<i32>,
     /// The point of the pixel's hit in world space; NaN without a hit.
@@ -56,6 +58,7 @@ impl Strip {
             radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
             albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
             bounces: vec![RaysByBounce::default(); n_if(extra.bounces)],
+            step_counts: Vec::new(),
             instance: vec![0; n_if(extra.instance)],
             position: vec![Vec3::ZERO; n],
             normal: vec![Vec3::ZERO; n],

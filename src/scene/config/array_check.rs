@@ -67,6 +67,9 @@ impl PixelArray {
             Self::Radiance => asks_for(OptionalOutput::Radiance),
             Self::RaysByBounce => asks_for(OptionalOutput::Bounces),
             Self::Group => asks_for(OptionalOutput::Groups),
+            Self::BoxTests | Self::BoxHits | Self::PrimitiveHits | Self::InstanceVisits => {
+                asks_for(OptionalOutput::Tests)
+            }
             _ if cost.has_counters() => None,
             _ => Some(of_mode(CostMode::Counters, cost)),
         }

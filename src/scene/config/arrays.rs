@@ -70,6 +70,14 @@ pub enum PixelArray {
     RaysByBounce,
     /// The group that was timed as a whole
     Group,
+    /// The tests of the boxes of nodes
+    BoxTests,
+    /// The box tests that hit
+    BoxHits,
+    /// The primitive tests that hit
+    PrimitiveHits,
+    /// The visits of instances
+    InstanceVisits,
 }
 
 /// The arrays that the cloud and the frame have: all, or the chosen ones.

@@ -149,6 +149,7 @@ impl Config {
             albedo: has_exr,
             bounces: self.output.has(OptionalOutput::Bounces),
             groups: self.output.has(OptionalOutput::Groups),
+            tests: self.output.has(OptionalOutput::Tests),
             instance: self.has_instances(),
             written: self.output.written_arrays(),
         }

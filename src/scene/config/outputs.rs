@@ -54,6 +54,8 @@ pub enum OptionalOutput {
     Bounces,
     /// The group of each pixel that was timed as a whole, as an array of the VTK files
     Groups,
+    /// The tests of boxes and primitives, hits apart from misses, as arrays of the VTK files
+    Tests,
     /// The linear light and all arrays of the pixels as an OpenEXR picture
     Exr,
 }
@@ -71,6 +73,8 @@ pub struct ExtraArrays {
     pub bounces: bool,
     /// True if VTK files have the groups of pixels.
     pub groups: bool,
+    /// True if VTK files have the tests of boxes and primitives.
+    pub tests: bool,
     /// True to keep the instance that the center sample hit.
     pub instance: bool,
     /// The arrays that cloud and frame have.
@@ -105,7 +109,10 @@ impl OptionalOutput {
 
     /// Returns true if it requires the cost attribution, and therefore counters.
     pub fn needs_attribution(self) -> bool {
-        matches!(self, Self::Objects | Self::Surface | Self::Bvh)
+        matches!(
+            self,
+            Self::Objects | Self::Surface | Self::Bvh | Self::Tests
+        )
     }
 
     /// Returns true if it requires a bounding volume hierarchy.

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use super::hit::Hit;
 use super::kernel::Slabs;
 use super::level::SearchLevel;
-use super::search::{AnyHit, Search};
+use super::search::{AnyHit, BoxTests, Search};
 use crate::cost::{Probe, RayKind};
 use math::simd::Simd;
 use scene::geometry::Ray;
@@ -134,8 +134,8 @@ impl<S: PlacedSearch> Search for Instanced<'_, S> {
         }
     }
 
-    fn visit_node(&mut self, id: usize, enters: bool) {
-        self.search.visit_node(id, enters);
+    fn visit_node(&mut self, id: usize, boxes: BoxTests) {
+        self.search.visit_node(id, boxes);
     }
 
     fn visit_leaf(&mut self, id: usize, primitives: impl Iterator<Item = u32>) {
@@ -195,8 +195,8 @@ impl<S: PlacedSearch> Search for InMesh<'_, '_, S> {
         }
     }
 
-    fn visit_node(&mut self, id: usize, enters: bool) {
-        self.outer.visit_node(self.first_id as usize + id, enters);
+    fn visit_node(&mut self, id: usize, boxes: BoxTests) {
+        self.outer.visit_node(self.first_id as usize + id, boxes);
     }
 
     fn visit_leaf(&mut self, id: usize, primitives: impl Iterator<Item = u32>) {

@@ -46,6 +46,7 @@ use level::SearchLevel;
 pub use nodes::BvhNode;
 use record::Recorder;
 pub use record::TraversalStep;
+pub use search::BoxTests;
 use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
 pub use update::FrameBase;

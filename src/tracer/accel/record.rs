@@ -2,7 +2,7 @@
 
 use super::hit::Hit;
 use super::instanced::PlacedSearch;
-use super::search::Search;
+use super::search::{BoxTests, Search};
 use scene::geometry::Ray;
 use scene::world::{InstanceId, PlacedPrimitive, Primitive};
 
@@ -13,8 +13,8 @@ pub enum TraversalStep {
     Node {
         /// The node, as in [`BvhNode`](super::BvhNode).
         id: u32,
-        /// True if the ray entered a child.
-        hit: bool,
+        /// The tests of its children's boxes.
+        boxes: BoxTests,
     },
     /// A visit to a leaf; the tests of its primitives follow.
     Leaf {
@@ -95,10 +95,10 @@ impl<S: Search> Search for Recorder<'_, S> {
         }
     }
 
-    fn visit_node(&mut self, line: usize, enters: bool) {
+    fn visit_node(&mut self, line: usize, boxes: BoxTests) {
         self.steps.push(TraversalStep::Node {
             id: line as u32,
-            hit: enters,
+            boxes,
         });
     }
 
@@ -156,12 +156,10 @@ impl<S: Search> Recorder<'_, S> {
         let (instance, outer_leaf) = self.entered.unzip();
         let steps = test.into_iter().chain(self.leaf).chain(instance);
         for step in steps.chain(outer_leaf.flatten()) {
-            match &mut self.steps[step] {
-                TraversalStep::Node { hit, .. }
-                | TraversalStep::Leaf { hit, .. }
-                | TraversalStep::Test { hit, .. } => {
-                    *hit = true;
-                }
+            if let TraversalStep::Leaf { hit, .. } | TraversalStep::Test { hit, .. } =
+                &mut self.steps[step]
+            {
+                *hit = true;
             }
         }
     }

@@ -4,6 +4,15 @@ use super::hit::{Hit, ShadowStream};
 use scene::geometry::{Ray, RayStream};
 use scene::world::{ObjectId, Primitive};
 
+/// The tests of the boxes of a node's children.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoxTests {
+    /// Number of boxes, 1 to 8.
+    pub n: u8,
+    /// Number of boxes that the ray enters before its limit at that time.
+    pub n_hits: u8,
+}
+
 /// The state of a query while its ray is traversed.
 pub(super) trait Search {
     /// True if the traversal should visit near children before far ones.
@@ -17,9 +26,9 @@ pub(super) trait Search {
     /// True if the traversal calls [`visit_node`](Self::visit_node) and
     /// [`visit_leaf`](Self::visit_leaf).
     const RECORDS: bool = false;
-    /// Called after a visit to the node at this cache line of the arena; `enters` is true if the
-    /// ray enters a child.
-    fn visit_node(&mut self, _line: usize, _enters: bool) {}
+    /// Called after a visit to the node at this cache line of the arena, with the tests of its
+    /// children's boxes.
+    fn visit_node(&mut self, _line: usize, _boxes: BoxTests) {}
     /// Called before the primitives of the leaf at this cache line are tested at once; without
     /// primitives where [`test`](Self::test) follows for each.
     fn visit_leaf(&mut self, _line: usize, _primitives: impl Iterator<Item = u32>) {}

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::builder::PossibleValue;
 
-use super::{Cost, Counter};
+use super::{Cost, Counter, StepCounter};
 use base::text::numbers;
 use scene::config::CostMode;
 
@@ -60,6 +60,8 @@ pub enum MetricSource {
     Counter(Counter),
     /// The sum of the rays of all kinds.
     AllRays,
+    /// A count of the observation that follows a rendering, on request.
+    Observed(StepCounter),
 }
 
 const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
@@ -72,6 +74,14 @@ const fn counter(name: &'static str, label: &'static str, counter: Counter) -> M
         aggregation: Aggregation::Sum,
         spans_decades: false,
         source: MetricSource::Counter(counter),
+    }
+}
+
+const fn observed(name: &'static str, label: &'static str, counter: StepCounter) -> Metric {
+    Metric {
+        spans_decades: true,
+        source: MetricSource::Observed(counter),
+        ..self::counter(name, label, Counter::NodeVisits)
     }
 }
 
@@ -126,7 +136,7 @@ impl Metric {
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
     /// two that are not zero.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 14] = [
         Self::TIME,
         Self::NODE_VISITS,
         Self::PRIMITIVE_TESTS,
@@ -161,13 +171,51 @@ impl Metric {
             ..counter("diffuse_rays", "diffuse rays", Counter::DiffuseRays)
         },
         Self::DEPTH,
+        Self {
+            title: "box tests per pixel",
+            about: "tests of all rays of the pixel against the boxes of nodes",
+            ..observed("box_tests", "box tests", StepCounter::BoxTests)
+        },
+        Self {
+            title: "box hits per pixel",
+            about: "box tests that hit",
+            ..observed("box_hits", "box hits", StepCounter::BoxHits)
+        },
+        Self {
+            title: "primitive hits per pixel",
+            about: "primitive tests that hit",
+            ..observed(
+                "primitive_hits",
+                "primitive hits",
+                StepCounter::PrimitiveHits,
+            )
+        },
+        Self {
+            title: "instance visits per pixel",
+            about: "traversals of the meshes of instances",
+            ..observed(
+                "instance_visits",
+                "instance visits",
+                StepCounter::InstanceVisits,
+            )
+        },
     ];
 
-    /// Returns all metrics that are counted; [`Self::SAMPLES`] only `with_samples`.
+    /// Number of metrics that a rendering measures; those of observed rays follow in
+    /// [`ALL`](Self::ALL).
+    const N_RENDERED: usize = 10;
+
+    /// Returns all metrics that a rendering counts; [`Self::SAMPLES`] only `with_samples`.
     pub fn counted(with_samples: bool) -> impl Iterator<Item = Self> {
         let is_counted =
             move |metric: &Self| !metric.is_timed() && (with_samples || *metric != Self::SAMPLES);
-        Self::ALL.into_iter().filter(is_counted)
+        let rendered = Self::ALL.into_iter().take(Self::N_RENDERED);
+        rendered.filter(is_counted)
+    }
+
+    /// Returns the metrics of observed rays.
+    pub fn observed() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().skip(Self::N_RENDERED)
     }
 
     /// Returns the metric of the times that a mode measures, if any.
@@ -183,10 +231,10 @@ impl Metric {
         self.source == MetricSource::Clock
     }
 
-    /// Returns the value of a counted cost; 0 for a time.
+    /// Returns the value of a counted cost; 0 for a time and for counts of observed rays.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
-            MetricSource::Clock => 0,
+            MetricSource::Clock | MetricSource::Observed(_) => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }
@@ -226,10 +274,10 @@ impl Metric {
     }
 }
 
-/// A metric as an option of the command line.
+/// A metric that a rendering measures as an option of the command line.
 impl clap::ValueEnum for Metric {
     fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
+        &Self::ALL[..Self::N_RENDERED]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
@@ -240,12 +288,13 @@ impl clap::ValueEnum for Metric {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use StepCounter::{BoxHits, BoxTests, InstanceVisits, PrimitiveHits};
 
     #[test]
     fn every_counter_is_a_metric_and_every_metric_has_its_value() {
         let counters = Metric::ALL.iter().filter_map(|metric| match metric.source {
             MetricSource::Counter(counter) => Some(counter),
-            MetricSource::Clock | MetricSource::AllRays => None,
+            _ => None,
         });
         assert!(counters.eq(Counter::ALL));
         let cost = Cost {
@@ -255,7 +304,10 @@ mod tests {
             depth: 3,
         };
         let values = Metric::ALL.map(|metric| metric.of(&cost));
-        assert_eq!(values, [0, 1, 2, 150, 10, 20, 30, 40, 50, 3]);
+        assert_eq!(values, [0, 1, 2, 150, 10, 20, 30, 40, 50, 3, 0, 0, 0, 0]);
+        let observed = Metric::observed().map(|metric| metric.source);
+        let counters = [BoxTests, BoxHits, PrimitiveHits, InstanceVisits];
+        assert!(observed.eq(counters.map(MetricSource::Observed)));
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod cpu_wait;
 mod meter;
 mod metric;
 mod probe;
+mod step_counts;
 #[cfg(target_arch = "x86_64")]
 mod tsc;
 mod traversals;
@@ -26,6 +27,7 @@ pub use interruption::Interruptions;
 pub use meter::Meter;
 pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
+pub use step_counts::{StepCounter, StepCounts};
 pub use traversals::Traversals;
 
 /// The purpose of a ray.

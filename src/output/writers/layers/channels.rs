@@ -11,6 +11,7 @@ use vtkio::model::ScalarType;
 use render::film::{Column, Film, Strip, columns};
 use scene::camera::{ImagePlane, Projection};
 use scene::config::{CostMode, Repeats};
+use tracer::cost::Metric;
 
 /// Bytes of a number in each channel.
 pub(super) const CHANNEL_BYTES: usize = 4;
@@ -79,7 +80,8 @@ pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
         .map(|column| column.n_components)
         .iter()
         .sum::<usize>();
-    numbers.sum::<usize>() + n_in_vectors + on_request + 1
+    let n_tests = Metric::observed().count();
+    numbers.sum::<usize>() + n_in_vectors + on_request + n_tests + 1
 }
 
 fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item = Channel> {

@@ -7,7 +7,7 @@ use super::slab::Slabs;
 use super::stack::{Stacks, Top};
 use crate::accel::arena::Arena;
 use crate::accel::layout::{NodeRef, WideNode};
-use crate::accel::search::Search;
+use crate::accel::search::{BoxTests, Search};
 use crate::cost::Probe;
 use math::simd::{InstructionSet, Mask, N_LANES, Real, SimdKernel};
 use scene::geometry::Ray;
@@ -66,14 +66,13 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
                 // nearest.
                 n_visits += 1;
                 // SAFETY: the reference is the root or a child of a node, and refers to a node.
-                let next = unsafe {
-                    let node = self.arena.node(current);
-                    descend::<I, S>(set, &slabs, node, limit, &mut stacks, &mut top)
-                };
+                let node = unsafe { self.arena.node(current) };
                 if S::RECORDS {
-                    self.search.visit_node(current.line(), next.is_some());
+                    let boxes = test_boxes(set, &slabs, node, limit);
+                    self.search.visit_node(current.line(), boxes);
                 }
-                next
+                // SAFETY: the node belongs to the arena.
+                unsafe { descend::<I, S>(set, &slabs, node, limit, &mut stacks, &mut top) }
             };
             // If no child is hit: pop, skipping children past the closest hit.
             current = match next.or_else(|| pop_within_limit(&mut stacks, &mut top, self.search)) {
@@ -82,6 +81,20 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
             };
         }
         self.probe.traversal(n_visits, n_tests);
+    }
+}
+
+/// Counts the tests of the boxes of a node's children, for a search that records.
+fn test_boxes<I: InstructionSet>(
+    set: I,
+    slabs: &Slabs,
+    node: &WideNode,
+    limit: I::Lanes,
+) -> BoxTests {
+    let (enter, exit) = slabs.span(set, node, limit);
+    BoxTests {
+        n: node.n_children() as u8,
+        n_hits: enter.le(exit).bits().count_ones() as u8,
     }
 }
 
