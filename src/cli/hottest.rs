@@ -116,7 +116,7 @@ fn value((metric, pixel): Hottest) -> String {
 /// Formats a value of a metric with its unit.
 fn shown(metric: Metric, value: f64) -> String {
     match metric.unit {
-        MetricUnit::Nanoseconds => metric.format(value),
+        MetricUnit::Nanoseconds | MetricUnit::Ratio => metric.format(value),
         MetricUnit::Count => format!("{} {}", metric.format(value), metric.label),
     }
 }

@@ -58,6 +58,7 @@ impl Input {
             .check_output()
             .map_err(|(_, fault)| document.point_at(fault))?;
         config.check_arrays().map_err(point_at)?;
+        config.check_metrics().map_err(point_at)?;
         config.output.leave_out_without(config.acceleration);
         let available = memory::available();
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;

@@ -118,6 +118,7 @@ fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let mut config: Config = source.parse()?;
     let mut check = || {
         config.check_arrays()?;
+        config.check_metrics()?;
         Timeline::of(&config, source.folder())?;
         let geometries = Geometries::read(&mut config, source.folder(), available)?;
         Memory::of(&config, &geometries).check(available)?;

@@ -3,7 +3,7 @@
 use bytemuck::cast_slice_mut;
 use render::film::{Film, PackedCounters, RenderedTile};
 use render::schedule::TileGrid;
-use scene::config::{CostMode, ExtraArrays, Repeats, WrittenArrays};
+use scene::config::{CostMode, ExtraArrays, RatioMetrics, Repeats, WrittenArrays};
 use tracer::cost::{Cost, Counters};
 
 /// Returns a film of noise: all arrays differ, and NaN occurs with many bit patterns.
@@ -11,6 +11,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let extra = ExtraArrays {
         groups: false,
         tests: false,
+        metrics: RatioMetrics::default(),
         radiance: true,
         radiance_in_vtk: true,
         albedo: true,

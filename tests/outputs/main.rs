@@ -41,6 +41,7 @@ mod picture;
 mod pyvista;
 mod results;
 mod resume;
+mod scene_metrics;
 mod series;
 mod view;
 mod vtk_files;

@@ -25,11 +25,19 @@ impl SceneArguments {
     pub(in crate::cli) fn flags_of_the_picture(&self) -> Vec<String> {
         let out = self.out.as_deref().map(shell_word);
         let picture = self.picture().into_iter();
-        let flags = picture.chain(flag("out", out));
+        // What is set may name arrays of these outputs.
+        let also = self.also().filter(|_| !self.set.is_empty());
+        let flags = picture.chain(flag("out", out)).chain(flag("also", also));
         let set = self.set.iter().map(Path::new).map(shell_word);
         let set = set.map(|setting| format!(" --set {setting}"));
         let shown = flags.map(|(name, value)| format!(" --{name} {value}"));
         shown.chain(set).collect()
+    }
+
+    /// Returns the value of `--also`, if it is given.
+    fn also(&self) -> Option<String> {
+        let names: Vec<String> = self.also.iter().map(keyword_name).collect();
+        (!names.is_empty()).then(|| names.join(","))
     }
 
     /// Returns all flags except the output folder, each as one argument: with them,
@@ -40,13 +48,12 @@ impl SceneArguments {
         } else {
             self.cost.map(|cost| keyword_name(&cost))
         };
-        let also: Vec<String> = self.also.iter().map(keyword_name).collect();
         let measured = [
             flag("cost", cost),
             flag("repeats", self.repeats.map(|n| n.to_string())),
             flag("tile-size", self.tile_size.map(|n| n.to_string())),
             flag("tile-order", self.tile_order.map(|o| keyword_name(&o))),
-            flag("also", (!also.is_empty()).then(|| also.join(","))),
+            flag("also", self.also()),
             flag("compress", self.compress.map(|codec| keyword_name(&codec))),
         ];
         let set = self.set.iter().map(|setting| ("set", setting.clone()));

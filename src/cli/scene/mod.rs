@@ -11,7 +11,7 @@ use crop::Crop;
 use scene::color::ToneCurve;
 use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
-    Repeats, Structure, TileOrder, Tiling,
+    RatioMetrics, Repeats, Structure, TileOrder, Tiling,
 };
 use scene::import;
 use scene::yaml::{self, Document, Fault, Source};
@@ -155,6 +155,7 @@ impl SceneArguments {
         config.compress = self.compress.unwrap_or(config.compress);
         if let Some(format) = self.picture {
             config.output = Outputs::default();
+            config.metrics = RatioMetrics::default();
             if format == PictureFormat::Exr {
                 config.output.add(OptionalOutput::Exr);
             }
@@ -172,6 +173,7 @@ impl SceneArguments {
         })?;
         config
             .check_arrays()
+            .and_then(|()| config.check_metrics())
             .map_err(|fault| document.point_at(fault))
     }
 

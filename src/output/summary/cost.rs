@@ -7,7 +7,7 @@ use serde_json::Number;
 use base::folder::Written;
 use base::provenance::Checksum;
 use render::schedule::Schedule;
-use scene::config::{CostMode, TileOrder};
+use scene::config::{CostMode, RatioMetrics, TileOrder};
 use tracer::cost::Clock;
 
 /// The measured cost of the whole picture.
@@ -22,6 +22,10 @@ pub struct CostSection {
     /// The sums of the film's arrays, by the arrays' names, in the arrays' units.
     /// `None` without counters; an entry is `None` if it was not measured.
     pub totals: Option<IndexMap<String, Option<Number>>>,
+    /// The definitions of the metrics that the scene defines, by their arrays' names; left out if
+    /// there are none.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub metrics: IndexMap<String, String>,
     /// Millions of rays per second of wall time, in the median rendering.
     pub mrays_per_second: Option<f64>,
 }
@@ -65,6 +69,12 @@ pub struct FileEntry {
 }
 
 impl CostSection {
+    /// Returns the metrics that the scene defines; none if their definitions are damaged.
+    pub fn ratio_metrics(&self) -> RatioMetrics {
+        let definitions = self.metrics.iter().map(|(name, text)| (&**name, &**text));
+        RatioMetrics::parse(definitions).unwrap_or_default()
+    }
+
     /// Returns the sum of an array of the film; `None` if it was not measured.
     pub fn total(&self, array: &str) -> Option<f64> {
         self.totals.as_ref()?.get(array)?.as_ref()?.as_f64()

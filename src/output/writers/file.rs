@@ -92,7 +92,11 @@ impl Request<'_> {
 
     /// Returns the number of costs per pixel in the frame.
     pub(super) fn n_costs(&self) -> usize {
-        let is_cost = |column: &Column| Metric::ALL.iter().any(|m| m.name == column.name);
+        let ratios = Metric::ratios(self.config.metrics);
+        let is_cost = |column: &Column| {
+            let mut metrics = ratios.clone().chain(Metric::ALL);
+            metrics.any(|metric| metric.name == column.name)
+        };
         written_columns(self.config).filter(is_cost).count()
     }
 

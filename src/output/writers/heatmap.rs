@@ -9,7 +9,7 @@ use crate::chart::{self, CostMap, Range};
 use base::provenance::RunId;
 use base::text::numbers;
 use render::film::Film;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, MetricUnit};
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
@@ -81,13 +81,20 @@ fn subtitle(rendering: &RenderingView, metric: Metric) -> String {
         Some(map) if map.side > 1 => format!(", means of {0} × {0}", map.side),
         _ => String::new(),
     };
+    // A sum of ratios means nothing, their mean does.
+    let [name, whole] = match metric.unit {
+        MetricUnit::Ratio => {
+            let n_pixels = image.n_pixels() as f64;
+            ["mean", &metric.format(survey.sum / n_pixels)]
+        }
+        _ => ["sum", &metric.format(survey.sum)],
+    };
     format!(
-        "{} × {} pixels{means}, {} per pixel, {}; median {}, sum {}",
+        "{} × {} pixels{means}, {} per pixel, {}; median {}, {name} {whole}",
         image.width,
         image.height,
         image.samples(),
         numbers::counted(n_threads as u64, "thread"),
         metric.format(survey.median.into()),
-        metric.format(survey.sum),
     )
 }

@@ -112,6 +112,9 @@ fn cost(rendering: &RenderingView) -> CostSection {
         kernel: Some(film.cost.kernel().to_owned()),
         clock: rendering.meter.clock().map(Into::into),
         totals: has_counters.then(|| totals(film, rendering.survey)),
+        metrics: (film.extra.metrics.list().iter())
+            .map(|metric| (metric.name.clone(), metric.definition.clone()))
+            .collect(),
         mrays_per_second: has_counters.then(|| film.totals.n_rays() as f64 / seconds / 1e6),
     }
 }
@@ -139,6 +142,15 @@ fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
             let camera_rays = film.totals.rays_of(RayKind::Camera);
             totals.insert("camera_rays".to_owned(), Some(camera_rays.into()));
         }
+    }
+    for ratio in Metric::ratios(film.extra.metrics) {
+        let total = |part: Metric| totals.get(part.name)?.as_ref()?.as_f64();
+        let parts = ratio.parts().map(|parts| parts.map(total));
+        let whole = match parts {
+            Some([Some(above), Some(below)]) => Number::from_f64(above / below),
+            _ => None,
+        };
+        totals.insert(ratio.name.to_owned(), whole);
     }
     totals
 }

@@ -159,15 +159,9 @@ fn hotter(
 
 /// Calls `take` with each strip of a film and a metric of its pixels.
 fn for_each_strip(film: &Film, metric: Metric, mut take: impl FnMut(&Strip, &[f32])) {
-    let (mut counts, mut values) = (Vec::new(), Vec::new());
+    let mut values = Vec::new();
     for strip in &film.strips {
-        if metric.is_timed() {
-            take(strip, &strip.time_ns);
-            continue;
-        }
-        film.counts(strip, metric, &mut counts);
-        values.clear();
-        values.extend(counts.iter().map(|&count| count as f32));
+        film.costs(strip, metric, &mut values);
         take(strip, &values);
     }
 }

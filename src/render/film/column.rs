@@ -30,6 +30,8 @@ enum Origin {
     Position,
     /// The counters of the tiles.
     Counted(Metric),
+    /// The ratios of two metrics.
+    Ratio(Metric),
     /// The tiles of the image.
     Tile,
     /// The threads that rendered the tiles.
@@ -135,6 +137,7 @@ pub(super) fn kept_columns(
         .chain(instance)
         .chain(groups)
         .chain(tests.into_iter().flatten())
+        .chain(Metric::ratios(extra.metrics).map(Column::ratio))
 }
 
 /// Returns [`columns`], with the numbers of samples if they are counted.
@@ -159,6 +162,11 @@ impl Column {
             unit: Some(metric.unit_label()),
             ..computed(metric.name, ScalarType::U32, Origin::Counted(metric))
         }
+    }
+
+    /// Returns the array of a metric that the scene defines.
+    fn ratio(metric: Metric) -> Self {
+        computed(metric.name, ScalarType::F32, Origin::Ratio(metric))
     }
 
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
@@ -212,7 +220,9 @@ impl Column {
         match self.origin {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
-            Origin::Position | Origin::Tile | Origin::Thread | Origin::Group => false,
+            Origin::Position | Origin::Ratio(_) | Origin::Tile | Origin::Thread | Origin::Group => {
+                false
+            }
         }
     }
 
@@ -231,6 +241,12 @@ impl Column {
             Origin::Tile => film.tile_numbers(strip, buffer),
             Origin::Thread => film.threads(strip, buffer),
             Origin::Group => film.groups(strip, buffer),
+            Origin::Ratio(metric) => {
+                let mut ratios = Vec::new();
+                film.costs(strip, metric, &mut ratios);
+                buffer.clear();
+                buffer.extend(ratios.iter().map(|ratio| ratio.to_bits()));
+            }
         }
         bytemuck::cast_slice(buffer)
     }

@@ -4,11 +4,16 @@ use super::{Film, Strip};
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
 impl Film {
+    /// Returns the metrics of the film: those that the scene defines, then all others.
+    pub fn metrics(&self) -> impl Iterator<Item = Metric> + Clone + use<> {
+        Metric::ratios(self.extra.metrics).chain(Metric::ALL)
+    }
+
     /// Overwrites `counts` with a counted metric of the pixels of a strip.
     pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
         counts.clear();
         match metric.source {
-            MetricSource::Clock => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Clock | MetricSource::Ratio(_) => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::Observed(counter) => {
                 let observed = strip.step_counts.iter();
@@ -53,32 +58,44 @@ impl Film {
         self.clear_missing(strip, counts);
     }
 
+    /// Overwrites `values` with a metric of the pixels of a strip; counts above 2^24 are rounded.
+    pub fn costs(&self, strip: &Strip, metric: Metric, values: &mut Vec<f32>) {
+        values.clear();
+        if metric.is_timed() {
+            return values.extend_from_slice(&strip.time_ns);
+        }
+        let Some(parts) = metric.parts() else {
+            let mut counts = Vec::new();
+            self.counts(strip, metric, &mut counts);
+            return values.extend(counts.iter().map(|&count| count as f32));
+        };
+        let [above, below] = parts.map(|part| {
+            let mut values = Vec::new();
+            self.costs(strip, part, &mut values);
+            values
+        });
+        let ratio = |(&above, &below): (&f32, &f32)| if below > 0.0 { above / below } else { 0.0 };
+        values.extend(above.iter().zip(&below).map(ratio));
+    }
+
     /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24 are rounded.
     pub fn metric(&self, metric: Metric) -> Vec<f32> {
-        if metric.is_timed() {
-            return self
-                .rows(|strip| &strip.time_ns)
-                .collect::<Vec<_>>()
-                .concat();
-        }
         let n_pixels = self.grid.width as usize * self.grid.height as usize;
         let (mut of_strip, mut all) = (Vec::new(), Vec::with_capacity(n_pixels));
         for strip in &self.strips {
-            self.counts(strip, metric, &mut of_strip);
-            all.extend(of_strip.iter().map(|&count| count as f32));
+            self.costs(strip, metric, &mut of_strip);
+            all.append(&mut of_strip);
         }
         all
     }
 
-    /// Returns the first two metrics of [`Metric::ALL`] that are not zero in the film: without a
+    /// Returns the first two of the film's [`metrics`](Self::metrics) that are not zero: without a
     /// hierarchy, for example, there are no node visits. `None` for a film without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
             return None;
         }
-        let mut shown = Metric::ALL
-            .into_iter()
-            .filter(|&metric| self.has_any(metric));
+        let mut shown = self.metrics().filter(|&metric| self.has_any(metric));
         Some([shown.next()?, shown.next()?])
     }
 
@@ -87,9 +104,7 @@ impl Film {
         if !self.cost.has_counters() {
             return None;
         }
-        let mut shown = Metric::ALL
-            .into_iter()
-            .filter(|&metric| self.has_total(metric));
+        let mut shown = self.metrics().filter(|&metric| self.has_total(metric));
         Some([shown.next()?, shown.next()?])
     }
 
@@ -106,7 +121,7 @@ impl Film {
 
     fn first_in_files(&self, has: impl Fn(Metric) -> bool) -> [Option<Metric>; 2] {
         let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
-        let in_files = || Metric::ALL.into_iter().filter(is_in_files);
+        let in_files = || self.metrics().filter(is_in_files);
         let counted = in_files().filter(|&metric| has(metric));
         let zero = in_files().filter(|&metric| !has(metric));
         let mut metrics = counted.chain(zero);
@@ -117,12 +132,18 @@ impl Film {
         if metric.is_timed() {
             return Metric::of_times(self.cost) == Some(metric);
         }
-        metric.of(&self.totals) > 0
+        match metric.parts() {
+            Some(parts) => parts.into_iter().all(|part| self.has_total(part)),
+            None => metric.of(&self.totals) > 0,
+        }
     }
 
     fn has_any(&self, metric: Metric) -> bool {
         if metric.is_timed() {
             return Metric::of_times(self.cost) == Some(metric);
+        }
+        if let Some(parts) = metric.parts() {
+            return parts.into_iter().all(|part| self.has_any(part));
         }
         let mut of_strip = Vec::new();
         self.strips.iter().any(|strip| {

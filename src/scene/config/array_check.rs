@@ -39,12 +39,12 @@ impl Config {
 impl PixelArray {
     /// Returns the missing condition for a rendering with these settings to have the array, and the
     /// setting that fulfills it; `None` if the array is available.
-    fn lacks(self, config: &Config) -> Option<[String; 2]> {
+    pub(super) fn lacks(self, config: &Config) -> Option<[String; 2]> {
         let cost = config.cost;
         let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
         let asks_for = |output: OptionalOutput| {
             let name = keyword_name(&output);
-            let help = format!("add `also: [{name}]` beside `arrays`, or `--also {name}`");
+            let help = format!("add `also: [{name}]` to `output`, or `--also {name}`");
             (!config.output.has(output)).then(|| [format!("the output `{name}`"), help])
         };
         match self {

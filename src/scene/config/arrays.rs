@@ -117,6 +117,20 @@ impl PixelArray {
         keyword_name(&self)
     }
 
+    /// Returns true for the costs of a pixel: its time, visits, tests, rays, samples and depth.
+    pub(super) fn is_cost(self) -> bool {
+        use PixelArray::*;
+        match self {
+            TimeNs | NodeVisits | PrimitiveTests | Rays | ShadowRays | ReflectionRays
+            | RefractionRays | DiffuseRays | Depth | Samples | BoxTests | BoxHits
+            | PrimitiveHits | InstanceVisits => true,
+            Rgb | Normals | Distance | Footprint | Object | Material | Instance | Pixel
+            | Horizon | TimeMadNs | NRejected | Tile | Thread | Radiance | RaysByBounce | Group => {
+                false
+            }
+        }
+    }
+
     fn bit(self) -> u32 {
         1 << self as u32
     }

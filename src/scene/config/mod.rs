@@ -9,6 +9,7 @@ mod adaptive;
 mod arrays;
 mod cost_mode;
 mod isosurface;
+mod metrics;
 mod normals;
 mod file;
 mod film;
@@ -42,6 +43,7 @@ pub use image::{Image, MAX_SIDE, PictureWindow};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
 pub use kernels::{Pinning, SimdSet, Traversal};
+pub use metrics::{MAX_METRICS, RatioMetric, RatioMetrics};
 pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
@@ -111,6 +113,9 @@ pub struct Config {
     /// The cost measured for each pixel.
     #[serde(default)]
     pub cost: CostMode,
+    /// Ratios of costs as metrics of the scene's own.
+    #[serde(default)]
+    pub metrics: RatioMetrics,
     /// How many times the picture is rendered to time its pixels.
     #[serde(default)]
     pub repeats: Repeats,
@@ -151,6 +156,7 @@ impl Config {
             groups: self.output.has(OptionalOutput::Groups),
             tests: self.output.has(OptionalOutput::Tests),
             instance: self.has_instances(),
+            metrics: self.metrics,
             written: self.output.written_arrays(),
         }
     }

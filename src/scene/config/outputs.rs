@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
-use super::{Acceleration, CostMode, PixelArray, WrittenArrays};
+use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
 use crate::yaml::{self, Fault, FieldPath};
 use base::text;
 
@@ -77,6 +77,8 @@ pub struct ExtraArrays {
     pub tests: bool,
     /// True to keep the instance that the center sample hit.
     pub instance: bool,
+    /// The metrics that the scene defines; cloud and frame have an array of each.
+    pub metrics: RatioMetrics,
     /// The arrays that cloud and frame have.
     pub written: WrittenArrays,
 }

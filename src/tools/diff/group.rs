@@ -90,7 +90,10 @@ impl Groups {
 }
 
 /// Sorts groups by their change, the greatest first; the sort is stable.
-pub(super) fn sorted(mut groups: Vec<CostGroup>) -> Vec<CostGroup> {
+pub(super) fn sorted(mut groups: Vec<CostGroup>, ratios: &[Metric]) -> Vec<CostGroup> {
+    groups
+        .iter_mut()
+        .for_each(|group| group.totals.add_ratios(ratios));
     groups.sort_by(|x, y| y.change().abs().total_cmp(&x.change().abs()));
     groups
 }

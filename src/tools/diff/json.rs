@@ -8,7 +8,7 @@ use super::file::DiffFile;
 use super::gate::Gate;
 use super::{CostGroup, Diff, Side, Total, Totals, ratio};
 use math::statistics::CONFIDENCE;
-use tracer::cost::Metric;
+use tracer::cost::MetricUnit;
 
 /// The file.
 pub(super) const FILE: DiffFile = DiffFile {
@@ -51,9 +51,9 @@ fn side(side: &Side) -> Value {
 fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
     let total = |total: &Total| {
         let [a, b] = total.cost;
-        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.metric {
-            Metric::TIME => json!(value),
-            _ => json!(value as i64),
+        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.metric.unit {
+            MetricUnit::Count => json!(value as i64),
+            MetricUnit::Nanoseconds | MetricUnit::Ratio => json!(value),
         });
         let value = json!({
             "a": number_a, "b": number_b, "difference": difference, "ratio": ratio_of(total),

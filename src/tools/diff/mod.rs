@@ -81,7 +81,8 @@ pub struct Total {
     pub cost: [f64; 2],
 }
 
-/// The totals of the metrics that both outputs have, in the order of [`Metric::ALL`].
+/// The totals of the metrics that both outputs have, in the order of [`Metric::ALL`], and the
+/// ratios that their scenes define.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Totals(pub Vec<Total>);
 
@@ -110,6 +111,23 @@ impl Totals {
     /// Returns the total of a metric, if both have it.
     pub fn total(&self, metric: Metric) -> Option<&Total> {
         self.0.iter().find(|total| total.metric == metric)
+    }
+
+    /// Adds the ratios of totals that both outputs have.
+    pub(super) fn add_ratios(&mut self, ratios: &[Metric]) {
+        for &metric in ratios {
+            let parts = metric
+                .parts()
+                .map(|parts| parts.map(|part| self.cost(part)));
+            if let Some([Some(above), Some(below)]) = parts {
+                let ratio = |side: usize| match below[side] {
+                    0.0 => 0.0,
+                    below => above[side] / below,
+                };
+                let cost = [0, 1].map(ratio);
+                self.0.push(Total { metric, cost });
+            }
+        }
     }
 
     /// Returns the sums of node visits and primitive tests in A and B.
@@ -171,6 +189,8 @@ impl Diff {
             groups.add(metric, &values);
         }
         let shown = shown_metric(&totals);
+        let ratios = common_ratios(sides);
+        totals.add_ratios(&ratios);
         let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
         let noise = match totals.cost(Metric::TIME) {
             Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
@@ -182,9 +202,9 @@ impl Diff {
             totals,
             noise,
             change,
-            objects: sorted(groups.objects(sides)),
-            reached: sorted(reached::groups(sides)?),
-            tiles: sorted(groups.tiles(size)),
+            objects: sorted(groups.objects(sides), &ratios),
+            reached: sorted(reached::groups(sides)?, &ratios),
+            tiles: sorted(groups.tiles(size), &ratios),
             picture: PictureDifference::of(&a.colors()?, &b.colors()?),
             light: match [a.radiance()?, b.radiance()?] {
                 [Some(a), Some(b)] => Some(LightDifference::of(&a, &b)),
@@ -233,6 +253,17 @@ fn common_metrics(sides: &[Side; 2]) -> Result<Vec<Metric>, Diagnostic> {
     }
     let is_common = |metric: &Metric| sides.iter().all(|side| side.has(*metric));
     Ok(Metric::ALL.into_iter().filter(is_common).collect())
+}
+
+/// Returns the metrics that the scenes of both outputs define in the same way, and that both have.
+fn common_ratios(sides: &[Side; 2]) -> Vec<Metric> {
+    let [a, b] = sides.each_ref().map(|side| {
+        let metrics = Metric::ratios(side.summary().cost.ratio_metrics());
+        metrics
+            .filter(|metric| side.has(*metric))
+            .collect::<Vec<_>>()
+    });
+    a.into_iter().filter(|metric| b.contains(metric)).collect()
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {

@@ -6,7 +6,7 @@ use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
 use base::provenance::RunId;
 use output::writers::run_fields;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, MetricUnit};
 use vtk::array::{Array, Entry};
 use vtk::data_set::{DataSet, Extent};
 use vtk::{Codec, Encoding, appended};
@@ -60,7 +60,7 @@ fn write(
     appended::write(&image, encoding, out)
 }
 
-/// Creates the array of a metric's differences: of times as 32-bit floats, as in `frame.vti`, of
+/// Creates the array of a metric's differences: of times and ratios as 32-bit floats, as in `frame.vti`, of
 /// counters as 64-bit integers.
 fn differences<'a>(
     metric: Metric,
@@ -72,12 +72,12 @@ fn differences<'a>(
         let [a, b] = values(sides, metric)?;
         io::Result::Ok(b.into_iter().zip(a).map(|(b, a)| b - a))
     };
-    let differences = match metric {
-        Metric::TIME => pixels.array(name, move || {
-            Ok(differences()?.map(|time| time as f32).collect())
-        }),
-        _ => pixels.array(name, move || {
+    let differences = match metric.unit {
+        MetricUnit::Count => pixels.array(name, move || {
             Ok(differences()?.map(|count| count as i64).collect())
+        }),
+        MetricUnit::Nanoseconds | MetricUnit::Ratio => pixels.array(name, move || {
+            Ok(differences()?.map(|value| value as f32).collect())
         }),
     };
     differences.in_unit(metric.unit_label())

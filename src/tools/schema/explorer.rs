@@ -10,10 +10,13 @@ use super::attempt::{Outcome, attempt, quoted};
 use super::doc_comments;
 use super::numbers::{self, any_of};
 use super::relations::relations;
+use scene::config::{PixelArray, RatioMetric};
 use scene::yaml::{MAX_NAME, Step};
 
 /// A word that is neither a key nor a keyword.
 const UNKNOWN: &str = "zzz";
+/// A ratio that a metric may be.
+const RATIO: &str = "primitive_tests / rays";
 /// Longest path that is explored.
 const MAX_DEPTH: usize = 12;
 /// Longest list that is tried.
@@ -142,6 +145,13 @@ impl<T: DeserializeOwned> Explorer<T> {
         if self.attempt(json!("#12aBeF")).is_accepted() {
             schemas.push(json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }));
             samples.push(json!("#12abef"));
+        }
+        if self.attempt(json!(RATIO)).is_accepted() {
+            let costs: Vec<String> = RatioMetric::costs().map(PixelArray::name).collect();
+            let cost = format!("({})", costs.join("|"));
+            let pattern = format!("^ *{cost} */ *{cost} *$");
+            schemas.push(json!({ "type": "string", "pattern": pattern }));
+            samples.push(json!(RATIO));
         }
         (!schemas.is_empty()).then(|| Accepted {
             schema: any_of(schemas),

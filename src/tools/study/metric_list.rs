@@ -200,6 +200,7 @@ impl StudyMetric {
         let over = match metric.aggregation {
             Aggregation::Sum => "sum over all pixels",
             Aggregation::Max => "greatest of all pixels",
+            Aggregation::Ratio => "ratio of the sums over all pixels",
         };
         let about = format!("{over}: {}", metric.about);
         Self {

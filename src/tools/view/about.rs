@@ -41,7 +41,10 @@ pub(super) fn json(
         "full_size": pixels.full,
         "origin": summary.image.place().origin,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
-        "metrics": Metric::ALL.map(metric),
+        "metrics": Metric::ratios(summary.cost.ratio_metrics())
+            .chain(Metric::ALL)
+            .map(metric)
+            .collect::<Vec<_>>(),
         "hottest": hottest,
         "trace": hottest::trace_command(summary),
         "objects": objects(summary),

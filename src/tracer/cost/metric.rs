@@ -10,7 +10,7 @@ use clap::builder::PossibleValue;
 
 use super::{Cost, Counter, StepCounter};
 use base::text::numbers;
-use scene::config::CostMode;
+use scene::config::{CostMode, RatioMetric, RatioMetrics};
 
 /// A cost metric of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +40,8 @@ pub enum MetricUnit {
     Nanoseconds,
     /// A count of the things that the label names.
     Count,
+    /// None: a ratio of two metrics.
+    Ratio,
 }
 
 /// How the values of several pixels combine.
@@ -49,6 +51,8 @@ pub enum Aggregation {
     Sum,
     /// The greatest value.
     Max,
+    /// The ratio of what the parts combine to.
+    Ratio,
 }
 
 /// The origin of a metric's values.
@@ -62,6 +66,8 @@ pub enum MetricSource {
     AllRays,
     /// A count of the observation that follows a rendering, on request.
     Observed(StepCounter),
+    /// The ratio of two metrics of the pixel; 0 if the second is 0.
+    Ratio(&'static RatioMetric),
 }
 
 const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
@@ -213,6 +219,30 @@ impl Metric {
         rendered.filter(is_counted)
     }
 
+    /// Returns the metrics that a scene defines.
+    pub fn ratios(metrics: RatioMetrics) -> impl Iterator<Item = Self> + Clone {
+        let ratio = |ratio: &'static RatioMetric| Self {
+            about: &ratio.definition,
+            unit: MetricUnit::Ratio,
+            aggregation: Aggregation::Ratio,
+            source: MetricSource::Ratio(ratio),
+            ..counter(&ratio.name, &ratio.label, Counter::NodeVisits)
+        };
+        metrics.list().iter().map(ratio)
+    }
+
+    /// Returns the metrics of which this one is the ratio.
+    pub fn parts(self) -> Option<[Self; 2]> {
+        let MetricSource::Ratio(ratio) = self.source else {
+            return None;
+        };
+        let [above, below] = ratio.parts.each_ref().map(|part| {
+            let name = part.name();
+            Self::ALL.into_iter().find(|metric| metric.name == name)
+        });
+        Some([above?, below?])
+    }
+
     /// Returns the metrics of observed rays.
     pub fn observed() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().skip(Self::N_RENDERED)
@@ -231,20 +261,23 @@ impl Metric {
         self.source == MetricSource::Clock
     }
 
-    /// Returns the value of a counted cost; 0 for a time and for counts of observed rays.
+    /// Returns the value of a counted cost; 0 for a time, for counts of observed rays and for
+    /// ratios.
     pub fn of(self, cost: &Cost) -> u64 {
         match self.source {
-            MetricSource::Clock | MetricSource::Observed(_) => 0,
+            MetricSource::Clock | MetricSource::Observed(_) | MetricSource::Ratio(_) => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }
     }
 
-    /// Combines the values of two pixels or groups of pixels.
+    /// Combines the values of two pixels or groups of pixels; NaN for a ratio, whose parts have to
+    /// be combined.
     pub fn combine(self, a: f64, b: f64) -> f64 {
         match self.aggregation {
             Aggregation::Sum => a + b,
             Aggregation::Max => a.max(b),
+            Aggregation::Ratio => f64::NAN,
         }
     }
 
@@ -252,7 +285,7 @@ impl Metric {
     pub const fn unit_label(self) -> &'static str {
         match self.unit {
             MetricUnit::Nanoseconds => "ns",
-            MetricUnit::Count => self.label,
+            MetricUnit::Count | MetricUnit::Ratio => self.label,
         }
     }
 
@@ -261,6 +294,7 @@ impl Metric {
         match self.unit {
             MetricUnit::Nanoseconds => numbers::duration(Duration::from_nanos(value as u64)),
             MetricUnit::Count => numbers::count(value as u64),
+            MetricUnit::Ratio => format!("{value:.3}"),
         }
     }
 

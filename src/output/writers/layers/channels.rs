@@ -10,7 +10,7 @@ use vtkio::model::ScalarType;
 
 use render::film::{Column, Film, Strip, columns};
 use scene::camera::{ImagePlane, Projection};
-use scene::config::{CostMode, Repeats};
+use scene::config::{CostMode, MAX_METRICS, Repeats};
 use tracer::cost::Metric;
 
 /// Bytes of a number in each channel.
@@ -81,7 +81,7 @@ pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
         .iter()
         .sum::<usize>();
     let n_tests = Metric::observed().count();
-    numbers.sum::<usize>() + n_in_vectors + on_request + n_tests + 1
+    numbers.sum::<usize>() + n_in_vectors + on_request + n_tests + MAX_METRICS + 1
 }
 
 fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item = Channel> {

@@ -16,7 +16,7 @@ use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, f
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
 use base::folder::OutputFolder;
 use base::text::numbers::capitalized;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, MetricUnit};
 
 /// The template of `geometry.pvsm`.
 pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("geometry.pvsm");
@@ -207,12 +207,16 @@ fn cost_axis(survey: &Survey) -> Axis {
 }
 
 /// Returns the axis of the second metric from the 0.5 % to the 99.5 % quantile; its ends
-/// differ by at least 1.
+/// differ, those of counts by at least 1.
 fn counter_axis(metric: Metric, [low, high]: [f64; 2]) -> Axis {
+    let least = match metric.unit {
+        MetricUnit::Ratio => low.abs().max(1.0) * 1e-3,
+        MetricUnit::Nanoseconds | MetricUnit::Count => 1.0,
+    };
     Axis::new(
         metric.name,
         &capitalized(metric.title),
         ColorScale::Linear,
-        [low, high.max(low + 1.0)],
+        [low, high.max(low + least)],
     )
 }
