@@ -10,6 +10,7 @@
 mod factor_level;
 mod factor;
 mod launcher;
+mod step;
 mod point;
 mod plot_spec;
 mod plan;
@@ -19,6 +20,7 @@ mod run_metrics;
 mod run_log;
 mod table;
 mod scaling;
+mod step_rows;
 mod cost_law;
 mod limits_file;
 mod roofline_point;
@@ -38,4 +40,6 @@ pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_point
 pub use run_log::{Run, RunLog};
 pub use run_metrics::RunMetrics;
 pub use scaling::scaling_rows;
+pub use step::{LeftOutStep, Step, StepCommand};
+pub use step_rows::step_rows;
 pub use table::{StatisticsRow, statistics_rows, write_csv};

@@ -8,7 +8,8 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::factor_level::FactorForm;
 use super::point::scene_names;
-use super::{Factor, FactorLevel, Launcher, PlotSpec, StudyPoint};
+use super::step::{leave_out, points_of_steps};
+use super::{Factor, FactorLevel, Launcher, LeftOutStep, PlotSpec, Step, StudyPoint};
 use math::sampling::uniform;
 use scene::yaml;
 
@@ -41,6 +42,10 @@ pub struct StudyPlan {
     /// with [`vary`](Self::vary).
     #[serde(default)]
     pub cases: Vec<Case>,
+    /// Steps from one way of rendering to another, in place of `vary` and `cases`: each adds to the
+    /// settings of the steps before.
+    #[serde(default)]
+    pub steps: Vec<Step>,
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
     pub flags: Vec<String>,
@@ -123,19 +128,28 @@ impl StudyPlan {
     /// Returns the total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
         let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
-        let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
+        let lists = [self.scenes.len(), self.cases.len(), self.steps.len()];
+        let counts = lists.map(|count| count.max(1)).into_iter();
         let rounds = u64::from(self.warm_up) + u64::from(self.repeats);
         counts
             .chain(levels)
             .fold(rounds, |n, count| n.saturating_mul(count as u64))
     }
 
-    /// Returns all points: scene by scene, then case by case, then level by level.
+    /// Removes the steps with a reason why they cannot be made, and those that change nothing on
+    /// this machine. Returns the removed ones.
+    pub fn leave_out(&mut self, why_not: impl Fn(&Step) -> Option<String>) -> Vec<LeftOutStep> {
+        leave_out(&mut self.steps, why_not)
+    }
+
+    /// Returns all points: scene by scene, then step by step, or case by case, then level by level.
     pub fn points(&self) -> Vec<StudyPoint> {
         let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
         let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
         let cases = scenes.flat_map(|point| {
-            if self.cases.is_empty() {
+            if !self.steps.is_empty() {
+                points_of_steps(&self.steps, &point)
+            } else if self.cases.is_empty() {
                 vec![point]
             } else {
                 self.cases.iter().map(|case| case.of(&point)).collect()

@@ -38,6 +38,7 @@ impl Figure {
             y_title,
             scale: AxisScale::Log,
             categories: Vec::new(),
+            has_bars: false,
             series: Vec::new(),
             is_joined: points.iter().all(|point| point.point[label].is_number()),
             has_levels: false,

@@ -1,0 +1,90 @@
+//! Steps that cannot be made here, and the report on the others.
+
+use std::time::Duration;
+
+use serde_json::{Map, Value};
+
+use super::launcher::check_startable;
+use super::report::Results;
+use base::text::numbers::duration;
+use base::text::one_line;
+use tools::study::{LeftOutStep, StatisticsRow, Step, StudyPlan};
+
+/// Removes the steps that this machine, this build or this call cannot make. Returns them.
+pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutStep> {
+    let launcher = plan.launcher.clone();
+    plan.leave_out(|step: &Step| {
+        if step.command.is_some() && !any_command {
+            return Some("starts another program, which needs `--allow-commands`".to_owned());
+        }
+        let launcher = launcher.as_ref().filter(|_| step.has_ranks());
+        let cannot_start = launcher.and_then(|launcher| check_startable(launcher).err());
+        cannot_start
+            .map(|fault| fault.message)
+            .or_else(|| step.lacks_instructions())
+    })
+}
+
+/// Returns a table of the steps: time, speedups, and the work of a ray; and the steps left out.
+pub(super) fn lines_of(results: &Results) -> String {
+    let heading = [
+        "step",
+        "render time",
+        "95 % interval",
+        "over last",
+        "in all",
+        "visits",
+        "tests",
+    ];
+    let mut table = vec![heading.map(str::to_owned)];
+    let times = results
+        .rows
+        .iter()
+        .filter(|row| row.metric == "render_wall_ms");
+    table.extend(times.map(|time| cells(results.rows, time)));
+    let width = |column: usize| table.iter().map(|row| row[column].chars().count()).max();
+    let widths: Vec<usize> = (0..heading.len()).filter_map(width).collect();
+    let mut text = String::new();
+    for [step, others @ ..] in &table {
+        text += &format!("{step:<0$}", widths[0]);
+        for (cell, width) in others.iter().zip(&widths[1..]) {
+            text += &format!("  {cell:>width$}");
+        }
+        text.push('\n');
+    }
+    for LeftOutStep { step, reason } in results.left_out {
+        text += &format!(
+            "\nnote    `{}` is left out: {}\n",
+            one_line(step),
+            one_line(reason)
+        );
+    }
+    text
+}
+
+/// Returns the cells of a step, whose render time is given; a metric that it lacks is empty.
+fn cells(rows: &[StatisticsRow], time: &StatisticsRow) -> [String; 7] {
+    let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
+    let of_step = |metric: &str, unit: &str| {
+        let is_it = |row: &&StatisticsRow| row.metric == metric && row.point == time.point;
+        let found = rows.iter().find(is_it);
+        found.map_or(String::new(), |row| {
+            format!("{:.3}{unit}", row.statistics.median)
+        })
+    };
+    let statistics = &time.statistics;
+    [
+        name_of(&time.point),
+        ms(statistics.median),
+        format!("[{}, {}]", ms(statistics.low_95), ms(statistics.high_95)),
+        of_step("speedup_over_step", " x"),
+        of_step("speedup_over_start", " x"),
+        of_step("node_visits_per_ray", ""),
+        of_step("primitive_tests_per_ray", ""),
+    ]
+}
+
+fn name_of(point: &Map<String, Value>) -> String {
+    let name = point.get("step").and_then(Value::as_str);
+    one_line(name.unwrap_or_default()).into_owned()
+}
