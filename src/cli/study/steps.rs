@@ -69,7 +69,7 @@ fn cells(rows: &[StatisticsRow], time: &StatisticsRow) -> [String; 7] {
         let is_it = |row: &&StatisticsRow| row.metric == metric && row.point == time.point;
         let found = rows.iter().find(is_it);
         found.map_or(String::new(), |row| {
-            format!("{:.3}{unit}", row.statistics.median)
+            three_digits(row.statistics.median) + unit
         })
     };
     let statistics = &time.statistics;
@@ -82,6 +82,16 @@ fn cells(rows: &[StatisticsRow], time: &StatisticsRow) -> [String; 7] {
         of_step("node_visits_per_ray", ""),
         of_step("primitive_tests_per_ray", ""),
     ]
+}
+
+/// Returns a number with three digits or all of its whole ones.
+fn three_digits(value: f64) -> String {
+    let n_decimals = match value.abs() {
+        ..10.0 => 2,
+        ..100.0 => 1,
+        _ => 0,
+    };
+    format!("{value:.n_decimals$}")
 }
 
 fn name_of(point: &Map<String, Value>) -> String {

@@ -24,7 +24,7 @@ pub struct StudyPoint {
 
 /// The names of a step and its settings in the values of a point.
 pub(super) const STEP: &str = "step";
-const SETTINGS: &str = "settings";
+pub(super) const SETTINGS: &str = "settings";
 
 impl StudyPoint {
     /// Creates the point of a scene, with the values of its file.

@@ -9,7 +9,7 @@ use base::files;
 use math::statistics::SampleStatistics;
 
 /// The metric of a run that speedups compare.
-const TIME: &str = "render_wall_ms";
+pub(super) const STEP_TIME: &str = "render_wall_ms";
 /// Maximum length in bytes of a picture that is compared.
 const MAX_PICTURE: u64 = 1 << 30;
 
@@ -74,7 +74,7 @@ fn times(log: &RunLog, point: &Map<String, Value>, warm_up: u32) -> Vec<(u32, f6
         .runs
         .iter()
         .filter(|run| run.round >= warm_up && run.point == *point);
-    let time = runs.filter_map(|run| Some((run.round, *run.metrics.0.get(TIME)?)));
+    let time = runs.filter_map(|run| Some((run.round, *run.metrics.0.get(STEP_TIME)?)));
     time.filter(|(_, time)| *time > 0.0).collect()
 }
 

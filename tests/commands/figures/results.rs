@@ -147,7 +147,9 @@ impl Results {
             let mut points = roofline.into_iter().flatten();
             let found = points.find(|of| of["point"] == point["point"]);
             let share = found.and_then(|of| of["latency_share"].as_f64());
-            share.map_or("-".to_owned(), |share| format!("{} %", digits(100.0 * share)))
+            share.map_or("-".to_owned(), |share| {
+                format!("{} %", digits(100.0 * share))
+            })
         };
         let row = |point: &Value| {
             let [time, step, start, visits, tests, difference] = [
@@ -167,11 +169,18 @@ impl Results {
         };
         let rows = self.list("ladder", "points")?.iter().map(row);
         let left_out = self.list("ladder", "left_out")?.iter().map(|step| {
-            Some(format!("\n`{}` is left out: {}.\n", step["step"].as_str()?, step["reason"].as_str()?))
+            Some(format!(
+                "\n`{}` is left out: {}.\n",
+                step["step"].as_str()?,
+                step["reason"].as_str()?
+            ))
         });
         let head = "\n\n| step | render time | over last | in all | visits / ray | tests / ray | memory | picture |\n\
                     |---|--:|--:|--:|--:|--:|--:|--:|\n";
-        let [rows, left_out] = [rows.collect::<Option<String>>()?, left_out.collect::<Option<String>>()?];
+        let [rows, left_out] = [
+            rows.collect::<Option<String>>()?,
+            left_out.collect::<Option<String>>()?,
+        ];
         Some(format!("{head}{rows}{left_out}\n"))
     }
 

@@ -97,7 +97,7 @@ fn speedups_compare_runs_of_one_round() {
 #[test]
 #[cfg(unix)]
 fn another_program_is_a_step_that_has_to_be_allowed() {
-    let first = "steps:\n  - { name: other, command: sh other.sh {scene} {image} {flags} }";
+    let first = "steps:\n  - { name: other, command: \"sh other.sh {scene} {image} {flags}\" }";
     let folder = folder(&STEPS.replace("steps:", first));
     let script = folder.path().join("other.sh");
     let picture = in_repository("docs/images/seed_extended.png");
@@ -183,7 +183,7 @@ fn mistakes_of_steps_are_shown_at_their_lines() {
         ),
         (
             "steps: [{ name: a, set: { threads: most } }]",
-            "error: `steps[0].set.threads` cannot be `most`
+            "error: `steps[0].set.threads` cannot be the text \"most\"
  --> study.yaml:3:36
   |
 3 | steps: [{ name: a, set: { threads: most } }]

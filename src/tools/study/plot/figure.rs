@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::series_factors::series_factors;
 use crate::study::point::text_of;
+use crate::study::step_rows::STEP_TIME;
 use crate::study::{AxisScale, CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
 use output::chart::short_number;
 
@@ -98,10 +99,7 @@ impl Figure {
                 x,
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
-                label: plot
-                    .bars
-                    .then(|| speedups_of(row, rows))
-                    .unwrap_or_default(),
+                label: plot.bars.then(|| bar_label(row, rows)).unwrap_or_default(),
                 limit: None,
                 oversubscribed: row.oversubscribed,
             };
@@ -258,8 +256,9 @@ pub(super) fn factor_label(factor: &str, value: &Value, text: fn(&Value) -> Stri
     }
 }
 
-/// Returns the speedups of a step, such as "4.1 x, 820 x in all"; empty for other points.
-fn speedups_of(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
+/// Returns the label of a bar: the value, or for the time of a step its speedups, such as "4.1 x,
+/// 820 x in all".
+fn bar_label(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
     let speedup = |metric: &str| {
         let is_it = |other: &&StatisticsRow| other.metric == metric && other.point == row.point;
         let found = rows.iter().find(is_it)?;
@@ -268,6 +267,9 @@ fn speedups_of(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
             short_number(rounded(found.statistics.median))
         ))
     };
+    if row.metric != STEP_TIME {
+        return short_number(rounded(row.statistics.median));
+    }
     let both = speedup("speedup_over_step").zip(speedup("speedup_over_start"));
     both.map_or(String::new(), |(step, start)| {
         format!("{step}, {start} in all")
@@ -277,7 +279,11 @@ fn speedups_of(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
 /// Rounds to three significant digits.
 fn rounded(value: f64) -> f64 {
     let unit = 10_f64.powf(value.abs().log10().floor() - 2.0);
-    (value / unit).round() * unit
+    if unit > 0.0 {
+        (value / unit).round() * unit
+    } else {
+        value
+    }
 }
 
 /// Returns the title of an axis: "render wall (ms)" for `render_wall_ms`.
