@@ -18,7 +18,7 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 pub(super) use check::{checked, is_study, refuse_flags};
-use report::Results;
+use report::StudyResults;
 use scene_files::SceneFiles;
 
 use super::progress::StudyBar;
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         rows.extend(step_rows(&study.plan, &log, &study.out));
         let points = study.roofline(&rows, &measured_by)?;
         let left_out = [&study.left_out[..], &missing.failed].concat();
-        let results = Results {
+        let results = StudyResults {
             plan: &study.plan,
             rows: &rows,
             points: points.as_deref(),
@@ -192,7 +192,7 @@ impl Study {
                 let name = entry.file_name();
                 let name = name.to_str().unwrap_or_default();
                 let is_reserved = |prefix: &&str| name.starts_with(*prefix);
-                if ["statistics.", "plot-", "roofline."]
+                if ["statistics.", "plot-", "roofline.", "step-"]
                     .iter()
                     .any(is_reserved)
                 {

@@ -18,7 +18,7 @@ use tools::study::{
 };
 
 /// The results of a study.
-pub(super) struct Results<'a> {
+pub(super) struct StudyResults<'a> {
     pub(super) plan: &'a StudyPlan,
     /// The statistics of all points.
     pub(super) rows: &'a [StatisticsRow],
@@ -31,10 +31,10 @@ pub(super) struct Results<'a> {
 /// Writes the tables and plots of a study. Returns the numbers of the plots that have no values.
 pub(super) fn write_tables(
     out: &Path,
-    results: &Results,
+    results: &StudyResults,
     made_by: &Value,
 ) -> Result<Vec<usize>, Failure> {
-    let Results { plan, rows, .. } = results;
+    let StudyResults { plan, rows, .. } = results;
     write_file(&out.join("statistics.csv"), Replace::Known, |file| {
         write_csv(rows, file)
     })?;
@@ -102,12 +102,12 @@ pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<()
 
 /// Returns the report on a study: title, render time of each point, notes, and the folder. `empty`
 /// holds the numbers of the plots without values.
-pub(super) fn lines_of(results: &Results, empty: &[usize], out: &Path) -> String {
+pub(super) fn lines_of(results: &StudyResults, empty: &[usize], out: &Path) -> String {
     let plan = results.plan;
     let table = if plan.steps.is_empty() {
         table_of_points(results.rows)
     } else {
-        steps::lines_of(results)
+        steps::lines_of(results.rows, results.left_out)
     };
     let mut text = format!("{}\n\n{table}", one_line(&plan.title));
     text += &notes(

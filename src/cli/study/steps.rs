@@ -2,18 +2,15 @@
 
 use std::time::Duration;
 
-use serde_json::{Map, Value};
-
 use super::launcher::check_startable;
-use super::report::Results;
 use base::text::numbers::duration;
 use base::text::one_line;
-use tools::study::{LeftOutStep, StatisticsRow, Step, StudyPlan};
+use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 
 /// Removes the steps that this machine, this build or this call cannot make. Returns them.
 pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutStep> {
     let launcher = plan.launcher.clone();
-    plan.leave_out(|step: &Step| {
+    plan.leave_out(|step: &StudyStep| {
         if step.command.is_some() && !any_command {
             return Some("starts another program, which needs `--allow-commands`".to_owned());
         }
@@ -26,7 +23,7 @@ pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutS
 }
 
 /// Returns a table of the steps: time, speedups, and the work of a ray; and the steps left out.
-pub(super) fn lines_of(results: &Results) -> String {
+pub(super) fn lines_of(rows: &[StatisticsRow], left_out: &[LeftOutStep]) -> String {
     let heading = [
         "step",
         "render time",
@@ -37,11 +34,18 @@ pub(super) fn lines_of(results: &Results) -> String {
         "tests",
     ];
     let mut table = vec![heading.map(str::to_owned)];
-    let times = results
-        .rows
+    let has_scenes = rows
         .iter()
-        .filter(|row| row.metric == "render_wall_ms");
-    table.extend(times.map(|time| cells(results.rows, time)));
+        .any(|row| row.point["scene"] != rows[0].point["scene"]);
+    let times = rows.iter().filter(|row| row.metric == "render_wall_ms");
+    table.extend(times.map(|time| {
+        let name = if has_scenes {
+            label_of(&time.point)
+        } else {
+            time.point["step"].as_str().unwrap_or_default().to_owned()
+        };
+        cells(rows, time, &name)
+    }));
     let width = |column: usize| table.iter().map(|row| row[column].chars().count()).max();
     let widths: Vec<usize> = (0..heading.len()).filter_map(width).collect();
     let mut text = String::new();
@@ -52,7 +56,7 @@ pub(super) fn lines_of(results: &Results) -> String {
         }
         text.push('\n');
     }
-    for LeftOutStep { step, reason } in results.left_out {
+    for LeftOutStep { step, reason } in left_out {
         text += &format!(
             "\nnote    `{}` is left out: {}\n",
             one_line(step),
@@ -62,8 +66,8 @@ pub(super) fn lines_of(results: &Results) -> String {
     text
 }
 
-/// Returns the cells of a step, whose render time is given; a metric that it lacks is empty.
-fn cells(rows: &[StatisticsRow], time: &StatisticsRow) -> [String; 7] {
+/// Returns the cells of a step by its render time; a metric that it lacks is empty.
+fn cells(rows: &[StatisticsRow], time: &StatisticsRow, name: &str) -> [String; 7] {
     let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
     let of_step = |metric: &str, unit: &str| {
         let is_it = |row: &&StatisticsRow| row.metric == metric && row.point == time.point;
@@ -74,7 +78,7 @@ fn cells(rows: &[StatisticsRow], time: &StatisticsRow) -> [String; 7] {
     };
     let statistics = &time.statistics;
     [
-        name_of(&time.point),
+        one_line(name).into_owned(),
         ms(statistics.median),
         format!("[{}, {}]", ms(statistics.low_95), ms(statistics.high_95)),
         of_step("speedup_over_step", " x"),
@@ -92,9 +96,4 @@ fn three_digits(value: f64) -> String {
         _ => 0,
     };
     format!("{value:.n_decimals$}")
-}
-
-fn name_of(point: &Map<String, Value>) -> String {
-    let name = point.get("step").and_then(Value::as_str);
-    one_line(name.unwrap_or_default()).into_owned()
 }

@@ -2,7 +2,7 @@
 
 use super::metric_list::{MetricNeed, StudyMetric};
 use super::point::{STEP, scene_names};
-use super::{Case, Factor, FlagFactor, PlotSpec, Step, StudyPlan, Vary};
+use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use base::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
@@ -106,7 +106,7 @@ impl StudyPlan {
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
         let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
-        let ranks_in_steps = self.steps.iter().any(Step::has_ranks);
+        let ranks_in_steps = self.steps.iter().any(StudyStep::has_ranks);
         let has_ranks = ranks_in_vary || ranks_in_cases || ranks_in_steps;
         let (path, message, help) = match (&self.launcher, has_ranks) {
             (None, true) => (

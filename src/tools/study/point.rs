@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::{Case, Factor, FactorLevel, FlagFactor, Step, StepCommand};
+use super::{Case, Factor, FactorLevel, FlagFactor, StepCommand, StudyStep};
 
 /// A scene and a level of each factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +49,7 @@ impl StudyPoint {
     }
 
     /// Returns the point at a step with all of its settings.
-    pub(super) fn at_step(&self, step: &Step, settings: &Case) -> Self {
+    pub(super) fn at_step(&self, step: &StudyStep, settings: &Case) -> Self {
         let mut point = self.clone();
         let texts = match &step.command {
             Some(command) => vec![command.text().to_owned()],

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Case, Factor, FlagFactor, StudyPoint};
+use super::{Case, FlagFactor};
 use scene::config::SimdSet;
 use scene::yaml::{self, Fault, FieldPath};
 
 /// A step of a study.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Step {
+pub struct StudyStep {
     /// The name in tables and plots.
     #[serde(deserialize_with = "yaml::name")]
     pub name: String,
@@ -30,7 +30,7 @@ pub struct LeftOutStep {
     pub reason: String,
 }
 
-impl Step {
+impl StudyStep {
     /// Returns the reason why this processor cannot make the step, if there is one.
     pub fn lacks_instructions(&self) -> Option<String> {
         let level = self.set.level(FlagFactor::Simd)?;
@@ -47,8 +47,8 @@ impl Step {
 /// Removes each step with a reason why it cannot be made, and each that measures the same as the
 /// step before, such as all threads on one processor. Returns the removed ones.
 pub(super) fn leave_out(
-    steps: &mut Vec<Step>,
-    why_not: impl Fn(&Step) -> Option<String>,
+    steps: &mut Vec<StudyStep>,
+    why_not: impl Fn(&StudyStep) -> Option<String>,
 ) -> Vec<LeftOutStep> {
     let mut left_out = Vec::new();
     let mut settings = Case::default();
@@ -65,16 +65,6 @@ pub(super) fn leave_out(
         false
     });
     left_out
-}
-
-/// Returns the points of all steps in a scene.
-pub(super) fn points_of_steps(steps: &[Step], scene: &StudyPoint) -> Vec<StudyPoint> {
-    let mut settings = Case::default();
-    let point = |step: &Step| {
-        settings = settings.joined_with(&step.set);
-        scene.at_step(step, &settings)
-    };
-    steps.iter().map(point).collect()
 }
 
 /// A command such as `python loop.py {scene} {image}`, started in the folder of the study. Its
@@ -115,26 +105,5 @@ impl StepCommand {
             _ => vec![word.replace("{scene}", scene).replace("{image}", image)],
         });
         words.collect()
-    }
-}
-
-impl Case {
-    /// Returns the level of a factor.
-    fn level(&self, flag: FlagFactor) -> Option<&super::FactorLevel> {
-        let mut levels = self.0.iter();
-        let found = levels.find(|(factor, _)| *factor == Factor::Flag(flag));
-        found.map(|(_, level)| level)
-    }
-
-    /// Returns these levels with those of another case, which replace levels of the same factors.
-    fn joined_with(&self, other: &Self) -> Self {
-        let mut joined = self.clone();
-        for (factor, level) in &other.0 {
-            match joined.0.iter_mut().find(|(known, _)| known == factor) {
-                Some((_, known)) => *known = level.clone(),
-                None => joined.0.push((factor.clone(), level.clone())),
-            }
-        }
-        joined
     }
 }

@@ -133,7 +133,7 @@ impl Results {
         let cell = |point: &Value, metric: &str, unit: &str| {
             let values = point["metrics"][metric].as_array();
             let number = |column: usize| values.and_then(|values| values[column].as_f64());
-            let [median, low, high] = [1, 2, 3].map(|column| number(column).map(digits));
+            let [median, low, high] = [1, 2, 3].map(|column| number(column).map(whole_or_digits));
             match (median, low.zip(high)) {
                 (Some(median), Some((low, high))) if low != high => {
                     format!("{median}{unit} [{low}, {high}]")
@@ -380,6 +380,14 @@ impl Results {
         let rows = single.map(row).collect::<Option<Vec<_>>>()?;
         let head = "| per ray, single / in a stream | instructions | misses D1 | misses LL | mispredicted branches |\n|---|---|---|---|---|";
         Some(format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+}
+
+/// A count with all its digits, and other numbers with the ones that count.
+fn whole_or_digits(value: f64) -> String {
+    match value.fract() {
+        0.0 => value.to_string(),
+        _ => digits(value),
     }
 }
 

@@ -5,12 +5,11 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
 use super::axis::PlotAxis;
-use super::drawing::MARGIN;
 use super::figure::{Figure, PlotPoint};
-use super::symbols::{Drawn, FONT, color_of, draw_text, text_width};
+use super::symbols::{Drawn, FONT, MARGIN, color_of, draw_text, text_width};
 use crate::study::AxisScale;
 
-const TEXT_SIZE: i32 = 17;
+const TEXT_SIZE: i32 = 21;
 /// Height of all bars of a category as a share of the distance between categories.
 const HEIGHT: f64 = 0.6;
 /// Distance in pixels from the end of an interval to the label.

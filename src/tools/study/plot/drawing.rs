@@ -13,11 +13,10 @@ use super::coordinates::{Chart, axes, pixel_at};
 use super::figure::{Figure, PlotPoint, Series};
 use super::labels::draw_labels;
 use super::legend::Legend;
-use super::symbols::{Drawn, FONT, color_of, draw_ring, draw_symbol, load_font};
+use super::symbols::{Drawn, FONT, MARGIN, color_of, draw_ring, draw_symbol, load_font};
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
-pub(super) const MARGIN: i32 = 16;
 /// Number of line segments of a law.
 const N_STEPS: u32 = 64;
 

@@ -99,7 +99,11 @@ impl Figure {
                 x,
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
-                label: plot.bars.then(|| bar_label(row, rows)).unwrap_or_default(),
+                label: if plot.bars {
+                    bar_label(row, rows)
+                } else {
+                    String::new()
+                },
                 limit: None,
                 oversubscribed: row.oversubscribed,
             };
