@@ -40,7 +40,10 @@ pub(super) fn render(
     };
     let mut command = command.map_err(|error| failed(error.to_string()))?;
     let start = Instant::now();
-    let output = output_of(&mut command).map_err(|error| failed(error.to_string()))?;
+    let output = output_of(&mut command).map_err(|error| {
+        let program = command.get_program().to_string_lossy();
+        failed(format!("cannot run `{program}`: {error}"))
+    })?;
     let process_ms = start.elapsed().as_secs_f64() * 1e3;
     if !output.status.success() {
         let messages = String::from_utf8_lossy(&output.stderr);
