@@ -221,6 +221,7 @@ fn no_other_program_is_started() {
     let expected = [
         "cli/study/process.rs: None => Command::new(program),",
         "cli/study/process.rs: let mut command = Command::new(&words[0]);",
+        "cli/study/process.rs: let mut command = Command::new(program);",
         "tools/series/video.rs: let mut command = Command::new(FFMPEG);",
     ];
     assert_eq!(found, expected);

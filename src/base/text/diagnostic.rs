@@ -51,6 +51,11 @@ impl Diagnostic {
         }
     }
 
+    /// Returns the message alone.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// Adds other mistakes, shown below this one.
     pub fn with_others(mut self, others: Vec<Self>) -> Self {
         self.others = others;

@@ -8,7 +8,7 @@ use super::{Failure, Study};
 use base::text::numbers::{count, counted};
 use base::text::{Diagnostic, one_line};
 use scene::yaml::Source;
-use tools::study::StudyPlan;
+use tools::study::{LeftOutStep, StudyPlan};
 
 /// A key that every study has, and no scene.
 const SCENES: &str = "scenes";
@@ -90,20 +90,29 @@ impl CheckedStudy {
             };
             lines.push(("starts", format!("{}{note}", one_line(launcher.command()))));
         }
+        for command in plan.steps.iter().filter_map(|step| step.command.as_ref()) {
+            let note = "only with `raycost study --allow-commands`";
+            lines.push(("starts", format!("{}, {note}", one_line(command.text()))));
+        }
+        for LeftOutStep { step, reason } in &study.left_out {
+            let note = format!("`{}`: {}", one_line(step), one_line(reason));
+            lines.push(("omitted", note));
+        }
         lines.push(("files", format!("in {}", study.out.display())));
-        let line = |(name, text): (&str, String)| format!("{name:<8}{text}\n");
+        let line = |(name, text): (&str, String)| format!("{name:<7} {text}\n");
         lines.into_iter().map(line).collect()
     }
 }
 
 /// Returns the number of points and of the levels that are crossed.
 fn points(plan: &StudyPlan, n_points: usize) -> String {
-    let cases = Some(plan.cases.len()).filter(|&n| n > 0);
-    let cases = cases.map(|n| counted(n as u64, "case"));
+    let lists = [(plan.steps.len(), "step"), (plan.cases.len(), "case")];
+    let lists = lists.into_iter().filter(|(n, _)| *n > 0);
+    let lists = lists.map(|(n, name)| counted(n as u64, name));
     let levels = plan.vary.0.iter();
     let levels = levels.map(|(factor, levels)| format!("{} of {}", levels.len(), factor.name()));
     let scenes = counted(plan.scenes.len() as u64, "scene");
-    let crossed: Vec<String> = [scenes].into_iter().chain(cases).chain(levels).collect();
+    let crossed: Vec<String> = [scenes].into_iter().chain(lists).chain(levels).collect();
     format!(
         "{}: {}",
         count(n_points as u64),

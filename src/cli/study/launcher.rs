@@ -21,8 +21,8 @@ fn check_harmless(launcher: &Launcher) -> Result<(), Fault> {
         .with_help("if you trust this command, let the study start it: `--allow-commands`"))
 }
 
-/// Checks that the program that starts ranks can be run, and that this one can be a rank. Unless
-/// `any_command`, the launcher has to be harmless.
+/// Checks that ranks can be started here. Unless `any_command`, the launcher has to be harmless.
+/// Steps over ranks that cannot be started are left out later.
 pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     let Some(launcher) = &plan.launcher else {
         return Ok(());
@@ -30,6 +30,14 @@ pub(super) fn check(plan: &StudyPlan, any_command: bool) -> Result<(), Fault> {
     if !any_command {
         check_harmless(launcher)?;
     }
+    if plan.steps.is_empty() {
+        check_startable(launcher)?;
+    }
+    Ok(())
+}
+
+/// Checks that the program that starts ranks can be run, and that this one can be a rank.
+pub(super) fn check_startable(launcher: &Launcher) -> Result<(), Fault> {
     let fault = |message: String, expected: &str, help: &str| {
         let path = FieldPath::default().key("launcher");
         Err(Fault::new(path, message, expected).with_help(help))

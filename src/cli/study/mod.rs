@@ -7,6 +7,7 @@ mod made_by;
 mod process;
 mod report;
 mod scene_files;
+mod steps;
 
 use std::fs::{self, File};
 use std::io;
@@ -17,6 +18,7 @@ use clap::Parser;
 use serde_json::{Value, json};
 
 pub(super) use check::{checked, is_study, refuse_flags};
+use report::StudyResults;
 use scene_files::SceneFiles;
 
 use super::progress::StudyBar;
@@ -27,8 +29,8 @@ use base::text::{self, Diagnostic, numbers};
 use render::instruments::MachineLimits;
 use scene::yaml::{self, Fault, Source};
 use tools::study::{
-    Figure, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow, StudyMetric,
-    StudyPlan, StudyPoint, roofline_points, scaling_rows, statistics_rows,
+    Figure, LeftOutStep, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow,
+    StudyMetric, StudyPlan, StudyPoint, roofline_points, scaling_rows, statistics_rows, step_rows,
 };
 
 /// Measure how the cost of scenes depends on what you vary
@@ -55,8 +57,8 @@ pub(super) struct StudyArguments {
     #[arg(long)]
     quick: bool,
 
-    /// Let a study's `launcher` start any command, not only `mpirun`, `mpiexec` and
-    /// `srun` with plain options
+    /// Let a study start any command: the `command` of a step, and a `launcher` other than
+    /// `mpirun`, `mpiexec` and `srun` with plain options
     #[arg(long)]
     allow_commands: bool,
 
@@ -81,6 +83,17 @@ struct Study {
     folder: PathBuf,
     /// The output folder.
     out: PathBuf,
+    /// The steps that cannot be made here.
+    left_out: Vec<LeftOutStep>,
+}
+
+/// The runs of a study that are still missing.
+#[derive(Default)]
+struct Missing {
+    /// Runs that the time budget left.
+    n_runs: usize,
+    /// Steps whose command failed.
+    failed: Vec<LeftOutStep>,
 }
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
@@ -107,17 +120,23 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
     let mut n_left = 0;
     for (study, mut log) in studies.iter().zip(opened) {
-        let left = study.measure(&mut log, arguments.quiet)?;
-        n_left += left;
+        let missing = study.measure(&mut log, arguments.quiet)?;
+        n_left += missing.n_runs;
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
         let mut rows = statistics_rows(&study.plan, &log, n_processors);
         rows.extend(scaling_rows(&rows));
+        rows.extend(step_rows(&study.plan, &log, &study.out));
         let points = study.roofline(&rows, &measured_by)?;
-        let (plan, points) = (&study.plan, points.as_deref());
-        let empty = report::write_tables(&study.out, plan, &rows, points, &made_by)?;
+        let left_out = [&study.left_out[..], &missing.failed].concat();
+        let results = StudyResults {
+            plan: &study.plan,
+            rows: &rows,
+            points: points.as_deref(),
+            left_out: &left_out,
+        };
+        let empty = report::write_tables(&study.out, &results, &made_by)?;
         if !arguments.quiet {
-            let lines = report::lines_of(plan, &rows, &empty, points, &study.out);
-            text::print(&lines)?;
+            text::print(&report::lines_of(&results, &empty, &study.out))?;
         }
     }
     if !arguments.quiet {
@@ -145,6 +164,7 @@ impl Study {
             return Err(point_at(fault).into());
         }
         launcher::check(&plan, any_command).map_err(point_at)?;
+        let left_out = steps::leave_out(&mut plan, any_command);
         // A scene is never standard input, whose name is `-`.
         let folder = match source.folder() {
             none if none == Path::new("") => PathBuf::from("."),
@@ -158,6 +178,7 @@ impl Study {
             plan,
             folder,
             out,
+            left_out,
         })
     }
 
@@ -171,7 +192,7 @@ impl Study {
                 let name = entry.file_name();
                 let name = name.to_str().unwrap_or_default();
                 let is_reserved = |prefix: &&str| name.starts_with(*prefix);
-                if ["statistics.", "plot-", "roofline."]
+                if ["statistics.", "plot-", "roofline.", "step-"]
                     .iter()
                     .any(is_reserved)
                 {
@@ -195,9 +216,9 @@ impl Study {
         Ok(RunLog::open(&self.out.join(RUN_LOG), &made_by)?)
     }
 
-    /// Makes the missing runs until the time budget ends. Returns the number of runs that are still
-    /// missing.
-    fn measure(&self, log: &mut RunLog, quiet: bool) -> Result<usize, Failure> {
+    /// Makes the missing runs until the time budget ends. Returns the runs that are still missing.
+    fn measure(&self, log: &mut RunLog, quiet: bool) -> Result<Missing, Failure> {
+        let mut missing = Missing::default();
         let planned = self.plan.runs().into_iter();
         let is_missing = |run: &PlannedRun| !log.has(&self.points[run.point], run.round);
         let todo: Vec<PlannedRun> = planned.filter(is_missing).collect();
@@ -206,13 +227,27 @@ impl Study {
         let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
         for (n_done, planned) in todo.iter().enumerate() {
             if budget.is_some_and(|budget| start.elapsed() >= budget) {
-                bar.clear();
-                return Ok(todo.len() - n_done);
+                missing.n_runs = todo.len() - n_done;
+                break;
             }
             let point = &self.points[planned.point];
+            let step = point.step().unwrap_or_default();
+            if missing.failed.iter().any(|failed| failed.step == step) {
+                bar.advance();
+                continue;
+            }
             bar.begin(&point.label());
             stop::check()?;
-            let metrics = process::render(&self.plan, point, &self.folder, &self.out)?;
+            let metrics = match process::render(&self.plan, point, &self.folder, &self.out) {
+                Err(Failure::Machine(failure)) if point.command.is_some() => {
+                    stop::check()?;
+                    let (step, reason) = (step.to_owned(), failure.message().to_owned());
+                    missing.failed.push(LeftOutStep { step, reason });
+                    bar.advance();
+                    continue;
+                }
+                rendered => rendered?,
+            };
             self.scenes.check(point, &self.out)?;
             let run = Run {
                 point: point.values.clone(),
@@ -224,7 +259,7 @@ impl Study {
             bar.advance();
         }
         bar.clear();
-        Ok(0)
+        Ok(missing)
     }
 
     /// Returns the points in the roofline model, if the study requests it; writes the plot, too.

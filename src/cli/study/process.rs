@@ -1,20 +1,27 @@
-//! One run of a study: a process of `raycost render`.
+//! One run of a study: a process of `raycost render`, or of another program.
 
 use std::io;
-use std::path::Path;
+use std::path::{self, Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::cli::Failure;
-use base::folder::Scratch;
+use base::files;
+use base::folder::{Replace, Scratch, write_file};
 use base::stop;
 use base::text::Diagnostic;
 use output::summary::{self, Summary};
-use tools::study::{RunMetrics, StudyPlan, StudyPoint};
+use tools::study::{RunMetrics, StepCommand, StudyPlan, StudyPoint};
+
+/// The file of the picture.
+const IMAGE: &str = "image.png";
+/// Maximum length of a picture in bytes that a step keeps.
+const MAX_IMAGE: u64 = 1 << 30;
 
 /// Renders a point in a separate process, into a temporary folder in `out`. `folder` is the folder
-/// of the study file. The process ends when this one does, even if this one is killed.
+/// of the study file. The process ends when this one does, even if this one is killed. A point of
+/// a step leaves its picture in `out`.
 ///
 /// # Errors
 /// If the process cannot be started, fails, or leaves no valid summary.
@@ -25,8 +32,48 @@ pub(super) fn render(
     out: &Path,
 ) -> Result<RunMetrics, Failure> {
     let failed = |message: String| Failure::Machine(Diagnostic::new(message));
-    let program = std::env::current_exe().map_err(|error| failed(error.to_string()))?;
-    let launched = plan.launcher.as_ref().zip(point.ranks());
+    let scratch = Scratch::create(out)?;
+    let of_run = scratch.path();
+    let command = match &point.command {
+        None => raycost(plan, point, folder, &of_run),
+        Some(step) => other_program(step, plan, point, folder, &of_run),
+    };
+    let mut command = command.map_err(|error| failed(error.to_string()))?;
+    let start = Instant::now();
+    let output = output_of(&mut command).map_err(|error| {
+        let program = command.get_program().to_string_lossy();
+        failed(format!("cannot run `{program}`: {error}"))
+    })?;
+    let process_ms = start.elapsed().as_secs_f64() * 1e3;
+    if !output.status.success() {
+        let messages = String::from_utf8_lossy(&output.stderr);
+        let message = match &point.command {
+            None => format!("a run of {} failed", point.label()),
+            Some(_) => {
+                let last = messages.trim_end().lines().last().unwrap_or_default();
+                format!("its command failed, {}: {last}", output.status)
+            }
+        };
+        return Err(Failure::Machine(
+            Diagnostic::new(message).with_note(messages),
+        ));
+    }
+    if let Some(name) = point.picture() {
+        keep_picture(&of_run.join(IMAGE), &out.join(name))?;
+    }
+    if point.command.is_some() {
+        let output = String::from_utf8_lossy(&output.stdout);
+        return Ok(RunMetrics::of_output(&output, process_ms));
+    }
+    let summary = Summary::read(&of_run.join(summary::FILE)).map_err(Failure::Machine)?;
+    Ok(RunMetrics::of(&summary, process_ms))
+}
+
+/// Returns the command that renders a point into the folder `out`, through the launcher if it has
+/// ranks.
+fn raycost(plan: &StudyPlan, point: &StudyPoint, folder: &Path, out: &Path) -> io::Result<Command> {
+    let program = std::env::current_exe()?;
+    let launched = plan.launcher.as_ref().zip(point.ranks);
     let mut command = match launched.map(|(launcher, n_ranks)| launcher.words(n_ranks)) {
         None => Command::new(program),
         Some(words) => {
@@ -39,9 +86,7 @@ pub(super) fn render(
         .arg("render")
         .arg(folder.join(&point.scene))
         .args(["--quiet", "--hardware-counters"]);
-    let scratch = Scratch::create(out)?;
-    let out = scratch.path();
-    command.arg("--out").arg(&out).arg("--while-input-is-open");
+    command.arg("--out").arg(out).arg("--while-input-is-open");
     let flags = || plan.flags.iter().chain(&point.flags);
     // The rounds of the study are its repeats. A run that chose its number of repeats by its time
     // would not be comparable with another one.
@@ -49,18 +94,39 @@ pub(super) fn render(
         command.arg("--repeats=1");
     }
     command.args(flags());
-    let start = Instant::now();
-    let output = output_of(&mut command).map_err(|error| failed(error.to_string()))?;
-    let process_ms = start.elapsed().as_secs_f64() * 1e3;
-    if !output.status.success() {
-        let messages = String::from_utf8_lossy(&output.stderr);
-        let message = format!("a run of {} failed", point.label());
-        return Err(Failure::Machine(
-            Diagnostic::new(message).with_note(messages),
-        ));
+    Ok(command)
+}
+
+/// Returns the command of a step, in the folder of the study, from which relative paths lead.
+fn other_program(
+    step: &StepCommand,
+    plan: &StudyPlan,
+    point: &StudyPoint,
+    folder: &Path,
+    out: &Path,
+) -> io::Result<Command> {
+    let image = path::absolute(out)?.join(IMAGE);
+    let [scene, image] = [&point.scene, &image].map(|path| path.to_string_lossy());
+    let words = step.words(&scene, &image, &plan.flags);
+    let mut program = PathBuf::from(&words[0]);
+    if program.components().count() > 1 {
+        program = path::absolute(folder.join(program))?;
     }
-    let summary = Summary::read(&out.join(summary::FILE)).map_err(Failure::Machine)?;
-    Ok(RunMetrics::of(&summary, process_ms))
+    let mut command = Command::new(program);
+    command.args(&words[1..]).current_dir(folder);
+    Ok(command)
+}
+
+/// Copies the picture of a run, if there is one, over that of an earlier run.
+fn keep_picture(from: &Path, to: &Path) -> Result<(), Failure> {
+    if files::is_file(from) {
+        let failed = |error| super::cannot_write(to, &error);
+        let image = files::read(from, MAX_IMAGE).map_err(failed)?;
+        write_file(to, Replace::Known, |file| {
+            io::Write::write_all(file, &image)
+        })?;
+    }
+    Ok(())
 }
 
 /// Returns the output of a process that ends when its standard input closes: that happens when this

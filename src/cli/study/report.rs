@@ -7,24 +7,34 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::steps;
 use crate::cli::{Failure, shown};
 use base::folder::{Replace, write_file};
 use base::text::numbers::duration;
 use base::text::one_line;
 use tools::study::{
-    Figure, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan, bottleneck_report, label_of,
-    write_csv,
+    Figure, LeftOutStep, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan,
+    bottleneck_report, label_of, write_csv,
 };
 
-/// Writes the tables and plots of a study; `points` if it requests a roofline. Returns the numbers
-/// of the plots that have no values.
+/// The results of a study.
+pub(super) struct StudyResults<'a> {
+    pub(super) plan: &'a StudyPlan,
+    /// The statistics of all points.
+    pub(super) rows: &'a [StatisticsRow],
+    /// The points of the roofline, if the study requests it.
+    pub(super) points: Option<&'a [RooflinePoint]>,
+    /// The steps that could not be made.
+    pub(super) left_out: &'a [LeftOutStep],
+}
+
+/// Writes the tables and plots of a study. Returns the numbers of the plots that have no values.
 pub(super) fn write_tables(
     out: &Path,
-    plan: &StudyPlan,
-    rows: &[StatisticsRow],
-    points: Option<&[RooflinePoint]>,
+    results: &StudyResults,
     made_by: &Value,
 ) -> Result<Vec<usize>, Failure> {
+    let StudyResults { plan, rows, .. } = results;
     write_file(&out.join("statistics.csv"), Replace::Known, |file| {
         write_csv(rows, file)
     })?;
@@ -42,8 +52,11 @@ pub(super) fn write_tables(
     }
     remove_other_plots(out, &drawn)?;
     let mut all = json!({ "title": plan.title, "made_by": made_by, "fits": fits, "rows": rows });
-    if let Some(points) = points {
+    if let Some(points) = results.points {
         all["roofline"] = json!(points);
+    }
+    if !plan.steps.is_empty() {
+        all["left_out"] = json!(results.left_out);
     }
     write_file(&out.join("statistics.json"), Replace::Known, |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
@@ -89,14 +102,39 @@ pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<()
 
 /// Returns the report on a study: title, render time of each point, notes, and the folder. `empty`
 /// holds the numbers of the plots without values.
-pub(super) fn lines_of(
-    plan: &StudyPlan,
-    rows: &[StatisticsRow],
-    empty: &[usize],
-    points: Option<&[RooflinePoint]>,
-    out: &Path,
-) -> String {
-    let mut text = format!("{}\n\n", one_line(&plan.title));
+pub(super) fn lines_of(results: &StudyResults, empty: &[usize], out: &Path) -> String {
+    let plan = results.plan;
+    let table = if plan.steps.is_empty() {
+        table_of_points(results.rows)
+    } else {
+        steps::lines_of(results.rows, results.left_out)
+    };
+    let mut text = format!("{}\n\n{table}", one_line(&plan.title));
+    text += &notes(
+        results
+            .rows
+            .iter()
+            .filter(|row| row.metric == "render_wall_ms"),
+    );
+    for number in empty {
+        let PlotSpec { x, y, .. } = &plan.plots[number - 1];
+        let y = y.join("` or `");
+        text += &format!(
+            "\nnote    plot {number} has no values: no run has `{y}` over `{x}`\n",
+            x = one_line(x),
+        );
+    }
+    if let Some(points) = results.points {
+        let unknown = || "unknown: no run had both counters and a BVH".to_owned();
+        let report = bottleneck_report(points).unwrap_or_else(unknown);
+        text += &format!("\nbound   {report}\n");
+    }
+    text + &format!("\nwrote   {}/\n\n", shown(out))
+}
+
+/// Returns a table of the render time of each point.
+fn table_of_points(rows: &[StatisticsRow]) -> String {
+    let mut text = String::new();
     let label = |row: &StatisticsRow| one_line(&label_of(&row.point)).into_owned();
     let walls = || rows.iter().filter(|row| row.metric == "render_wall_ms");
     let width = walls()
@@ -118,21 +156,7 @@ pub(super) fn lines_of(
             statistics.n,
         );
     }
-    text += &notes(walls());
-    for number in empty {
-        let PlotSpec { x, y, .. } = &plan.plots[number - 1];
-        let y = y.join("` or `");
-        text += &format!(
-            "\nnote    plot {number} has no values: no run has `{y}` over `{x}`\n",
-            x = one_line(x),
-        );
-    }
-    if let Some(points) = points {
-        let unknown = || "unknown: no run had both counters and a BVH".to_owned();
-        let report = bottleneck_report(points).unwrap_or_else(unknown);
-        text += &format!("\nbound   {report}\n");
-    }
-    text + &format!("\nwrote   {}/\n\n", shown(out))
+    text
 }
 
 /// Returns notes on outliers and what to do about them; empty if there are none.

@@ -7,7 +7,8 @@ use serde::de::{Deserializer, IntoDeserializer, MapAccess};
 use serde_json::Value;
 
 use super::factor_level::{
-    BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, keyword, max_depth, setting,
+    BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, ProcessorCount, keyword, max_depth,
+    setting,
 };
 use scene::config::{
     CostMode, MAX_SAMPLES, MAX_SHAPES, Pinning, SimdSet, Structure, TileOrder, Tiling, Traversal,
@@ -55,9 +56,9 @@ factors! {
     /// Samples per pixel.
     SamplesPerPixel "samples_per_pixel": BoundedCount<{ MAX_SAMPLES as u64 }> => |n| n.level("spp");
     /// Number of rendering threads.
-    Threads "threads": BoundedCount<1024> => |n| n.level("threads");
+    Threads "threads": ProcessorCount<1024> => |n| n.level("threads");
     /// Number of processes that render one picture by MPI, started by the `launcher`.
-    Ranks "ranks": BoundedCount<65_535> => |n| n.level_of_launcher();
+    Ranks "ranks": ProcessorCount<65_535> => |n| n.level_of_launcher();
     /// The acceleration structure.
     Acceleration "acceleration": Structure => |structure| keyword("acceleration", structure);
     /// Number of spheres per generator of the scene.

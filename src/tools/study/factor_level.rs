@@ -1,6 +1,8 @@
 //! Levels of factors: their form in YAML, and the flags that select them.
 
-use serde::de::Deserializer;
+use std::fmt;
+
+use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -76,19 +78,62 @@ impl<const MAX: u64> BoundedCount<MAX> {
             flags: vec![format!("--{flag}={}", self.0)],
         }
     }
-
-    /// Returns the level that the launcher selects, not a flag.
-    pub(super) fn level_of_launcher(self) -> FactorLevel {
-        FactorLevel {
-            value: json!(self.0),
-            flags: Vec::new(),
-        }
-    }
 }
 
 impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         yaml::whole(d, 1..=MAX).map(Self)
+    }
+}
+
+/// A number from 1 to `MAX`, or `all`: as many as this machine has processors.
+pub(super) struct ProcessorCount<const MAX: u64>(BoundedCount<MAX>);
+
+impl<const MAX: u64> ProcessorCount<MAX> {
+    /// Returns the level `--flag=number`.
+    pub(super) fn level(self, flag: &str) -> FactorLevel {
+        self.0.level(flag)
+    }
+
+    /// Returns the level that the launcher selects, not a flag.
+    pub(super) fn level_of_launcher(self) -> FactorLevel {
+        FactorLevel {
+            value: json!(self.0.0),
+            flags: Vec::new(),
+        }
+    }
+}
+
+impl<'de, const MAX: u64> Deserialize<'de> for ProcessorCount<MAX> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ProcessorCountVisitor::<MAX>)
+            .map(BoundedCount)
+            .map(Self)
+    }
+}
+
+struct ProcessorCountVisitor<const MAX: u64>;
+
+impl<const MAX: u64> Visitor<'_> for ProcessorCountVisitor<MAX> {
+    type Value = u64;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "`all` or a whole number from 1 to {MAX}")
+    }
+
+    fn visit_str<E: Error>(self, found: &str) -> Result<u64, E> {
+        match found {
+            "all" => Ok(std::thread::available_parallelism().map_or(1, |n| n.get() as u64)),
+            _ => Err(E::invalid_value(Unexpected::Str(found), &self)),
+        }
+    }
+
+    fn visit_u64<E: Error>(self, found: u64) -> Result<u64, E> {
+        if (1..=MAX).contains(&found) {
+            Ok(found)
+        } else {
+            Err(E::invalid_value(Unexpected::Unsigned(found), &self))
+        }
     }
 }
 

@@ -29,6 +29,8 @@ pub enum MetricNeed {
     ThreadsOrRanks,
     /// `ranks`.
     RanksOnly,
+    /// `steps`.
+    Steps,
 }
 
 /// Name, unit and meaning.
@@ -78,6 +80,14 @@ const OF_BVH: [Row; 8] = [
 const OF_SCALING: [Row; 2] = [
     ("speedup", "1", "pixels per second over those of the fewest threads"),
     ("scaling_efficiency", "1", "speedup over the ratio of threads"),
+];
+
+/// Metrics of a study with steps.
+#[rustfmt::skip]
+const OF_STEPS: [Row; 3] = [
+    ("speedup_over_step", "1", "wall time of the stage `render` in the step before over this one"),
+    ("speedup_over_start", "1", "wall time of the stage `render` in the first step over this one"),
+    ("picture_difference", "1", "greatest difference from the picture of the last step, 0 to 255"),
 ];
 
 /// Metrics of runs on ranks.
@@ -140,6 +150,7 @@ impl StudyMetric {
                 MetricNeed::Nothing => "",
                 MetricNeed::ThreadsOrRanks => ", in studies of `threads` or `ranks`",
                 MetricNeed::RanksOnly => ", in studies of `ranks`",
+                MetricNeed::Steps => ", in studies with `steps`",
             };
             format!("{name:<26}{unit:<8}{about}{need}\n")
         };
@@ -173,10 +184,12 @@ impl StudyMetric {
         let costs = Metric::ALL.into_iter().map(Self::of_cost);
         let bvh = OF_BVH.map(Self::of_row).map(|metric| metric.after("bvh"));
         let scaling = OF_SCALING.map(with(MetricNeed::ThreadsOrRanks));
+        let steps = OF_STEPS.map(with(MetricNeed::Steps));
         let ranks = OF_RANKS.map(with(MetricNeed::RanksOnly));
         runs.chain(costs)
             .chain(bvh)
             .chain(scaling)
+            .chain(steps)
             .chain(ranks)
             .collect()
     }

@@ -9,7 +9,9 @@
 
 mod factor_level;
 mod factor;
+mod vary;
 mod launcher;
+mod step;
 mod point;
 mod plot_spec;
 mod plan;
@@ -19,6 +21,7 @@ mod run_metrics;
 mod run_log;
 mod table;
 mod scaling;
+mod step_rows;
 mod cost_law;
 mod limits_file;
 mod roofline_point;
@@ -30,7 +33,7 @@ pub use factor_level::FactorLevel;
 pub use launcher::Launcher;
 pub use limits_file::LimitsFile;
 pub use metric_list::{MetricNeed, StudyMetric};
-pub use plan::{Case, PlannedRun, QuickPlan, StudyPlan, Vary};
+pub use plan::{PlannedRun, QuickPlan, StudyPlan};
 pub use plot::{Ceiling, Figure, PlotPoint, Series};
 pub use plot_spec::{AxisScale, PlotSpec};
 pub use point::{StudyPoint, label_of};
@@ -38,4 +41,7 @@ pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_point
 pub use run_log::{Run, RunLog};
 pub use run_metrics::RunMetrics;
 pub use scaling::scaling_rows;
+pub use step::{LeftOutStep, StepCommand, StudyStep};
+pub use step_rows::step_rows;
 pub use table::{StatisticsRow, statistics_rows, write_csv};
+pub use vary::{Case, Vary};

@@ -1,14 +1,15 @@
 //! The study file as serde types.
 
-use std::fmt;
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::de::Deserializer;
 
-use super::factor_level::FactorForm;
 use super::point::scene_names;
-use super::{Factor, FactorLevel, Launcher, PlotSpec, StudyPoint};
+use super::step::leave_out;
+use super::{
+    Case, Factor, FactorLevel, Launcher, LeftOutStep, PlotSpec, StudyPoint, StudyStep, Vary,
+};
 use math::sampling::uniform;
 use scene::yaml;
 
@@ -41,6 +42,10 @@ pub struct StudyPlan {
     /// with [`vary`](Self::vary).
     #[serde(default)]
     pub cases: Vec<Case>,
+    /// Steps from one way of rendering to another, in place of `vary` and `cases`: each adds to the
+    /// settings of the steps before.
+    #[serde(default)]
+    pub steps: Vec<StudyStep>,
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
     pub flags: Vec<String>,
@@ -86,14 +91,6 @@ pub struct QuickPlan {
     pub repeats: u32,
 }
 
-/// Factors and their levels, in the order of the file.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Vary(pub Vec<(Factor, Vec<FactorLevel>)>);
-
-/// One level of each of some factors.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Case(pub Vec<(Factor, FactorLevel)>);
-
 /// One run that a study makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlannedRun {
@@ -123,22 +120,35 @@ impl StudyPlan {
     /// Returns the total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
         let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
-        let counts = [self.scenes.len(), self.cases.len().max(1)].into_iter();
+        let lists = [self.scenes.len(), self.cases.len(), self.steps.len()];
+        let counts = lists.map(|count| count.max(1)).into_iter();
         let rounds = u64::from(self.warm_up) + u64::from(self.repeats);
         counts
             .chain(levels)
             .fold(rounds, |n, count| n.saturating_mul(count as u64))
     }
 
-    /// Returns all points: scene by scene, then case by case, then level by level.
+    /// Removes the steps with a reason why they cannot be made, and those that change nothing on
+    /// this machine. Returns the removed ones.
+    pub fn leave_out(
+        &mut self,
+        why_not: impl Fn(&StudyStep) -> Option<String>,
+    ) -> Vec<LeftOutStep> {
+        leave_out(&mut self.steps, why_not)
+    }
+
+    /// Returns all points: scene by scene, then step by step, or case by case, then level by level.
     pub fn points(&self) -> Vec<StudyPoint> {
         let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
         let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
         let cases = scenes.flat_map(|point| {
-            if self.cases.is_empty() {
+            if !self.steps.is_empty() {
+                points_of_steps(&self.steps, &point)
+            } else if self.cases.is_empty() {
                 vec![point]
             } else {
-                self.cases.iter().map(|case| case.of(&point)).collect()
+                let of_case = |case: &Case| with_case(&point, case);
+                self.cases.iter().map(of_case).collect()
             }
         });
         let cross = |points: Vec<StudyPoint>, (factor, levels): &(Factor, Vec<FactorLevel>)| {
@@ -169,54 +179,21 @@ impl StudyPlan {
     }
 }
 
-impl Case {
-    /// Returns the point with all levels of the case.
-    fn of(&self, point: &StudyPoint) -> StudyPoint {
-        let with =
-            |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);
-        self.0.iter().fold(point.clone(), with)
-    }
+/// Returns the point with all levels of a case.
+fn with_case(point: &StudyPoint, case: &Case) -> StudyPoint {
+    let with =
+        |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);
+    case.0.iter().fold(point.clone(), with)
 }
 
-impl<'de> Deserialize<'de> for Vary {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_map(FactorsVisitor(FactorForm::List))
-            .map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Case {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        let factors = d
-            .deserialize_map(FactorsVisitor(FactorForm::One))?
-            .into_iter();
-        let one = |(factor, levels): (Factor, Vec<FactorLevel>)| {
-            Some((factor, levels.into_iter().next()?))
-        };
-        Ok(Self(factors.filter_map(one).collect()))
-    }
-}
-
-struct FactorsVisitor(FactorForm);
-
-impl<'de> Visitor<'de> for FactorsVisitor {
-    type Value = Vec<(Factor, Vec<FactorLevel>)>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self.0 {
-            FactorForm::List => "lists by name, such as { threads: [1, 2] }",
-            FactorForm::One => "values by name, such as { threads: 1, image_size: [512, 512] }",
-        })
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut factors = Vec::new();
-        while let Some(factor) = map.next_key::<Factor>()? {
-            let levels = factor.next_levels(&mut map, self.0)?;
-            factors.push((factor, levels));
-        }
-        Ok(factors)
-    }
+/// Returns the points of all steps in a scene.
+fn points_of_steps(steps: &[StudyStep], scene: &StudyPoint) -> Vec<StudyPoint> {
+    let mut settings = Case::default();
+    let point = |step: &StudyStep| {
+        settings = settings.joined_with(&step.set);
+        scene.at_step(step, &settings)
+    };
+    steps.iter().map(point).collect()
 }
 
 fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {

@@ -1,8 +1,8 @@
 //! Checks of a study file beyond the types of its values.
 
 use super::metric_list::{MetricNeed, StudyMetric};
-use super::point::scene_names;
-use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, Vary};
+use super::point::{STEP, scene_names};
+use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use base::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
@@ -14,6 +14,7 @@ impl StudyPlan {
     /// The first mistake.
     pub fn check(&self) -> Result<(), Fault> {
         self.check_points()?;
+        self.check_steps()?;
         self.check_launcher()?;
         let factors = self.factor_names();
         for (number, plot) in self.plots.iter().enumerate() {
@@ -27,8 +28,9 @@ impl StudyPlan {
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let in_cases = in_cases.map(|(factor, _)| factor.name());
         let in_vary = self.vary.0.iter().map(|(factor, _)| factor.name());
+        let step = (!self.steps.is_empty()).then_some(STEP);
         let mut names = vec!["scene"];
-        for name in in_cases.chain(in_vary) {
+        for name in step.into_iter().chain(in_cases).chain(in_vary) {
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -64,15 +66,55 @@ impl StudyPlan {
         Ok(())
     }
 
+    /// Checks that steps have different names, change something, and stand alone.
+    fn check_steps(&self) -> Result<(), Fault> {
+        if self.steps.is_empty() {
+            return Ok(());
+        }
+        let path = key("steps");
+        let has_cases = !self.cases.is_empty();
+        if has_cases || !self.vary.0.is_empty() {
+            let other = if has_cases { "cases" } else { "vary" };
+            let message = format!("a study with `steps` has no `{other}`");
+            let fault = Fault::of_key(key(other), message, "would multiply the steps");
+            return Err(fault.with_help("leave one of the two out"));
+        }
+        let names: Vec<&str> = self.steps.iter().map(|step| &*step.name).collect();
+        check_differ(&names, &path)?;
+        for (number, step) in self.steps.iter().enumerate() {
+            let path = path.clone().index(number);
+            match (&step.command, step.set.0.is_empty()) {
+                (None, false) => {}
+                (Some(command), true) => command.check(path.key("command"))?,
+                (command, _) => {
+                    let message = if command.is_some() {
+                        "a step has either `set` or `command`"
+                    } else {
+                        "a step needs `set` or `command`"
+                    };
+                    let expected = "expected one of the two";
+                    return Err(Fault::new(path, message, expected));
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Checks that there is a launcher exactly where ranks are varied.
     fn check_launcher(&self) -> Result<(), Fault> {
         let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
         let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
-        let (path, message, help) = match (&self.launcher, ranks_in_vary || ranks_in_cases) {
+        let ranks_in_steps = self.steps.iter().any(StudyStep::has_ranks);
+        let has_ranks = ranks_in_vary || ranks_in_cases || ranks_in_steps;
+        let (path, message, help) = match (&self.launcher, has_ranks) {
             (None, true) => (
-                key(if ranks_in_vary { "vary" } else { "cases" }),
+                key(match (ranks_in_vary, ranks_in_cases) {
+                    (true, _) => "vary",
+                    (_, true) => "cases",
+                    _ => "steps",
+                }),
                 "`ranks` need a `launcher`",
                 "add `launcher: \"mpirun -n {ranks}\"`",
             ),
@@ -149,15 +191,20 @@ fn check_metric(name: &str, factors: &[&str], kind: &str, path: FieldPath) -> Re
         MetricNeed::Nothing => return Ok(()),
         MetricNeed::ThreadsOrRanks => &["threads", "ranks"],
         MetricNeed::RanksOnly => &["ranks"],
+        MetricNeed::Steps => &[STEP],
     };
     if needed.iter().any(|factor| factors.contains(factor)) {
         return Ok(());
     }
-    let message = format!(
-        "the study varies no `{}`, which `{name}` needs",
-        needed.join("` or `")
-    );
-    Err(Fault::new(path, message, "has no values here").with_help("add the factor to `vary`"))
+    let (lacks, help) = match metric.need {
+        MetricNeed::Steps => ("has no `steps`".to_owned(), "add `steps` to the study"),
+        _ => (
+            format!("varies no `{}`", needed.join("` or `")),
+            "add the factor to `vary`",
+        ),
+    };
+    let message = format!("the study {lacks}, which `{name}` needs");
+    Err(Fault::new(path, message, "has no values here").with_help(help))
 }
 
 /// Returns the fault of a name that is neither a factor nor a metric.

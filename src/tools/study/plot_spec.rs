@@ -29,6 +29,10 @@ pub struct PlotSpec {
     /// The scale of both axes; logarithmic if not given.
     #[serde(default)]
     pub scale: AxisScale,
+    /// If true, draws a horizontal bar for each median, one below the other, with the speedups of
+    /// steps beside them.
+    #[serde(default)]
+    pub bars: bool,
     /// If true, fits a [`CostLaw`](super::CostLaw) to each series.
     #[serde(default)]
     pub fit: bool,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::{Factor, FactorLevel, FlagFactor};
+use super::{Case, Factor, FactorLevel, FlagFactor, StepCommand, StudyStep};
 
 /// A scene and a level of each factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,9 +13,18 @@ pub struct StudyPoint {
     pub scene: PathBuf,
     /// The flags of `raycost render` that select the levels.
     pub flags: Vec<String>,
-    /// The scene's name and the value of each factor, by factor name.
+    /// The number of ranks, where that is a factor.
+    pub ranks: Option<u64>,
+    /// Another program that makes the picture.
+    pub command: Option<StepCommand>,
+    /// The scene's name and the value of each factor, by factor name; or the name of the step and
+    /// all of its settings.
     pub values: Map<String, Value>,
 }
+
+/// The names of a step and its settings in the values of a point.
+pub(super) const STEP: &str = "step";
+pub(super) const SETTINGS: &str = "settings";
 
 impl StudyPoint {
     /// Creates the point of a scene, with the values of its file.
@@ -24,6 +33,8 @@ impl StudyPoint {
         Self {
             scene: scene.to_owned(),
             flags: Vec::new(),
+            ranks: None,
+            command: None,
             values: values.into_iter().collect(),
         }
     }
@@ -31,16 +42,54 @@ impl StudyPoint {
     /// Returns the point with a level of one more factor.
     pub(super) fn with(&self, factor: &Factor, level: &FactorLevel) -> Self {
         let mut point = self.clone();
-        point.flags.extend(level.flags.iter().cloned());
-        point
-            .values
-            .insert(factor.name().to_owned(), level.value.clone());
+        point.add(factor, level);
+        let name = factor.name().to_owned();
+        point.values.insert(name, level.value.clone());
         point
     }
 
-    /// Returns the number of ranks, where that is a factor.
-    pub fn ranks(&self) -> Option<u64> {
-        self.values.get(FlagFactor::Ranks.name())?.as_u64()
+    /// Returns the point at a step with all of its settings.
+    pub(super) fn at_step(&self, step: &StudyStep, settings: &Case) -> Self {
+        let mut point = self.clone();
+        let texts = match &step.command {
+            Some(command) => vec![command.text().to_owned()],
+            None => {
+                let levels = settings
+                    .0
+                    .iter()
+                    .inspect(|(factor, level)| point.add(factor, level));
+                let text = |(factor, level): &(Factor, FactorLevel)| {
+                    format!("{} {}", factor.name(), text_of(&level.value))
+                };
+                levels.map(text).collect()
+            }
+        };
+        point.command = step.command.clone();
+        for (key, text) in [(STEP, step.name.clone()), (SETTINGS, texts.join(", "))] {
+            point.values.insert(key.to_owned(), text.into());
+        }
+        point
+    }
+
+    fn add(&mut self, factor: &Factor, level: &FactorLevel) {
+        self.flags.extend(level.flags.iter().cloned());
+        if *factor == Factor::Flag(FlagFactor::Ranks) {
+            self.ranks = level.value.as_u64();
+        }
+    }
+
+    /// Returns the name of the step.
+    pub fn step(&self) -> Option<&str> {
+        self.values.get(STEP)?.as_str()
+    }
+
+    /// Returns the name of the picture that a step leaves in the folder of the study.
+    pub fn picture(&self) -> Option<String> {
+        let name = format!("{}-{}", self.values.get("scene")?.as_str()?, self.step()?);
+        Some(format!(
+            "step-{}.png",
+            name.replace(['/', '\\', ':', '"', ' '], "-")
+        ))
     }
 
     /// Returns the label in messages: "scene seed_extended, threads 2".
@@ -75,7 +124,9 @@ pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
 /// Returns the values of a point as text: "scene seed_extended, threads 2".
 pub fn label_of(values: &Map<String, Value>) -> String {
     let named = |(factor, value): (&String, &Value)| format!("{factor} {}", text_of(value));
-    values.iter().map(named).collect::<Vec<_>>().join(", ")
+    // The name of a step stands for its settings.
+    let shown = values.iter().filter(|(factor, _)| *factor != SETTINGS);
+    shown.map(named).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns a level's value as text, without quotes.

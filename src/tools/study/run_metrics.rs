@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
+use super::StudyMetric;
 use output::summary::{ScheduleSection, StageEntry, Summary};
 use tracer::accel::RAYS_IN_FLIGHT;
 
@@ -45,6 +46,31 @@ impl RunMetrics {
         metrics.add_ratios();
         metrics.add_costs_per_ray(summary);
         metrics.add_scaling(summary);
+        metrics
+    }
+
+    /// Takes the metrics of another program: the lines of its output that are the name of a metric
+    /// and a number. Without `render_wall_ms` among them, that is the wall time of the whole
+    /// process, `process_ms`.
+    pub fn of_output(output: &str, process_ms: f64) -> Self {
+        let known = StudyMetric::all();
+        let mut metrics = Self::default();
+        metrics.add("process_ms", Some(process_ms));
+        metrics.add("render_wall_ms", Some(process_ms));
+        for line in output.lines() {
+            let Some((name, value)) = line.split_once(' ') else {
+                continue;
+            };
+            let value = value
+                .trim()
+                .parse()
+                .ok()
+                .filter(|value: &f64| value.is_finite());
+            if known.iter().any(|metric| metric.name == name) {
+                metrics.add(name, value);
+            }
+        }
+        metrics.add_ratios();
         metrics
     }
 

@@ -17,7 +17,7 @@ use quoted::{Document, documents};
 use results::{FIGURES, Results};
 
 /// Bytes that the kept results may have: what the documents need, and no runs.
-const MOST_BYTES: u64 = 800_000;
+const MOST_BYTES: u64 = 850_000;
 
 /// Numbers with a unit that are not measured: settings, definitions, and what a
 /// text says of a single example.
@@ -107,7 +107,7 @@ fn the_kept_results_are_small() {
 }
 
 /// Results of ratios within one program, which were measured after the others.
-const MEASURED_LATER: &[&str] = &["waves"];
+const MEASURED_LATER: &[&str] = &["waves", "ladder"];
 
 /// Figures of different programs are not comparable.
 #[test]

@@ -51,6 +51,7 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("trace", Results::trace),
     ("cache", Results::cache),
     ("waves", Results::waves),
+    ("ladder", Results::ladder),
 ];
 
 /// The files of `docs/results` by their stems; texts as JSON strings.
@@ -125,6 +126,62 @@ impl Results {
         let head = "\n\n| scene | `time` over `counters` | sum over tiles | windows that agree |\n\
                     |---|--:|--:|--:|\n";
         Some(format!("{head}{}\n", rows.collect::<Option<String>>()?))
+    }
+
+    /// The table of the ladder's steps, and the steps that were left out.
+    fn ladder(&self) -> Option<String> {
+        let cell = |point: &Value, metric: &str, unit: &str| {
+            let values = point["metrics"][metric].as_array();
+            let number = |column: usize| values.and_then(|values| values[column].as_f64());
+            let [median, low, high] = [1, 2, 3].map(|column| number(column).map(whole_or_digits));
+            match (median, low.zip(high)) {
+                (Some(median), Some((low, high))) if low != high => {
+                    format!("{median}{unit} [{low}, {high}]")
+                }
+                (Some(median), _) => format!("{median}{unit}"),
+                _ => "-".to_owned(),
+            }
+        };
+        let roofline = self.list("ladder", "roofline");
+        let waits = |point: &Value| {
+            let mut points = roofline.into_iter().flatten();
+            let found = points.find(|of| of["point"] == point["point"]);
+            let share = found.and_then(|of| of["latency_share"].as_f64());
+            share.map_or("-".to_owned(), |share| {
+                format!("{} %", digits(100.0 * share))
+            })
+        };
+        let row = |point: &Value| {
+            let [time, step, start, visits, tests, difference] = [
+                ("render_wall_ms", " ms"),
+                ("speedup_over_step", ""),
+                ("speedup_over_start", ""),
+                ("node_visits_per_ray", ""),
+                ("primitive_tests_per_ray", ""),
+                ("picture_difference", ""),
+            ]
+            .map(|(metric, unit)| cell(point, metric, unit));
+            let name = point["point"]["step"].as_str()?;
+            let waits = waits(point);
+            Some(format!(
+                "| {name} | {time} | {step} | {start} | {visits} | {tests} | {waits} | {difference} |\n"
+            ))
+        };
+        let rows = self.list("ladder", "points")?.iter().map(row);
+        let left_out = self.list("ladder", "left_out")?.iter().map(|step| {
+            Some(format!(
+                "\n`{}` is left out: {}.\n",
+                step["step"].as_str()?,
+                step["reason"].as_str()?
+            ))
+        });
+        let head = "\n\n| step | render time | over last | in all | visits / ray | tests / ray | memory | picture |\n\
+                    |---|--:|--:|--:|--:|--:|--:|--:|\n";
+        let [rows, left_out] = [
+            rows.collect::<Option<String>>()?,
+            left_out.collect::<Option<String>>()?,
+        ];
+        Some(format!("{head}{rows}{left_out}\n"))
     }
 
     fn counters_instructions(&self) -> Option<String> {
@@ -323,6 +380,14 @@ impl Results {
         let rows = single.map(row).collect::<Option<Vec<_>>>()?;
         let head = "| per ray, single / in a stream | instructions | misses D1 | misses LL | mispredicted branches |\n|---|---|---|---|---|";
         Some(format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+}
+
+/// A count with all its digits, and other numbers with the ones that count.
+fn whole_or_digits(value: f64) -> String {
+    match value.fract() {
+        0.0 => value.to_string(),
+        _ => digits(value),
     }
 }
 

@@ -6,6 +6,7 @@ mod metrics;
 mod refused;
 mod several;
 mod statistics;
+mod steps;
 #[cfg(target_os = "linux")]
 mod stopped;
 

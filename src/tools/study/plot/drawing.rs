@@ -7,16 +7,16 @@ use plotters::coord::Shift;
 use plotters::element::PathElement;
 use plotters::prelude::*;
 
+use super::bars;
 use super::ceilings::{self, visible_limit};
 use super::coordinates::{Chart, axes, pixel_at};
 use super::figure::{Figure, PlotPoint, Series};
 use super::labels::draw_labels;
 use super::legend::Legend;
-use super::symbols::{Drawn, FONT, color_of, draw_ring, draw_symbol, load_font};
+use super::symbols::{Drawn, FONT, MARGIN, color_of, draw_ring, draw_symbol, load_font};
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (960, 640);
-const MARGIN: i32 = 16;
 /// Number of line segments of a law.
 const N_STEPS: u32 = 64;
 
@@ -58,7 +58,11 @@ fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> D
     area.fill(&WHITE)?;
     let legend = Legend::of(figure, area);
     let (chart, right) = area.split_horizontally(SIZE.0 - legend.width());
-    draw_chart(figure, &chart)?;
+    if figure.has_bars {
+        bars::draw(figure, &chart)?;
+    } else {
+        draw_chart(figure, &chart)?;
+    }
     legend.draw(&right)
 }
 
@@ -174,6 +178,7 @@ mod tests {
             y_title: "y".to_owned(),
             scale: AxisScale::Log,
             categories: Vec::new(),
+            has_bars: false,
             series: labels.iter().map(series).collect(),
             is_joined: true,
             has_levels: true,

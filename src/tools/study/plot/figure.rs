@@ -4,7 +4,9 @@ use serde_json::Value;
 
 use super::series_factors::series_factors;
 use crate::study::point::text_of;
+use crate::study::step_rows::STEP_TIME;
 use crate::study::{AxisScale, CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
+use output::chart::short_number;
 
 /// The content of a plot.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +21,8 @@ pub struct Figure {
     pub scale: AxisScale,
     /// Names of the horizontal positions 0, 1, …; empty for a numeric axis.
     pub categories: Vec<String>,
+    /// True if the categories stand below each other, each with a horizontal bar.
+    pub has_bars: bool,
     /// The series, at least one.
     pub series: Vec<Series>,
     /// True if a line joins the points of a series without a law.
@@ -77,6 +81,7 @@ impl Figure {
             y_title: y_titles.join(", "),
             scale: plot.scale,
             categories: Vec::new(),
+            has_bars: plot.bars,
             series: Vec::new(),
             is_joined: false,
             has_levels: rows.iter().any(|row| row.point.contains_key(&plot.x)),
@@ -94,13 +99,18 @@ impl Figure {
                 x,
                 y: statistics.median,
                 interval: [statistics.low_95, statistics.high_95],
-                label: String::new(),
+                label: if plot.bars {
+                    bar_label(row, rows)
+                } else {
+                    String::new()
+                },
                 limit: None,
                 oversubscribed: row.oversubscribed,
             };
             figure.series_of(label_of_row(row, &by)).points.push(point);
         }
         figure.is_joined = figure.categories.is_empty();
+        figure.has_bars &= !figure.is_joined;
         figure.finish(plot.fit);
         (!figure.series.is_empty()).then_some(figure)
     }
@@ -125,6 +135,7 @@ impl Figure {
             y_title: y_title.to_owned(),
             scale: AxisScale::Linear,
             categories: Vec::new(),
+            has_bars: false,
             series: vec![Series {
                 label: String::new(),
                 points: points.map(point).collect(),
@@ -246,6 +257,36 @@ pub(super) fn factor_label(factor: &str, value: &Value, text: fn(&Value) -> Stri
     match factor {
         "scene" => text(value),
         _ => format!("{} {}", factor.replace('_', " "), text(value)),
+    }
+}
+
+/// Returns the label of a bar: the value, or for the time of a step its speedups, such as "4.1 x,
+/// 820 x in all".
+fn bar_label(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
+    let speedup = |metric: &str| {
+        let is_it = |other: &&StatisticsRow| other.metric == metric && other.point == row.point;
+        let found = rows.iter().find(is_it)?;
+        Some(format!(
+            "{} x",
+            short_number(rounded(found.statistics.median))
+        ))
+    };
+    if row.metric != STEP_TIME {
+        return short_number(rounded(row.statistics.median));
+    }
+    let both = speedup("speedup_over_step").zip(speedup("speedup_over_start"));
+    both.map_or(String::new(), |(step, start)| {
+        format!("{step}, {start} in all")
+    })
+}
+
+/// Rounds to three significant digits.
+fn rounded(value: f64) -> f64 {
+    let unit = 10_f64.powf(value.abs().log10().floor() - 2.0);
+    if unit > 0.0 {
+        (value / unit).round() * unit
+    } else {
+        value
     }
 }
 

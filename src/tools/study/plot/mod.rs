@@ -9,6 +9,7 @@ mod ceilings;
 mod coordinates;
 mod labels;
 mod legend;
+mod bars;
 mod drawing;
 
 pub use figure::{Ceiling, Figure, PlotPoint, Series};

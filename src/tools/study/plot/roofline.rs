@@ -8,6 +8,7 @@
 use serde_json::Value;
 
 use super::figure::{Ceiling, Figure, PlotPoint, factor_label};
+use crate::study::point::SETTINGS;
 use crate::study::{AxisScale, PowerLaw, RooflinePoint};
 use output::chart::short_number;
 use render::instruments::MachineLimits;
@@ -38,6 +39,7 @@ impl Figure {
             y_title,
             scale: AxisScale::Log,
             categories: Vec::new(),
+            has_bars: false,
             series: Vec::new(),
             is_joined: points.iter().all(|point| point.point[label].is_number()),
             has_levels: false,
@@ -123,7 +125,8 @@ fn label_factor(points: &[RooflinePoint]) -> Option<&str> {
 
 /// Returns the values of the other factors, such as "cost time, threads 2".
 fn series_label(point: &RooflinePoint, label: &str) -> String {
-    let others = point.point.iter().filter(|(factor, _)| *factor != label);
+    let others = point.point.iter();
+    let others = others.filter(|(factor, _)| ![label, SETTINGS].contains(&factor.as_str()));
     let labels = others.map(|(factor, value)| factor_label(factor, value, short_text));
     labels.collect::<Vec<_>>().join(", ")
 }

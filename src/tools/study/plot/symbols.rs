@@ -8,6 +8,8 @@ use plotters::style::{FontStyle, register_font};
 
 /// The font family of all text.
 pub(super) const FONT: &str = "sans-serif";
+/// Distance in pixels from a plot to the border of its picture.
+pub(super) const MARGIN: i32 = 16;
 /// Safety factor of text widths: a browser may replace the font by a wider one.
 const WIDTH_FACTOR: f64 = 1.2;
 /// Radius in pixels of the ring around an oversubscribed point.
