@@ -334,11 +334,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.shader
             .end(starts, wave, points, &mut self.next, &mut self.colors);
         // Count the next wave.
-        for (i, &pixel) in self.next.pixels().iter().enumerate() {
+        let (pixels, depth) = (self.next.pixels(), self.next.depth);
+        for (i, &pixel) in pixels.iter().enumerate() {
             self.probe.rays(self.next.kind(i), pixel as usize, 1);
-            self.probe.bounce(pixel as usize, self.next.depth);
-            self.bounces.add(pixel as usize, self.next.depth, 1);
         }
+        self.probe.bounce(pixels, depth);
+        self.bounces.add_to_pixels(pixels, depth);
         std::mem::swap(&mut self.wave, &mut self.next);
         self.lap(WaveStage::Surfaces);
     }
@@ -352,10 +353,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         // Trace them.
         let shadows = &self.shader.shadows;
         if self.shader.casts_shadows() {
-            for &pixel in shadows.pixels() {
-                self.probe.rays(RayKind::Shadow, pixel as usize, 1);
-                self.bounces.add(pixel as usize, self.wave.depth, 1);
-            }
+            (self.probe).rays_of_pixels(RayKind::Shadow, shadows.pixels());
+            (self.bounces).add_to_pixels(shadows.pixels(), self.wave.depth);
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
             tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);

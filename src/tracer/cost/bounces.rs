@@ -53,6 +53,15 @@ impl BounceCounts {
         }
     }
 
+    /// Adds a ray to each of these pixels, if rays are counted.
+    pub fn add_to_pixels(&mut self, pixels: &[u32], bounce: u32) {
+        if self.is_kept {
+            for &pixel in pixels {
+                self.add(pixel as usize, bounce, 1);
+            }
+        }
+    }
+
     /// Returns the counts of each pixel; empty if rays are not counted.
     pub fn get(&self) -> &[RaysByBounce] {
         &self.counts

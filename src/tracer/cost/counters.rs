@@ -73,7 +73,7 @@ impl Counters {
             match cost.get(counter) {
                 0 => {}
                 _ if counter == Counter::Samples && n_samples > 0 => {}
-                depth if counter == Counter::Depth => self.bounce(pixel, depth),
+                depth if counter == Counter::Depth => self.bounce(&[pixel as u32], depth),
                 count => self.allocated(counter)[pixel] += count,
             }
         }
@@ -83,6 +83,16 @@ impl Counters {
     #[inline(always)]
     pub(super) fn add_rays(&mut self, kind: RayKind, pixel: usize, n: u64) {
         self.allocated(Counter::of_rays(kind))[pixel] += n;
+    }
+
+    /// Adds a ray of this kind, which is not a camera ray, to each of these pixels.
+    pub(super) fn add_rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]) {
+        if !pixels.is_empty() {
+            let counts = self.allocated(Counter::of_rays(kind));
+            for &pixel in pixels {
+                counts[pixel as usize] += 1;
+            }
+        }
     }
 
     /// Adds the counters of traversal `i` to `pixels[i]`.
@@ -104,11 +114,15 @@ impl Counters {
         });
     }
 
-    /// Records that a path of the pixel has reached `depth` bounces.
-    #[inline(always)]
-    pub(super) fn bounce(&mut self, pixel: usize, depth: u64) {
-        let deepest = &mut self.allocated(Counter::Depth)[pixel];
-        *deepest = depth.max(*deepest);
+    /// Records that a path of each of these pixels has reached `depth` bounces.
+    pub(super) fn bounce(&mut self, pixels: &[u32], depth: u64) {
+        if !pixels.is_empty() {
+            let all = self.allocated(Counter::Depth);
+            for &pixel in pixels {
+                let deepest = &mut all[pixel as usize];
+                *deepest = depth.max(*deepest);
+            }
+        }
     }
 
     /// Returns a counter, after allocating one entry per pixel if there is none.
@@ -149,8 +163,8 @@ mod tests {
             active: 0b101,
         };
         counters.add_traversals(&[1, 2, 0], &traversals);
-        counters.add_rays(RayKind::Shadow, 0, 1);
-        counters.bounce(1, 6);
+        counters.add_rays_of_pixels(RayKind::Shadow, &[0]);
+        counters.bounce(&[1], 6);
         let first = Cost {
             node_visits: 4,
             primitive_tests: 2,

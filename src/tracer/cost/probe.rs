@@ -76,8 +76,10 @@ pub trait PixelProbe: Default {
     fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
     /// Records that the traversal of one ray of each of these pixels has ended.
     fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
-    /// Records that a path of a pixel has reached this number of bounces.
-    fn bounce(&mut self, pixel: usize, depth: u32);
+    /// Records that a ray of this kind, which is not a camera ray, starts for each of these pixels.
+    fn rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]);
+    /// Records that a path of each of these pixels has reached this number of bounces.
+    fn bounce(&mut self, pixels: &[u32], depth: u32);
     /// Returns the counters, if it counts.
     fn counted(&self) -> Option<&Counters>;
 }
@@ -91,7 +93,9 @@ impl PixelProbe for NoProbe {
     #[inline(always)]
     fn traversals<const N: usize>(&mut self, _: &[u32; N], _: &Traversals<N>) {}
     #[inline(always)]
-    fn bounce(&mut self, _: usize, _: u32) {}
+    fn rays_of_pixels(&mut self, _: RayKind, _: &[u32]) {}
+    #[inline(always)]
+    fn bounce(&mut self, _: &[u32], _: u32) {}
 
     fn counted(&self) -> Option<&Counters> {
         None
@@ -115,9 +119,12 @@ impl PixelProbe for Counters {
         self.add_traversals(pixels, traversals);
     }
 
-    #[inline(always)]
-    fn bounce(&mut self, pixel: usize, depth: u32) {
-        self.bounce(pixel, depth.into());
+    fn rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]) {
+        self.add_rays_of_pixels(kind, pixels);
+    }
+
+    fn bounce(&mut self, pixels: &[u32], depth: u32) {
+        self.bounce(pixels, depth.into());
     }
 
     fn counted(&self) -> Option<&Counters> {
