@@ -49,7 +49,7 @@ impl RatioMetrics {
     /// Returns the metrics with these definitions, pairs of a name and a text such as
     /// `primitive_tests / rays`; `None` if one of them is wrong.
     pub fn parse<'a>(definitions: impl Iterator<Item = (&'a str, &'a str)>) -> Option<Self> {
-        let metric = |(name, text)| Some(RatioMetric::new(name, Parts::parse(text)?));
+        let metric = |(name, text)| Some(RatioMetric::new(name, RatioParts::parse(text)?));
         let metrics: Vec<_> = definitions.map(metric).collect::<Option<_>>()?;
         let is_fine = metrics.iter().all(|metric| metric.name_fault().is_none());
         is_fine.then(|| Self::interned(metrics))
@@ -82,7 +82,7 @@ impl RatioMetric {
         arrays.filter(|array| array.is_cost())
     }
 
-    fn new(name: &str, Parts(parts): Parts) -> Self {
+    fn new(name: &str, RatioParts(parts): RatioParts) -> Self {
         let [above, below] = parts.map(PixelArray::name);
         Self {
             name: name.to_owned(),
@@ -137,9 +137,9 @@ impl Config {
 }
 
 /// The array above the line, and the array below it.
-struct Parts([PixelArray; 2]);
+struct RatioParts([PixelArray; 2]);
 
-impl Parts {
+impl RatioParts {
     fn parse(text: &str) -> Option<Self> {
         let part = |text: &str| RatioMetric::costs().find(|array| array.name() == text.trim());
         let (above, below) = text.split_once('/')?;
@@ -147,24 +147,24 @@ impl Parts {
     }
 }
 
-impl<'de> Deserialize<'de> for Parts {
+impl<'de> Deserialize<'de> for RatioParts {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_str(PartsVisitor)
+        d.deserialize_str(RatioPartsVisitor)
     }
 }
 
-struct PartsVisitor;
+struct RatioPartsVisitor;
 
-impl Visitor<'_> for PartsVisitor {
-    type Value = Parts;
+impl Visitor<'_> for RatioPartsVisitor {
+    type Value = RatioParts;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let names: Vec<String> = RatioMetric::costs().map(PixelArray::name).collect();
         write!(f, "a ratio `a / b` of {}", names.join(", "))
     }
 
-    fn visit_str<E: Error>(self, text: &str) -> Result<Parts, E> {
-        Parts::parse(text).ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
+    fn visit_str<E: Error>(self, text: &str) -> Result<RatioParts, E> {
+        RatioParts::parse(text).ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
     }
 }
 
@@ -185,7 +185,7 @@ impl<'de> Visitor<'de> for MetricsVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RatioMetrics, A::Error> {
         let mut metrics: Vec<RatioMetric> = Vec::new();
-        while let Some((name, parts)) = map.next_entry::<String, Parts>()? {
+        while let Some((name, parts)) = map.next_entry::<String, RatioParts>()? {
             metrics.push(RatioMetric::new(&name, parts));
             if metrics.len() > MAX_METRICS {
                 let message = format!("cannot be so many, expected at most {MAX_METRICS} metrics");
