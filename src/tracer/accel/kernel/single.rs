@@ -85,6 +85,7 @@ impl<S: Search, P: Probe> SimdKernel for SingleTraversal<'_, S, P> {
 }
 
 /// Counts the tests of the boxes of a node's children, for a search that records.
+#[inline(always)]
 fn test_boxes<I: InstructionSet>(
     set: I,
     slabs: &Slabs,
