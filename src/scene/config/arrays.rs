@@ -100,8 +100,7 @@ impl WrittenArrays {
 
     /// Returns true if an array of this name is written.
     pub fn has(self, name: &str) -> bool {
-        let mut arrays = PixelArray::value_variants().iter();
-        let array = arrays.find(|array| array.name() == name);
+        let array = PixelArray::from_name(name);
         array.is_none_or(|array| self.left_out & array.bit() == 0)
     }
 
@@ -112,6 +111,14 @@ impl WrittenArrays {
 }
 
 impl PixelArray {
+    /// Returns the array with this name in files.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::value_variants()
+            .iter()
+            .copied()
+            .find(|array| array.name() == name)
+    }
+
     /// Returns the name in files.
     pub fn name(self) -> String {
         keyword_name(&self)

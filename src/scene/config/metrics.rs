@@ -103,9 +103,7 @@ impl RatioMetric {
             );
             return Some([format!("a metric cannot have the name `{name}`"), expected]);
         }
-        let mut arrays = PixelArray::value_variants().iter();
-        let is_taken = arrays.any(|array| array.name() == *name);
-        is_taken.then(|| {
+        PixelArray::from_name(name).map(|_| {
             let message = format!("there is an array `{name}` already");
             [message, "expected another name".to_owned()]
         })
@@ -141,7 +139,7 @@ struct RatioParts([PixelArray; 2]);
 
 impl RatioParts {
     fn parse(text: &str) -> Option<Self> {
-        let part = |text: &str| RatioMetric::costs().find(|array| array.name() == text.trim());
+        let part = |text: &str| PixelArray::from_name(text.trim()).filter(|array| array.is_cost());
         let (above, below) = text.split_once('/')?;
         Some(Self([part(above)?, part(below)?]))
     }
@@ -188,7 +186,7 @@ impl<'de> Visitor<'de> for MetricsVisitor {
         while let Some((name, parts)) = map.next_entry::<String, RatioParts>()? {
             metrics.push(RatioMetric::new(&name, parts));
             if metrics.len() > MAX_METRICS {
-                let message = format!("cannot be so many, expected at most {MAX_METRICS} metrics");
+                let message = format!("too many metrics, expected at most {MAX_METRICS}");
                 return Err(Error::custom(message));
             }
         }
