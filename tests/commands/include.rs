@@ -105,8 +105,8 @@ more/floor.yaml | floor.obj | none.obj | more/floor.yaml:4:19 | none.obj`:  | ex
 more/floor.yaml | lights: [] | lights: [ | more/floor.yaml:3:1 | invalid YAML syntax | is still open here
 parts.yml | max: [1, 1, 1] | max: [1, 1] | parts.yml:5:33 | `objects[0].box.max` cannot be a list of 2
 parts.yml | more/floor.yaml | more/flor.yaml | parts.yml:1:32 | more/flor.yaml`:  | starts from the folder
-parts.yml | more/floor.yaml | more | parts.yml:1:32 | `more` is no YAML file | .yaml or .yml
-parts.yml | more/floor.yaml | more/floor.obj | parts.yml:1:32 | `more/floor.obj` is no YAML file
+parts.yml | more/floor.yaml | more | parts.yml:1:32 | `more` is not a YAML file | .yaml or .yml
+parts.yml | more/floor.yaml | more/floor.obj | parts.yml:1:32 | `more/floor.obj` is not a YAML file
 parts.yml | [library/metals.yaml, more/floor.yaml] | more/floor.yaml | parts.yml:1:10 | `include` cannot be read | expected a list of files
 parts.yml | more/floor.yaml | [x] | parts.yml:1:32 | `include[1]` cannot be read | list of files
 parts.yml | camera: | camero: | parts.yml:2:1 | unknown key `camero` | did you mean `camera`?

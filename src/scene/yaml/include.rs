@@ -107,7 +107,7 @@ impl Files<'_> {
         let fault = |message: String, expected: &str| Fault::new(path.clone(), message, expected);
         let ending = file.extension().unwrap_or_default();
         if ending != "yaml" && ending != "yml" {
-            let message = format!("`{name}` is no YAML file");
+            let message = format!("`{name}` is not a YAML file");
             return Err(fault(message, "expected a file that ends in .yaml or .yml"));
         }
         let canonical = files::canonical(file);

@@ -198,7 +198,7 @@ impl Piece {
         let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;
         if n < 3 {
-            let problem = format!("the values of `{}` are no colors", cut(&choice.name));
+            let problem = format!("the values of `{}` are not colors", cut(&choice.name));
             return Err(FileFault::new(
                 problem,
                 "three or four numbers: red, green and blue",
