@@ -45,7 +45,6 @@ pub(crate) use rounds::SampleSums;
 use scene::world::Scene;
 use stream::StreamRenderer;
 use tile_queue::{Target, TileQueue};
-use time_hottest::time_hottest_again;
 use timed::SingleRayRenderer;
 use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter, NoProbe};

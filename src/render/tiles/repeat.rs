@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::pass::{Limits, Pass};
 use super::samples::{SAMPLE_BYTES, Samples};
-use super::{Progress, TilePlan, View, render_onto, time_hottest_again};
+use super::time_hottest::{limit_after, time_hottest_again};
+use super::{Progress, TilePlan, View, render_onto};
 use crate::film::Film;
 use crate::schedule::{Schedule, TileRun};
 use scene::config::{Config, Repeats};
@@ -150,7 +151,8 @@ pub fn repeat_within(
         samples.summarize(&mut film);
     }
     if limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0) {
-        time_hottest_again(&mut film, view, meter, plan);
+        let limit = limit_after(begin.elapsed());
+        time_hottest_again(&mut film, view, meter, plan, limit);
     }
     (film, schedule, done)
 }

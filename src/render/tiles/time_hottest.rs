@@ -2,6 +2,8 @@
 //!
 //! The longest of many times is the most disturbed one, and the first that a user looks at.
 
+use std::time::{Duration, Instant};
+
 use super::TilePlan;
 use super::groups::GroupRenderer;
 use super::samples::median_and_deviation;
@@ -12,98 +14,107 @@ use crate::schedule::{MAX_PIXELS, Tile};
 use base::stop;
 use tracer::cost::{CpuWait, Meter, Metric};
 
-/// Pixels that are timed together.
-const N_PIXELS: usize = 20;
 /// Times of each pixel, whose median counts.
 const N_TIMES: usize = 5;
 /// Neighbors that are rendered before the pixel each time, as in a picture.
 const N_BEFORE: u32 = 4;
-/// Greatest number of rounds: in each, the pixels that replace others are timed, too.
-const N_ROUNDS: usize = 5;
 
-/// Times each of these pixels of the film once, in nanoseconds.
-type TimePixels<'a> = &'a mut dyn FnMut(&[(u32, u32)], &mut CpuWait) -> Vec<f32>;
+/// The limit is this part of the time of the renderings, or [`LEAST_LIMIT`] if that is more.
+const PART_OF_RENDERING: u32 = 50;
+const LEAST_LIMIT: Duration = Duration::from_millis(4);
 
-/// Times the most expensive pixels of a film until the first of them has been timed again, and
-/// gives the film the medians of their times. A film without rows, or without times, stays as it
-/// is.
-pub(super) fn time_hottest_again(film: &mut Film, view: View, meter: &Meter, plan: &TilePlan) {
+/// Renders a group of pixels of the film once. Returns the nanoseconds of its pixels, row by row.
+type TimeGroup<'a> = &'a mut dyn FnMut(&Tile, &mut CpuWait) -> Vec<f32>;
+
+/// Returns the time that may be spent on timing pixels again after renderings that took `elapsed`
+/// together.
+pub(super) fn limit_after(elapsed: Duration) -> Duration {
+    LEAST_LIMIT.max(elapsed / PART_OF_RENDERING)
+}
+
+/// Times the most expensive pixel of a film, with the others of its group, until one is the most
+/// expensive again or the limit is reached, and gives the film the medians of the times. A film
+/// without rows, or without times, stays as it is.
+pub(super) fn time_hottest_again(
+    film: &mut Film,
+    view: View,
+    meter: &Meter,
+    plan: &TilePlan,
+    limit: Duration,
+) {
     if !film.has_rows() {
         return;
     }
+    let end = Instant::now() + limit;
     match meter {
         Meter::Off | Meter::Counters => {}
         Meter::Time(clock) => {
             let mut renderer = GroupRenderer::new(view, clock);
-            again(film, &mut |places, wait| {
-                time_groups(&mut renderer, plan, places, wait)
+            let n_samples = view.rounds.n_uniform();
+            let group_of = |at| {
+                let mut groups = part(plan, at).groups(n_samples);
+                groups.find(|group| group.has(at))
+            };
+            again(film, end, group_of, &mut |group, wait| {
+                let part = part(plan, first_pixel(group));
+                wait.begin();
+                let [part, group] = [&part, group].map(|tile| plan.in_picture(tile));
+                renderer.time_group(&part, &group, wait).collect()
             });
         }
         Meter::SingleRayTime(clock) => {
             let room = (N_BEFORE as usize + 1, &plan.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
-            again(film, &mut |places, wait| {
-                let places = places.iter().map(|&place| in_picture(plan, place));
-                let time = |place| {
-                    let before = before(place, plan.image.width);
-                    wait.begin();
-                    renderer.time_last(before.chain([place]), wait)
-                };
-                places.map(time).collect()
+            let group_of = |at| Some(pixel(at));
+            again(film, end, group_of, &mut |group, wait| {
+                let place = first_pixel(&plan.in_picture(group));
+                let before = before(place, plan.image.width);
+                wait.begin();
+                vec![renderer.time_last(before.chain([place]), wait)]
             });
         }
     }
 }
 
-/// Times the groups of these pixels once, all groups of a part of a tile together.
-fn time_groups(
-    renderer: &mut GroupRenderer,
-    plan: &TilePlan,
-    places: &[(u32, u32)],
-    wait: &mut CpuWait,
-) -> Vec<f32> {
-    let mut times = vec![0.0; places.len()];
-    for (i, &place) in places.iter().enumerate() {
-        let is_timed = times[i] > 0.0;
-        if is_timed {
-            continue;
-        }
-        let part = part(plan, place);
-        let of_part = || (i..places.len()).filter(|&i| part.has(places[i]));
-        let pixels: Vec<(u32, u32)> = of_part().map(|i| in_picture(plan, places[i])).collect();
-        let in_picture = plan.in_picture(&part);
-        wait.begin();
-        let timed = renderer.time_pixels(&in_picture, &pixels, wait);
-        for (i, ns) in of_part().zip(timed) {
-            times[i] = ns;
-        }
-    }
-    times
-}
-
-fn again(film: &mut Film, time_pixels: TimePixels) {
+fn again(
+    film: &mut Film,
+    end: Instant,
+    group_of: impl Fn((u32, u32)) -> Option<Tile>,
+    time_group: TimeGroup,
+) {
+    let is_over = || stop::is_requested() || Instant::now() >= end;
     let mut wait = CpuWait::of_this_thread();
-    let mut timed: Vec<(u32, u32)> = Vec::new();
-    for _ in 0..N_ROUNDS {
-        let hottest = film.hottest(Metric::TIME, N_PIXELS);
-        let is_timed = |pixel: &HotPixel| timed.contains(&pixel.place);
-        if stop::is_requested() || hottest.first().is_none_or(is_timed) {
-            return;
-        }
-        let new = hottest.into_iter().filter(|pixel| !is_timed(pixel));
-        let new: Vec<(u32, u32)> = new.map(|pixel| pixel.place).collect();
-        let mut times = vec![Vec::new(); new.len()];
-        for _ in 0..N_TIMES {
-            for (times, ns) in times.iter_mut().zip(time_pixels(&new, &mut wait)) {
+    let mut timed: Vec<Tile> = Vec::new();
+    let next = |film: &Film, timed: &[Tile]| {
+        let [HotPixel { place, .. }] = film.hottest(Metric::TIME, 1)[..] else {
+            return None;
+        };
+        let is_new = !timed.iter().any(|group| group.has(place));
+        group_of(place).filter(|_| is_new)
+    };
+    while let Some(group) = next(film, &timed) {
+        // Time the group.
+        let mut times = vec![Vec::with_capacity(N_TIMES); group.n_pixels()];
+        for i in 0..N_TIMES {
+            if i > 0 && is_over() {
+                break;
+            }
+            for (times, ns) in times.iter_mut().zip(time_group(&group, &mut wait)) {
                 times.push(f64::from(ns));
             }
         }
-        for (mut times, &place) in times.into_iter().zip(&new) {
+        // Give the film the medians.
+        let has_spread = film.n_repeats > 1;
+        let [[left, right], [top, bottom]] = [group.columns, group.rows];
+        let places = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+        for (mut times, place) in times.into_iter().zip(places) {
             let [median_ns, mad_ns] = median_and_deviation(&mut times);
-            let has_spread = film.n_repeats > 1;
             film.set_time(place, [median_ns, if has_spread { mad_ns } else { 0.0 }]);
         }
-        timed.extend(new);
+        timed.push(group);
+        if is_over() {
+            return;
+        }
     }
 }
 
@@ -115,14 +126,18 @@ fn part(plan: &TilePlan, (x, y): (u32, u32)) -> Tile {
     parts.find(|part| part.has((x, y))).unwrap_or(tile)
 }
 
-/// Returns the position of a pixel of the film in the picture.
-fn in_picture(plan: &TilePlan, (x, y): (u32, u32)) -> (u32, u32) {
-    let pixel = Tile {
+/// Returns the tile of one pixel.
+fn pixel((x, y): (u32, u32)) -> Tile {
+    Tile {
         number: 0,
         columns: [x, x + 1],
         rows: [y, y + 1],
-    };
-    (x, plan.in_picture(&pixel).rows[0])
+    }
+}
+
+/// Returns the left pixel of a group's first row.
+fn first_pixel(group: &Tile) -> (u32, u32) {
+    (group.columns[0], group.rows[0])
 }
 
 /// Returns the pixels to the left of a pixel, or to the right if there are none.
@@ -165,7 +180,7 @@ mod tests {
             film.set_time(place, [1e15, 0.0]);
         }
         let view = View::new(&scene, &accel, &plan.image);
-        time_hottest_again(&mut film, view, &meter, &plan);
+        time_hottest_again(&mut film, view, &meter, &plan, Duration::from_secs(60));
         let [hottest] = film.hottest(Metric::TIME, 1)[..] else {
             panic!("no time is trusted");
         };
