@@ -26,7 +26,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
         let (list, map) = (value.as_array(), value.as_object());
         let n = |rule: &Value| rule.as_u64().unwrap() as usize;
         match keyword.as_str() {
-            "$schema" | "title" | "description" | "then" | "else" => true,
+            "$schema" | "title" | "description" | "default" | "then" | "else" => true,
             "$ref" => of(root.pointer(&rule.as_str().unwrap()[1..]).unwrap(), value),
             "anyOf" => rules().any(|schema| of(schema, value)),
             "allOf" => rules().all(|schema| of(schema, value)),
@@ -133,6 +133,30 @@ fn every_file_of_configs_names_its_schema_and_is_valid() {
     }
     let full = fs::read_to_string(in_repository("tests/full.yaml")).unwrap();
     assert!(is_valid(&SchemaKind::Scene.schema(), &full));
+}
+
+#[test]
+fn defaults_are_values_that_change_nothing() {
+    let schema = SchemaKind::Scene.schema();
+    let default = |path: &str| {
+        let steps = path.split('.').map(|key| match key {
+            "*" => "/additionalProperties".to_owned(),
+            key => format!("/properties/{key}"),
+        });
+        let of_key = schema.pointer(&steps.collect::<String>()).unwrap();
+        of_key.get("default").cloned()
+    };
+    assert_eq!(default("image.samples_per_pixel"), Some(json!(1)));
+    assert_eq!(default("image.filter"), Some(json!("box")));
+    assert_eq!(default("shading.ambient"), Some(json!(0.05)));
+    assert_eq!(default("materials.*.two_sided"), Some(json!(true)));
+    assert_eq!(default("camera.look_at.up"), Some(json!([0, 1, 0])));
+    assert_eq!(default("fog.anisotropy"), Some(json!(0)));
+    // Neither a required key nor a value that is computed from others has one.
+    assert_eq!(default("image.width"), None);
+    assert_eq!(default("camera.look_at.lens.focus_distance"), None);
+    // A rotation of a circle changes nothing, whatever it is.
+    assert_eq!(default("camera.look_at.lens.rotation_deg"), None);
 }
 
 /// `RAYCOST_BLESS=1 cargo test --test commands schema::` writes them anew.

@@ -31,14 +31,14 @@ pub struct FilmSettings {
     pub exposure: f32,
     /// The tone curve; none if not given.
     pub tone_curve: ToneCurve,
-    /// The transfer function; if not given, the shading model's ([`ShadingModel::transfer`]).
+    /// The transfer function; `srgb`, and `linear` for the shading model `seed`, by default.
     pub transfer: Option<Transfer>,
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
     #[serde(deserialize_with = "bits")]
     pub bits: u8,
     /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
-    /// the mean is taken, which removes single bright pixels and some light; if not given, the
-    /// shading model's ([`ShadingModel::sample_limit`]).
+    /// the mean is taken, which removes single bright pixels and some light; none, and 1 for the
+    /// shading model `seed`, by default.
     #[serde(deserialize_with = "limit")]
     pub sample_limit: Option<f32>,
 }

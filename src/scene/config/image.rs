@@ -47,8 +47,8 @@ pub struct Image {
     /// given.
     #[serde(deserialize_with = "filter_radius", default)]
     pub filter_radius: Option<f32>,
-    /// Adaptive sampling, which needs [`PixelPattern::Sobol`]: then `samples_per_pixel` is the
-    /// maximum per pixel.
+    /// Adaptive sampling, which needs `sampler: sobol`: then `samples_per_pixel` is the maximum per
+    /// pixel.
     #[serde(default)]
     pub adaptive: Option<Adaptive>,
     /// The position in a larger picture, for a window of one.

@@ -21,13 +21,13 @@ use math::optics::Masking;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "ShadingKeys")]
 pub struct Shading {
-    /// The model.
+    /// The shading model.
     pub model: ShadingModel,
     /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
     pub ambient: Vec3,
     /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
     pub max_depth: u8,
-    /// The lights that are sampled at each point.
+    /// The lights that are sampled at each point; `each`, and `power` in path tracing, by default.
     pub light_sampling: LightSampling,
     /// The masking-shadowing function of rough surfaces in path tracing; `height_correlated` if not
     /// given.

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
 use super::attempt::{Outcome, attempt, quoted};
+use super::defaults::SAMPLE;
 use super::doc_comments;
 use super::numbers::{self, any_of};
 use super::relations::relations;
@@ -230,7 +231,8 @@ impl<T: DeserializeOwned> Explorer<T> {
             schema["maxItems"] = json!(most);
         }
         let n = least.max(1);
-        let samples = (0..5).map(|variant| list(n, variant)).collect();
+        let samples: Vec<Value> = (0..5).map(|variant| list(n, variant)).collect();
+        schema[SAMPLE] = samples[0].clone();
         Some(Accepted { schema, samples })
     }
 
@@ -282,10 +284,12 @@ impl<T: DeserializeOwned> Explorer<T> {
                 self.path.pop();
                 expected
             };
-            properties.insert(key.clone(), described(found.schema, keys, key, expected));
+            let mut schema = described(found.schema, keys, key, expected);
             if let Some(sample) = found.samples.get(i % found.samples.len().max(1)) {
                 samples.insert(key.clone(), sample.clone());
+                schema[SAMPLE] = sample.clone();
             }
+            properties.insert(key.clone(), schema);
         }
         if properties.is_empty() {
             return None;
@@ -322,6 +326,7 @@ impl<T: DeserializeOwned> Explorer<T> {
         }
         let sample = relations(&|value| self.attempt(value), &samples, &mut schema);
         let samples = vec![Value::Object(sample)];
+        schema[SAMPLE] = samples[0].clone();
         Some(Accepted { schema, samples })
     }
 }

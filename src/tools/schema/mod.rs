@@ -2,19 +2,23 @@
 //!
 //! The schema is not written down: the `Explorer` finds out which values the parser accepts, by
 //! parsing small scenes, and describes them. So a new key is in the schema as soon as it can be
-//! read, with its range. Descriptions are the doc comments of the sources, which a test collects,
+//! read, with its range and its default. Descriptions are the doc comments of the sources, which a test collects,
 //! and the values that the parser says it expects.
 
 mod attempt;
+mod defaults;
 mod doc_comments;
 mod numbers;
 mod relations;
 mod explorer;
 
+use std::fmt::Debug;
+
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::study::StudyPlan;
+use defaults::add_defaults;
 use explorer::Explorer;
 use scene::config::Config;
 
@@ -56,12 +60,13 @@ impl SchemaKind {
 }
 
 /// Returns the JSON Schema of the files that a `T` is read from.
-fn of<T: DeserializeOwned>(title: &str) -> Value {
+fn of<T: DeserializeOwned + Debug + PartialEq>(title: &str) -> Value {
     let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
     });
-    let root = Explorer::<T>::new().explore_all();
+    let mut root = Explorer::<T>::new().explore_all();
+    add_defaults::<T>(&mut root);
     if let (Value::Object(schema), Value::Object(root)) = (&mut schema, root) {
         schema.extend(root);
     }
