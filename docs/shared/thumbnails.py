@@ -1,4 +1,4 @@
-"""The scenes of the thumbnails in docs/scene.md: a ball in a small studio, and one change in each."""
+"""The scenes of the thumbnails in the reference of scene files: a ball in a small studio, and one change in each."""
 
 import copy
 import json

@@ -238,18 +238,40 @@ fn write_program(path: &Path, script: &str) {
 }
 
 #[test]
-fn every_link_within_the_repository_leads_to_a_file() {
+fn every_link_within_the_repository_leads_to_a_file_or_a_heading() {
     for (path, text) in pages() {
-        let folder = in_repository(&path).parent().unwrap().to_owned();
+        let page = in_repository(&path);
         for target in text.split("](").skip(1) {
             let target = target.split(')').next().unwrap();
-            let file = target.split('#').next().unwrap();
-            if file.is_empty() || file.contains("://") {
+            if target.contains("://") {
                 continue;
             }
-            assert!(folder.join(file).exists(), "{path}: {target}");
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let file = match file {
+                "" => page.clone(),
+                file => page.parent().unwrap().join(file),
+            };
+            assert!(file.exists(), "{path}: {target}");
+            if !heading.is_empty() {
+                let text = fs::read_to_string(&file).unwrap();
+                let found = headings(&text).any(|anchor| anchor == heading);
+                assert!(found, "{path}: {target}");
+            }
         }
     }
+}
+
+/// The anchors of a page's headings, as GitHub and mdBook make them.
+fn headings(page: &str) -> impl Iterator<Item = String> {
+    let lines = page.lines().filter(|line| line.starts_with('#'));
+    lines.map(|line| {
+        let text = line.trim_start_matches('#').trim().to_lowercase();
+        let is_kept = |c: &char| c.is_alphanumeric() || " -_".contains(*c);
+        text.chars()
+            .filter(is_kept)
+            .collect::<String>()
+            .replace(' ', "-")
+    })
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod new;
 mod package;
 mod pinning;
 mod prediction;
+mod reference;
 mod roofline;
 mod schema;
 mod settings;
