@@ -74,7 +74,7 @@ impl PieceList {
         };
         let names = pieces.pieces.iter().map(|piece| &piece.source);
         if names.len() == 0 || !names.clone().all(|name| is_piece(name)) {
-            return Err(this.foreign("its pieces are not those of a picture"));
+            return Err(this.foreign("its pieces do not make a picture"));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         this.paths = names.map(|name| folder.join(name)).collect();

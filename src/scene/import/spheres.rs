@@ -138,7 +138,7 @@ impl Columns {
             (_, Some(column)) => Radius::Column(column, 1.0),
             (Some(RadiusChoice::Same(radius)), None) => Radius::OfAll(*radius),
             (None, None) => {
-                let expected = "one, or a `radius` in the scene: that of all, or `{ array: … }`";
+                let expected = "one, or a `radius` in the scene: one for all, or `{ array: … }`";
                 return Err(FileFault::new("there is no column `r`", expected));
             }
         };

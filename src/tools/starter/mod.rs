@@ -121,7 +121,7 @@ impl Subject {
             lost: None,
             geometry: format!(
                 "\
-    # `normals` are those of the file, `smooth` (here up to edges), or `flat`.
+    # `normals` come from the `file`, or are `smooth` (here up to edges) or `flat`.
     mesh: {{ file: {file}, normals: {normals} }}"
             ),
         }
@@ -186,7 +186,7 @@ fn text_of(subject: &Subject, file: &Path) -> String {
         }
         SubjectColors::OfFile => (
             String::new(),
-            "# Without a `material`, the mesh has those of its file.",
+            "# Without a `material`, the mesh has the materials of its file.",
         ),
     };
     // The colors of an array are to be read off, without shadows of a floor.

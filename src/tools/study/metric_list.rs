@@ -78,7 +78,7 @@ const OF_BVH: [Row; 8] = [
 /// Metrics of a study over threads or ranks.
 #[rustfmt::skip]
 const OF_SCALING: [Row; 2] = [
-    ("speedup", "1", "pixels per second over those of the fewest threads"),
+    ("speedup", "1", "pixels per second over the rate with the fewest threads"),
     ("scaling_efficiency", "1", "speedup over the ratio of threads"),
 ];
 

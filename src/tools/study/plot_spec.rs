@@ -33,7 +33,7 @@ pub struct PlotSpec {
     /// steps beside them.
     #[serde(default)]
     pub bars: bool,
-    /// If true, fits a [`CostLaw`](super::CostLaw) to each series.
+    /// If true, fits a law of the cost, a + b n^k, to each series.
     #[serde(default)]
     pub fit: bool,
 }

@@ -219,7 +219,7 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
         (
             "x,y,z\n",
             ", line 1: there is no column `r`, expected one, or a `radius` in the scene: \
-             that of all, or `{ array: … }`",
+             one for all, or `{ array: … }`",
         ),
         (
             "x,y,z,r,x\n",

@@ -164,5 +164,10 @@ pub(super) fn entry(numbers: &[i64], index: usize, name: &str) -> Result<usize> 
 /// Adds sizes that a file claims, with a check for overflow.
 pub(super) fn sum(sizes: impl IntoIterator<Item = usize>) -> Result<usize> {
     let sum = sizes.into_iter().try_fold(0_usize, usize::checked_add);
-    sum.ok_or_else(|| FileFault::new("its sizes are beyond all files", "those of its datasets"))
+    sum.ok_or_else(|| {
+        FileFault::new(
+            "its sizes are larger than any file",
+            "the sizes of its datasets",
+        )
+    })
 }

@@ -129,7 +129,7 @@ pub(super) fn damaged(name: &str, error: &hdf5_metno::Error) -> FileFault {
 /// Creates the fault of a missing dataset or attribute.
 pub(super) fn missing(name: &str) -> FileFault {
     let problem = format!("it has no dataset `{name}`");
-    FileFault::new(problem, "those of the VTKHDF format")
+    FileFault::new(problem, "the datasets of the VTKHDF format")
 }
 
 fn at(start: usize, count: usize) -> SliceOrIndex {

@@ -96,7 +96,7 @@ impl Parts {
     }
 
     fn size(&self) -> Result<[usize; 3]> {
-        let missing = || FileFault::new("it has no `DIMENSIONS`", "those of the grid");
+        let missing = || FileFault::new("it has no `DIMENSIONS`", "the dimensions of the grid");
         self.size.ok_or_else(missing)
     }
 
