@@ -72,7 +72,7 @@ fn table(paths: &str) -> String {
         let (_, name) = path.rsplit_once('.').unwrap_or_default();
         for mapping in found {
             for key in keys_of(mapping) {
-                let shown = if is_one {
+                let shown = if is_one || name == "*" {
                     key.clone()
                 } else {
                     format!("{name}.{key}")

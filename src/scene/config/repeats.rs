@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize, Serializer};
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Repeats {
-    /// If pixels are timed, up to [`Repeats::MAX_OF_AUTO`] times, within half a second and with at
+    /// If pixels are timed, up to five times, within half a second and with at
     /// most 64 MiB of samples. Otherwise once.
     #[default]
     Auto,
