@@ -2,25 +2,32 @@
 
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 use super::{Failure, on_threads, shell_word, shown};
 use base::folder::{OutputFolder, Written};
 use base::text::numbers::bytes;
 use base::text::{self, Diagnostic};
 use output::results::read_unchanged;
+use tools::diff::foreign::{self, ForeignDiff, ForeignFile};
 use tools::diff::{self, Diff, Gate, Limit, Side};
+use tracer::cost::Metric;
 
-/// Compare the costs of two outputs
+/// Compare the costs of two outputs, or an output with the file of another program
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   raycost diff out/before out/after
   raycost diff out/before out/after --fail-above 5%
+  raycost diff out/before mine.png
+  raycost diff out/before times.npy --by time_ns
 
 Exit code 3: B costs more than `--fail-above` allows.")]
 pub(super) struct DiffArguments {
-    /// Output folder A, the baseline
+    /// Output folder A, the baseline; or a file of another program: PNG, PPM, PFM,
+    /// OpenEXR or NPY
     a: PathBuf,
 
-    /// Output folder B, with a picture of the same size
+    /// Output folder B, with a picture of the same size; or a file, if A is a folder
     b: PathBuf,
 
     /// Folder to write to [default: out/diff-A-B]
@@ -36,6 +43,11 @@ pub(super) struct DiffArguments {
     /// a time is missing
     #[arg(long, value_name = "PERCENT")]
     fail_above: Option<Limit>,
+
+    /// Metric to compare another program's cost map with [default: time_ns, or
+    /// node_visits if the output has no times]
+    #[arg(long, value_name = "METRIC")]
+    by: Option<Metric>,
 }
 
 pub(super) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
@@ -43,6 +55,25 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
 }
 
 fn compare(arguments: &DiffArguments) -> Result<(), Failure> {
+    let DiffArguments { a, b, .. } = arguments;
+    match [a, b].map(|path| path.is_file()) {
+        [false, false] => compare_outputs(arguments),
+        [true, false] => compare_with_file(arguments, [b, a], 0),
+        [false, true] => compare_with_file(arguments, [a, b], 1),
+        [true, true] => {
+            let message = "A and B are files: one has to be an output folder";
+            let help = "give a folder that `raycost render` wrote, such as out/seed_sphere";
+            Err(Diagnostic::new(message).with_help(help).into())
+        }
+    }
+}
+
+fn compare_outputs(arguments: &DiffArguments) -> Result<(), Failure> {
+    if arguments.by.is_some() {
+        let message = "`--by` is for the cost map of another program";
+        let help = "leave it out: all metrics of two outputs are compared";
+        return Err(Diagnostic::new(message).with_help(help).into());
+    }
     let folders: [&Path; 2] = [&arguments.a, &arguments.b];
     let (sides, diff) = read_unchanged(&folders, || {
         let sides = Side::open(folders)?;
@@ -53,16 +84,15 @@ fn compare(arguments: &DiffArguments) -> Result<(), Failure> {
         Some(limit) => Some(Gate::of(&diff, limit)?),
         None => None,
     };
-    let out = out(arguments, &sides);
+    let out = out(arguments, sides.each_ref().map(Side::label));
     let folder = OutputFolder::create(&out, 0)?;
     diff::refuse_foreign(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
     let text = if arguments.json {
-        let json = format!("{:#}\n", diff::to_json(&diff, &sides, gate.as_ref()));
-        text::visible_json(&json)
+        json_text(&diff::to_json(&diff, &sides, gate.as_ref()))
     } else {
         let report = diff::report(&diff, &sides, gate.as_ref());
-        report + &closing_lines(&out, &written)
+        report + &written_line(&out, &written) + &next_line(&out)
     };
     text::print(&text)?;
     match gate.filter(|gate| !gate.passed) {
@@ -71,26 +101,60 @@ fn compare(arguments: &DiffArguments) -> Result<(), Failure> {
     }
 }
 
+/// Compares an output with a file of another program, whose position is 0 for A, 1 for B.
+fn compare_with_file(
+    arguments: &DiffArguments,
+    [output, file]: [&PathBuf; 2],
+    position: usize,
+) -> Result<(), Failure> {
+    if arguments.fail_above.is_some() {
+        let message = "`--fail-above` compares two outputs, not one with a file";
+        return Err(Diagnostic::new(message).with_help("leave it out").into());
+    }
+    let diff = read_unchanged(&[output], || {
+        let output = Side::alone(output)?;
+        let file = ForeignFile::read(file, output.size())?;
+        ForeignDiff::of(output, file, position, arguments.by)
+    })?;
+    let label = diff.file.label();
+    let labels = foreign::in_order([diff.output.label(), &label], position);
+    let out = out(arguments, labels);
+    let folder = OutputFolder::create(&out, 0)?;
+    diff::refuse_foreign(&folder)?;
+    let written = foreign::write(&diff, &folder)?;
+    let text = if arguments.json {
+        json_text(&foreign::to_json(&diff))
+    } else {
+        format!(
+            "{}\n{}",
+            foreign::report(&diff),
+            written_line(&out, &written)
+        )
+    };
+    Ok(text::print(&text)?)
+}
+
 /// Returns the folder to write to.
-fn out(arguments: &DiffArguments, [a, b]: &[Side; 2]) -> PathBuf {
+fn out(arguments: &DiffArguments, [a, b]: [&str; 2]) -> PathBuf {
     match &arguments.out {
         Some(out) => out.clone(),
-        None => {
-            let name = format!("diff-{}-{}", a.label(), b.label());
-            Path::new("out").join(name.replace('/', "-"))
-        }
+        None => Path::new("out").join(format!("diff-{a}-{b}").replace('/', "-")),
     }
 }
 
-fn closing_lines(out: &Path, written: &[Written]) -> String {
+fn json_text(json: &Value) -> String {
+    text::visible_json(&format!("{json:#}\n"))
+}
+
+fn written_line(out: &Path, written: &[Written]) -> String {
     let files: Vec<String> = written
         .iter()
         .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
         .collect();
-    format!(
-        "wrote     {}: {}\nnext      paraview --state={}\n",
-        shown(out),
-        files.join(", "),
-        shell_word(&out.join(diff::STATE.name)),
-    )
+    format!("wrote     {}: {}\n", shown(out), files.join(", "))
+}
+
+fn next_line(out: &Path) -> String {
+    let state = shell_word(&out.join(diff::STATE.name));
+    format!("next      paraview --state={state}\n")
 }

@@ -80,7 +80,7 @@ commands! {
     Check(check::CheckArguments),
     /// Write a page that shows an output folder in a browser
     View(view::ViewArguments),
-    /// Compare the costs of two outputs
+    /// Compare the costs of two outputs, or an output with the file of another program
     Diff(diff::DiffArguments),
     /// Show all rays of some pixels and the cost of each
     Trace(trace::TraceArguments),

@@ -184,6 +184,13 @@ fn stand_ins(folder: &Path) -> PathBuf {
         ("programs/perf", ""),
         ("programs/mpirun", "test \"$1\" = -n; shift 2; exec \"$@\""),
         ("programs/google-pprof", ""),
+        // The reader's own ray tracer, of the picture of `seed_extended`.
+        (
+            "mine",
+            "cp out/seed_extended/image.png mine.png
+            printf 'Pf\\n400 300\\n-1.0\\n' > times.pfm
+            head -c 480000 /dev/zero | tr '\\0' '?' >> times.pfm",
+        ),
         (
             "target/release/raycost",
             &format!("exec '{raycost}' \"$@\""),

@@ -11,6 +11,7 @@ mod order;
 mod rank_sum;
 mod ratio;
 mod sample;
+mod spearman;
 
 pub use fine_histogram::{FineHistogram, lower_edge};
 pub use floats::floats_at;
@@ -19,3 +20,4 @@ pub use order::{median, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};
 pub use sample::SampleStatistics;
+pub use spearman::spearman;

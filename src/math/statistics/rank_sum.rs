@@ -27,7 +27,7 @@ pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
 
 /// Returns twice the rank, from 1, of each value of `a`, then of `b`, among all values: integers,
 /// since equal values share the mean of their ranks.
-fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
+pub(super) fn doubled_ranks(a: &[f64], b: &[f64]) -> Vec<usize> {
     let values = [a, b].concat();
     let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);

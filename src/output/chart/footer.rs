@@ -9,7 +9,7 @@ pub fn line(unit_name: &str, range: &Range) -> String {
     let label = |value: f64| unit.label(value, 3);
     let scale = match range.scale {
         Scale::Logarithmic => "Logarithmic scale",
-        Scale::Linear => "Red: more expensive, blue: cheaper; linear scale",
+        Scale::Linear => "Red: more, blue: less; linear scale",
     };
     let mut parts = vec![match unit_name {
         "ns" => scale.to_owned(),

@@ -1,11 +1,14 @@
 //! Writes the files of a diff.
 
+use std::io;
+
 use rayon::prelude::*;
+use serde_json::Value;
 
 use super::file::{DiffFile, DiffJob};
 use super::gate::Gate;
 use super::{Diff, Side, json, map, state, to_json, volume};
-use base::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use base::folder::{FileWriter, OutputFolder, Own, StagedFile, WriteError, Written};
 use base::provenance::{self, RunId, checksum};
 
 /// In the order of the report.
@@ -21,22 +24,38 @@ pub fn write(
     gate: Option<&Gate>,
     folder: &OutputFolder,
 ) -> Result<Vec<Written>, WriteError> {
-    let mut json = to_json(diff, sides, gate);
+    let names = FILES.map(|file| file.name);
+    let json = to_json(diff, sides, gate);
+    write_files(&names, json, folder, |name, json, run, out| {
+        let job = DiffJob {
+            diff,
+            sides,
+            folder,
+            json,
+            run,
+        };
+        let file = FILES.iter().find(|file| file.name == name);
+        file.map_or(Ok(()), |file| (file.write)(&job, out))
+    })
+}
+
+/// Writes the files of a comparison with these names; `write` gets the name of the file, the
+/// comparison as JSON with the ID, and the ID, which the file has to hold. Removes the other files
+/// of an earlier comparison.
+pub(super) fn write_files(
+    names: &[&str],
+    mut json: Value,
+    folder: &OutputFolder,
+    write: impl Fn(&str, &Value, RunId, &mut FileWriter) -> io::Result<()> + Sync,
+) -> Result<Vec<Written>, WriteError> {
     let run: RunId = checksum(json.to_string().as_bytes()).into();
     if let Some(entries) = json.as_object_mut() {
         // In front: a file is recognized by its first bytes.
         entries.shift_insert(0, provenance::KEY.to_owned(), serde_json::json!(run));
     }
-    let job = DiffJob {
-        diff,
-        sides,
-        folder,
-        json: &json,
-        run,
-    };
     let staging = folder.stage_files()?;
-    let stage = |file: &DiffFile| staging.stage(file.name, |out| (file.write)(&job, out));
-    let files: Vec<StagedFile> = FILES.par_iter().map(stage).collect::<Result<_, _>>()?;
+    let stage = |name: &&str| staging.stage(*name, |out| write(name, &json, run, out));
+    let files: Vec<StagedFile> = names.par_iter().map(stage).collect::<Result<_, _>>()?;
     let written = files.iter().map(StagedFile::written).collect();
     staging.commit(&files, &own())?;
     Ok(written)

@@ -1,6 +1,6 @@
 //! A diff as JSON: the content of the report, and all groups.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
@@ -13,11 +13,14 @@ use tracer::cost::MetricUnit;
 /// The file.
 pub(super) const FILE: DiffFile = DiffFile {
     name: "diff.json",
-    write: |job, out| {
-        serde_json::to_writer_pretty(&mut *out, job.json)?;
-        writeln!(out)
-    },
+    write: |job, out| write(job.json, out),
 };
+
+/// Writes a comparison.
+pub(super) fn write(json: &Value, out: &mut impl Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, json)?;
+    writeln!(out)
+}
 
 /// Returns the whole diff as JSON. A ratio B / A with A = 0 < B is infinite: null in
 /// JSON.
@@ -43,7 +46,7 @@ pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
     })
 }
 
-fn side(side: &Side) -> Value {
+pub(super) fn side(side: &Side) -> Value {
     json!({ "folder": side.name(), "scene": side.summary().scene })
 }
 

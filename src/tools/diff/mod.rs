@@ -1,4 +1,5 @@
 //! Two outputs of the same size → the change of their costs from the first, A, to the second, B.
+//! [`foreign`] compares an output with a file of another program.
 //!
 //! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by [`report()`],
 //! serialized by [`to_json`] and written to files by [`write()`]. Counters are exact: any change of
@@ -21,6 +22,7 @@ mod volume;
 mod state;
 mod file;
 mod files;
+pub mod foreign;
 
 pub use change::Change;
 pub use files::{refuse_foreign, write};

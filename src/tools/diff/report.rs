@@ -4,14 +4,14 @@ use super::gate::Gate;
 use super::group::PixelBounds;
 use super::noise::{Noise, Test};
 use super::settings::Setting;
-use super::{CostGroup, Diff, LightDifference, Side, Total, ratio};
+use super::{CostGroup, Diff, LightDifference, PictureDifference, Side, Total, ratio};
 use base::text::numbers::{count, counted};
 use base::text::one_line;
 use math::statistics::CONFIDENCE;
 use tracer::cost::Metric;
 
 /// Greatest number of rows of a table of objects or tiles.
-const MAX_ROWS: usize = 5;
+pub(super) const MAX_ROWS: usize = 5;
 /// Greatest number of settings that are listed; the rest is counted.
 const MAX_SETTINGS: usize = 12;
 
@@ -39,7 +39,7 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
 }
 
 /// Formats `name    first line`, with the other lines below the first.
-fn entry(name: &str, lines: &[String]) -> String {
+pub(super) fn entry(name: &str, lines: &[String]) -> String {
     let names = std::iter::once(name).chain(std::iter::repeat(""));
     let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
     names.zip(lines).map(line).collect()
@@ -125,7 +125,7 @@ pub(super) fn ratio_label(ratio: f64) -> String {
 }
 
 /// Formats rows of cells, the first column flush left, the others flush right.
-fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
+pub(super) fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
     let rows: Vec<[String; N]> = rows.collect();
     let width = |column: usize| {
         let widths = rows.iter().map(|row| row[column].chars().count());
@@ -191,24 +191,14 @@ fn evidence(test: &Test) -> String {
     )
 }
 
-fn light_sentence(light: &LightDifference) -> String {
+pub(super) fn light_sentence(light: &LightDifference) -> String {
     let LightDifference { mean, max, rms } = light;
     let [a, b] = mean;
     format!("mean {a:.5} in A, {b:.5} in B; the difference is {max:.5} at most, RMS {rms:.5}")
 }
 
 fn picture_sentence(diff: &Diff) -> String {
-    let picture = &diff.picture;
-    let n_all = count(diff.size.iter().map(|&n| u64::from(n)).product());
-    let colors = match picture.n_pixels {
-        0 => "the same colors".to_owned(),
-        n => format!(
-            "{} of {n_all} pixels differ, by {} of 255 at most, RMS {:.2}",
-            count(n),
-            picture.max,
-            picture.rms
-        ),
-    };
+    let colors = colors_sentence(&diff.picture, diff.size);
     match diff.n_other_objects {
         0 => colors,
         n => format!(
@@ -217,6 +207,20 @@ fn picture_sentence(diff: &Diff) -> String {
                 1 => "1 pixel sees".to_owned(),
                 n => format!("{} see", counted(n, "pixel")),
             }
+        ),
+    }
+}
+
+/// Returns the difference of the colors of two pictures of this size.
+pub(super) fn colors_sentence(picture: &PictureDifference, size: [u32; 2]) -> String {
+    let n_all = count(size.iter().map(|&n| u64::from(n)).product());
+    match picture.n_pixels {
+        0 => "the same colors".to_owned(),
+        n => format!(
+            "{} of {n_all} pixels differ, by {} of 255 at most, RMS {:.2}",
+            count(n),
+            picture.max,
+            picture.rms
         ),
     }
 }

@@ -30,6 +30,15 @@ impl Side {
         Ok([Self::new(a, label_a)?, Self::new(b, label_b)?])
     }
 
+    /// Opens the only folder that is compared.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn alone(folder: &Path) -> Result<Self, Diagnostic> {
+        let [label, _] = labels([folder; 2]);
+        Self::new(folder, label)
+    }
+
     fn new(folder: &Path, label: String) -> Result<Self, Diagnostic> {
         let results = Results::open(folder)?;
         let frame = results.frame()?;
@@ -103,7 +112,12 @@ impl Side {
 
     /// Returns true if the output has this metric.
     pub fn has(&self, metric: Metric) -> bool {
-        self.arrays.iter().any(|array| array == metric.name)
+        self.has_array(metric.name)
+    }
+
+    /// Returns true if the output has this array of the pixels.
+    pub(super) fn has_array(&self, name: &str) -> bool {
+        self.arrays.iter().any(|array| array == name)
     }
 
     /// Reads a metric of every pixel, row-major, row 0 on top.
@@ -130,7 +144,7 @@ impl Side {
     /// the output does not have it.
     pub(super) fn radiance(&self) -> Result<Option<Vec<f32>>, Diagnostic> {
         let Column { name, .. } = Column::RADIANCE;
-        let is_there = self.arrays.iter().any(|array| array == name);
+        let is_there = self.has_array(name);
         is_there.then(|| self.numbers(name, 3)).transpose()
     }
 

@@ -1,6 +1,7 @@
 //! `raycost diff` reports exact differences, and its gate fails only for significant
 //! ones.
 
+mod foreign;
 mod noise;
 mod values;
 
@@ -165,7 +166,7 @@ fn outputs_that_cannot_be_compared_are_refused() {
         ),
         (
             ["a.yaml", "a"],
-            "`a.yaml`",
+            "`a.yaml`: it is not a picture or a cost map of a known format",
             "give a folder that `raycost render` wrote",
         ),
         (
