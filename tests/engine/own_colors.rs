@@ -174,6 +174,63 @@ fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
     }
 }
 
+        let doubts = doubts.iter();
+        let mut expected: Vec<_> = doubts.map(|of| format!("material `seat`: {of}")).collect();
+        expected.sort();
+        assert_eq!(mesh.notes, expected, "{statements}");
+    }
+    let both = MATERIALS
+        .replace("Ns 90", "Tr 1")
+        .replace("illum 6", "Tr 1");
+    std::fs::write(folder.path().join("wood and glass.mtl"), both).unwrap();
+    let object = "mesh: { file: chair.obj }";
+    let twice = format!("materials: {{}}\nobjects: [{{ {object} }}, {{ {object} }}]\n");
+    let scene = scene(folder.path(), &twice);
+    let expected = format!("chair.obj: 2 materials, such as `seat`: {opaque}");
+    assert_eq!(scene.notes, [expected]);
+}
+
+/// An image of 27 points, all of whose numbers are `outside` but that of the point in the middle.
+fn image_with(middle: f32, outside: f32) -> String {
+    let numbers = (0..27).map(|i| if i == 13 { middle } else { outside });
+    let numbers: Vec<String> = numbers.map(|number| number.to_string()).collect();
+    format!(
+        "<VTKFile type='ImageData' byte_order='LittleEndian'>\
+         <ImageData WholeExtent='0 2 0 2 0 2' Origin='0 0 0' Spacing='1 1 1'>\
+         <Piece Extent='0 2 0 2 0 2'><PointData><DataArray type='Float32' Name='t' \
+         format='ascii'>{}</DataArray></PointData></Piece></ImageData></VTKFile>",
+        numbers.join(" ")
+    )
+}
+
+/// ParaView's range is that of the whole data set: the surface shows none of the extremes.
+#[test]
+fn the_range_of_data_is_that_of_all_blocks_and_of_their_interior() {
+    let folder = tempfile::tempdir().unwrap();
+    let blocks = "<VTKFile type='vtkMultiBlockDataSet'><vtkMultiBlockDataSet>\
+                  <DataSet index='0' file='a.vti'/><DataSet index='1' file='b.vti'/>\
+                  </vtkMultiBlockDataSet></VTKFile>";
+    for (name, text) in [
+        ("a.vti", image_with(-7.0, 1.0)),
+        ("b.vti", image_with(9.0, 0.5)),
+        ("both.vtm", blocks.to_owned()),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    for (file, rest, expected) in [
+        ("a.vti", "", [-7.0, 1.0]),
+        ("both.vtm", "", [-7.0, 9.0]),
+        ("both.vtm", ", range: data", [-7.0, 9.0]),
+        ("both.vtm", ", scale: log", [0.5, 9.0]),
+        ("both.vtm", ", range: quantiles", [0.5, 1.0]),
+    ] {
+        let text = format!(
+            "materials: {{ field: {{ color: {{ array: {{ name: t{rest} }} }} }} }}\n\
+             objects: [{{ mesh: {{ file: {file} }}, material: field }}]\n"
+        );
+        let scene = scene(folder.path(), &text);
+        let texture = scene.materials[0].color.array().unwrap();
+        assert_eq!(texture.table.ends, expected, "{file}{rest}");
 #[test]
 fn parts_of_a_mesh_are_objects_with_names() {
     let folder = tempfile::tempdir().unwrap();

@@ -25,6 +25,9 @@ pub struct Mesh {
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
     pub scalars: Option<CornerValues<f32>>,
     /// The colors at the corners, if the file has them for all vertices: linear light, from
+    /// The least, the least positive and the greatest number of the array in the whole data set,
+    /// with points and cells that are not on the surface; empty if there is none.
+    pub scalar_ends: Vec<f32>,
     /// 0 to 1.
     pub colors: Option<CornerValues<Vec3>>,
     /// The names of the arrays of the file that may give colors, point arrays first.

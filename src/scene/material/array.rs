@@ -124,7 +124,8 @@ impl From<ArrayKind> for ArrayOf {
 /// The numbers of the first and the last color of a map.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum ArrayRange {
-    /// The least and the greatest number on all surfaces of the material.
+    /// The least and the greatest number of the data of the material's objects, as in ParaView:
+    /// in all blocks, on their surfaces or in the interior.
     #[default]
     Data,
     /// The 1 % and the 99 % quantiles of these numbers, so that a few do not hide the others.
@@ -264,6 +265,11 @@ impl ArrayTexture {
     /// Returns true if the colors depend on all numbers of the data.
     pub fn is_of_data(&self) -> bool {
         self.map.n_categories().is_none() && !matches!(self.range, ArrayRange::Given(_))
+    }
+
+    /// Returns true if the range is that of the whole data set, with numbers off the surface.
+    pub fn spans_data(&self) -> bool {
+        self.is_of_data() && self.range == ArrayRange::Data
     }
 
     /// Sets the range to span these ends of several lists of numbers, and returns it.

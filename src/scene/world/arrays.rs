@@ -1,8 +1,10 @@
 //! The arrays that give surfaces their colors.
 
+use std::borrow::Cow;
+
 use crate::config::{Config, Object};
 use crate::import::ArrayChoice;
-use crate::material::Material;
+use crate::material::{ArrayTexture, Material};
 use crate::yaml::{Fault, FieldPath};
 
 /// Returns the array that the materials of an object name, if there is one.
@@ -37,14 +39,14 @@ pub(super) fn choice<'a>(
 
 /// Assigns colors to the numbers on all surfaces of materials of arrays; `places` are the indices
 /// of the objects in the scene file, and `numbers_of` returns the numbers of an object by its
-/// index.
+/// index, from which a texture's range comes.
 ///
 /// # Errors
 /// An object with such a material lacks the array.
 pub(super) fn prepare<'a>(
     config: &Config,
     places: &[usize],
-    numbers_of: impl Fn(usize) -> Option<&'a [f32]>,
+    numbers_of: impl Fn(usize, &ArrayTexture) -> Option<Cow<'a, [f32]>>,
     materials: &mut [Material],
 ) -> Result<(), Fault> {
     let transfer = config.film.transfer(config.shading.model);
@@ -57,12 +59,12 @@ pub(super) fn prepare<'a>(
             if !object.material.0.contains(name) {
                 continue;
             }
-            let of_object = numbers_of(i);
+            let of_object = numbers_of(i, texture);
             let of_object = of_object.ok_or_else(|| {
                 let path = FieldPath::default().key("objects").index(places[i]);
                 has_none(object, path, name, &texture.choice)
             })?;
-            numbers.extend_from_slice(of_object);
+            numbers.extend_from_slice(&of_object);
         }
         texture.prepare(&numbers, transfer);
     }

@@ -1,6 +1,7 @@
 //! The geometries of all objects and the pictures of all materials, with the contents of
 //! their files.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ use crate::geometry::{Located, Shape, Transform, world_from_object};
 use crate::import::{
     self, ArrayChoice, CornerValues, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes,
 };
+use crate::light::Light;
+use crate::material::ArrayTexture;
 use crate::yaml::{Fault, FieldPath, Folders};
 use base::text::numbers::memory_sizes;
 
@@ -87,6 +90,18 @@ impl ObjectGeometry {
     }
 }
 
+
+    /// Returns the numbers of an array that a texture's range comes from: those of the surface,
+    /// and the ends of the whole data set for its range; `None` if no array was read.
+    pub(super) fn numbers_for(&self, texture: &ArrayTexture) -> Option<Cow<'_, [f32]>> {
+        let numbers = self.scalars()?;
+        match self {
+            Self::Mesh(mesh) if texture.spans_data() && !mesh.scalar_ends.is_empty() => {
+                Some([numbers, &mesh.scalar_ends].concat().into())
+            }
+            _ => Some(numbers.into()),
+        }
+    }
 impl Geometries {
     /// Reads the geometries and the pictures of a config, with file paths relative to their
     /// `folders`, using at most `available` bytes of memory. In the config, a mesh without a

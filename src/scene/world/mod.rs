@@ -32,7 +32,7 @@ use crate::color::Development;
 use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::fog::FogSphere;
 use crate::geometry::RenderSpace;
-use crate::material::{FactorPictures, Material, TexturePoint};
+use crate::material::{ArrayTexture, FactorPictures, Material, TexturePoint};
 use crate::yaml::{Fault, FieldPath};
 use base::text::{did_you_mean, keyword_name};
 use math::simd::Vector;
@@ -196,7 +196,8 @@ impl Scene {
                 material.roughen(config.shading.masking);
             }
         }
-        let numbers_of = |object: usize| geometries.objects[object].scalars();
+        let numbers_of =
+            |object: usize, texture: &ArrayTexture| geometries.objects[object].numbers_for(texture);
         arrays::prepare(config, &geometries.places, numbers_of, &mut self.materials)
     }
 

@@ -99,8 +99,8 @@ impl Timeline {
                     let array = Extra::Array(arrays::choice(config, &config.objects[index])?);
                     let read = read_checked(&file, folder, array, available, &path)?;
                     ends.extend(
-                        read.scalars()
-                            .and_then(|numbers| texture.shown_ends(numbers)),
+                        read.numbers_for(texture)
+                            .and_then(|numbers| texture.shown_ends(&numbers)),
                     );
                 }
             }

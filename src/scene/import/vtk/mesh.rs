@@ -7,7 +7,7 @@ use super::super::{FileFault, Result};
 use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::numbers::Numbers;
-use super::piece::Piece;
+use super::piece::{GHOSTS, Piece};
 use super::surface::PieceSurface;
 use super::{ArrayChoice, ArrayOf};
 
@@ -76,6 +76,7 @@ impl<'a> Pieces<'a> {
                 add_values(&mut self.colors, n_before, of, &values, surface);
             } else {
                 let (of, values) = self.numbers.scalars(piece, array)?;
+                self.mesh.scalar_ends.extend(shown_ends(piece, of, &values));
                 add_values(&mut self.scalars, n_before, of, &values, surface);
             }
         }
@@ -150,6 +151,29 @@ impl<'a> Pieces<'a> {
         }
         Ok(mesh)
     }
+}
+
+/// Returns the least, the least positive and the greatest of the finite numbers of a piece, without
+/// those of hidden points or cells and of copies of other pieces'.
+fn shown_ends(piece: &Piece, of: ArrayOf, values: &[f32]) -> impl Iterator<Item = f32> {
+    let ghosts = match of {
+        ArrayOf::Points => piece.point_data.get(GHOSTS),
+        ArrayOf::Cells => piece.cell_data.get(GHOSTS),
+    };
+    let is_shown = |(i, value): &(usize, f32)| {
+        value.is_finite() && ghosts.is_none_or(|ghosts| ghosts.at(*i) == 0.0)
+    };
+    let shown = || {
+        let numbered = values.iter().copied().enumerate().filter(is_shown);
+        numbered.map(|(_, value)| value)
+    };
+    let positive = shown().filter(|value| *value >= f32::MIN_POSITIVE);
+    let ends = [
+        shown().reduce(f32::min),
+        positive.reduce(f32::min),
+        shown().reduce(f32::max),
+    ];
+    ends.into_iter().flatten()
 }
 
 /// Adds the values of an array on a surface, given its used points, its triangles with their
