@@ -6,11 +6,12 @@ use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
 use base::folder::Written;
 use base::text::numbers::{bytes, count, counted, duration};
+use base::text::one_line;
 use output::summary::RanksSection;
 use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use render::instruments::Stages;
 use render::schedule::Schedule;
-use scene::config::{OptionalOutput, Outputs};
+use scene::config::{Config, OptionalOutput};
 use scene::world::Scene;
 
 /// Returns the lines on the picture, the stages and the speed.
@@ -84,20 +85,24 @@ pub(super) fn lines(
         head(rendering, stages),
         hottest::lines(rendering.survey.hottest),
         costs,
-        left_out(&rendering.config.output),
+        notes(rendering.config, rendering.scene),
         shown(&out),
         files,
         shell_word(&out.join(next)),
     )
 }
 
-/// Returns a line about each requested output that has nothing to show.
-pub(super) fn left_out(outputs: &Outputs) -> String {
+/// Returns a line about each requested output that has nothing to show, and about what the files
+/// of meshes may have meant otherwise.
+pub(super) fn notes(config: &Config, scene: &Scene) -> String {
     let line = |output: &OptionalOutput| {
         let name = output.name();
-        format!("note    `{name}` is left out: `brute_force` has no hierarchy\n")
+        format!("`{name}` is left out: `brute_force` has no hierarchy")
     };
-    outputs.left_out().iter().map(line).collect()
+    let left_out = config.output.left_out().iter().map(line);
+    let of_files = scene.notes.iter().map(|note| one_line(note).into_owned());
+    let notes = left_out.chain(of_files);
+    notes.map(|note| format!("note    {note}\n")).collect()
 }
 
 /// Returns the names and the lengths of the files; pieces are added up.

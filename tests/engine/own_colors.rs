@@ -150,11 +150,14 @@ fn a_mesh_without_a_material_has_those_of_its_file() {
 fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
     let folder = tempfile::tempdir().unwrap();
     write_chair(folder.path());
-    for (statements, specular, transmission) in [
-        ("Ns 0\nTr 1", 0.0, 0.0),
-        ("Ns 0.5\nd 1\nTr 1", 0.0, 0.0),
-        ("Ns 20\nTr 0.25", 0.3, 0.25),
-        ("Ns 20\nTr 0.25\nd 0.5", 0.3, 0.5),
+    let dull = "an `Ns` below 1 is read as no highlight: write `Ns 1` for a wide one";
+    let opaque = "`Tr 1` without `d` is read as opaque: write `d 0` for an invisible one";
+    for (statements, specular, transmission, doubts) in [
+        ("Ns 0\nTr 1", 0.0, 0.0, &[opaque, dull][..]),
+        ("Ns 0.5\nd 1\nTr 1", 0.0, 0.0, &[dull]),
+        ("Ns 0\nKs 0 0 0\nTr 0", 0.0, 0.0, &[]),
+        ("Ns 20\nTr 0.25", 0.3, 0.25, &[]),
+        ("Ns 20\nTr 0.25\nd 0.5", 0.3, 0.5, &[]),
     ] {
         let library = MATERIALS.replace("Ns 90", statements);
         std::fs::write(folder.path().join("wood and glass.mtl"), library).unwrap();
@@ -171,9 +174,6 @@ fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
             (specular, transmission),
             "{statements}"
         );
-    }
-}
-
         let doubts = doubts.iter();
         let mut expected: Vec<_> = doubts.map(|of| format!("material `seat`: {of}")).collect();
         expected.sort();
@@ -231,6 +231,9 @@ fn the_range_of_data_is_that_of_all_blocks_and_of_their_interior() {
         let scene = scene(folder.path(), &text);
         let texture = scene.materials[0].color.array().unwrap();
         assert_eq!(texture.table.ends, expected, "{file}{rest}");
+    }
+}
+
 #[test]
 fn parts_of_a_mesh_are_objects_with_names() {
     let folder = tempfile::tempdir().unwrap();

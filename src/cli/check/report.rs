@@ -1,7 +1,7 @@
 //! The report of `raycost check` on a scene, for people.
 
 use super::CheckedScene;
-use crate::cli::run_summary::{left_out, primitives};
+use crate::cli::run_summary::{notes, primitives};
 use crate::cli::{hints, shown};
 use crate::session::Frames;
 use base::text;
@@ -47,7 +47,7 @@ pub(super) fn lines(checked: &CheckedScene) -> String {
     let text: String = lines
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect();
-    text + &left_out(&config.output) + &hints::lines(config, expected)
+    text + &notes(config, scene) + &hints::lines(config, expected)
 }
 
 fn image(image: &Image) -> String {

@@ -43,6 +43,8 @@ pub struct MeshMaterial {
     /// The picture of roughness, in green, and metallicness, in blue, and the factors of both; the
     /// finish has their means.
     pub facets_map: Option<(MeshPicture, [f32; 2])>,
+    /// Statements that programs write with different meanings, each with the one it is given.
+    pub doubts: Vec<&'static str>,
 }
 
 /// The scattering of light by a surface, apart from its color.
@@ -99,6 +101,7 @@ impl MeshMaterial {
             normal_map: None,
             emission_map: None,
             facets_map: None,
+            doubts: Vec::new(),
         }
     }
 

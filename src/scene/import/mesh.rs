@@ -37,6 +37,10 @@ pub struct Mesh {
     /// The index of the material of each triangle, if there are materials.
     pub material_of: Vec<u32>,
 }
+    /// Sentences about what the file may have meant otherwise, or what is left out of it.
+    pub notes: Vec<String>,
+    /// The lights of the file, if its materials were read.
+    pub lights: Vec<Light>,
 
 /// A value for each corner of each triangle of a mesh.
 #[derive(Debug, Clone, PartialEq)]

@@ -32,6 +32,8 @@ pub struct Geometries {
     pub(super) places: Vec<usize>,
     /// Bytes of memory of the pictures of mesh files' materials.
     own_picture_bytes: u64,
+    /// Sentences about what files may have meant otherwise, or what is left out of them.
+    pub(super) notes: Vec<String>,
 }
 
 /// The geometry of one object.
@@ -119,6 +121,7 @@ impl Geometries {
             pictures: Pictures::read(config, folders, available)?,
             places: Vec::new(),
             own_picture_bytes: 0,
+            notes: Vec::new(),
         };
         let available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
@@ -161,6 +164,8 @@ impl Geometries {
             let parts = match geometry {
                 ObjectGeometry::Mesh(mesh) if object.material.0.is_empty() => {
                     found.own_picture_bytes += import::picture_bytes(&mesh.materials);
+                    config.lights.extend(own_lights(&object, &mesh));
+                    found.add_notes(&object.geometry, &mesh);
                     let parts = own_materials::parts(config, object, *mesh).into_iter();
                     parts
                         .map(|(part, mesh)| (part, ObjectGeometry::Mesh(Box::new(mesh))))
@@ -173,6 +178,7 @@ impl Geometries {
                         places,
                         scalars,
                     } = *placed;
+                    found.add_notes(&object.geometry, &mesh);
                     let parts = own_materials::parts(config, object, mesh).into_iter();
                     let instances = |mesh| MeshInstances {
                         mesh,
@@ -194,6 +200,17 @@ impl Geometries {
             }
         }
         found
+    }
+
+    /// Adds the notes of a mesh, each of which is said once.
+    fn add_notes(&mut self, geometry: &Geometry, mesh: &Mesh) {
+        let file = own_materials::file_word(geometry);
+        for note in &mesh.notes {
+            let note = format!("{file}: {note}");
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
     }
 
     /// Returns an upper bound of the number of primitives, including one per instance.

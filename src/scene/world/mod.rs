@@ -95,6 +95,8 @@ pub struct Scene {
     pub has_factors: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
+    /// Sentences about what files may have meant otherwise, or what is left out of them.
+    pub notes: Vec<String>,
     /// The attributes of the objects' primitives, by [`ObjectId`].
     attributes: Vec<ObjectAttributes>,
 }
@@ -180,6 +182,7 @@ impl Scene {
             instances: None,
             classes: Vec::with_capacity(geometries.n_primitives()),
             n_degenerate: 0,
+            notes: geometries.notes.clone(),
             attributes: Vec::with_capacity(config.objects.len()),
         }
     }

@@ -14,12 +14,7 @@ const MAX_WORD: usize = 100;
 
 /// Returns the objects of the materials of a mesh, and adds the materials to the config.
 pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Object, Mesh)> {
-    let file = match &object.geometry {
-        Geometry::File(file) => file.file().file_name().unwrap_or_default(),
-        Geometry::Instances(instances) => instances.mesh.file.file_name().unwrap_or_default(),
-        _ => Path::new("").as_os_str(),
-    };
-    let file = word(&file.to_string_lossy());
+    let file = file_word(&object.geometry);
     let detail = match config.shading.model {
         ShadingModel::Seed => MaterialDetail::Surface,
         ShadingModel::Path => MaterialDetail::Facets,
@@ -45,6 +40,16 @@ pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Obj
         (part, mesh)
     };
     parts.into_iter().map(part).collect()
+}
+
+/// Returns the name of the file of a mesh, for reports.
+pub(super) fn file_word(geometry: &Geometry) -> String {
+    let file = match geometry {
+        Geometry::File(file) => file.file().file_name().unwrap_or_default(),
+        Geometry::Instances(instances) => instances.mesh.file.file_name().unwrap_or_default(),
+        _ => Path::new("").as_os_str(),
+    };
+    word(&file.to_string_lossy())
 }
 
 /// Returns a name that no material has, beginning with this one.

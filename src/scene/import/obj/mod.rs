@@ -7,6 +7,7 @@
 mod mtl;
 mod groups;
 
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use arrayvec::ArrayVec;
@@ -64,10 +65,30 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
         reader.complete_uvs();
     }
     Ok(Mesh {
+        notes: doubts(&materials),
         materials,
         material_of,
         ..reader.finish()
     })
+}
+
+/// Returns a sentence about each kind of doubtful statement in the materials.
+fn doubts(materials: &[MeshMaterial]) -> Vec<String> {
+    let mut of_doubt = BTreeMap::<&str, Vec<&str>>::new();
+    for material in materials {
+        for doubt in &material.doubts {
+            of_doubt.entry(doubt).or_default().push(&material.name);
+        }
+    }
+    let sentence = |(doubt, names): (&str, Vec<&str>)| match names[..] {
+        [name] => format!("material `{}`: {doubt}", cut(name)),
+        _ => format!(
+            "{} materials, such as `{}`: {doubt}",
+            names.len(),
+            cut(names[0])
+        ),
+    };
+    of_doubt.into_iter().map(sentence).collect()
 }
 
 /// The part of the mesh read so far.

@@ -152,6 +152,7 @@ impl Statements {
         // Holes in the picture of the color apply only without an opacity picture.
         let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
         let transmission = self.transmission();
+        let doubts = self.doubts();
         Ok(MeshMaterial {
             finish: self.finish(),
             transmission,
@@ -160,8 +161,24 @@ impl Statements {
             cutout: opacity.or_else(of_picture).map(|holes| (holes, 0.5)),
             normal_map: normals.map(|normals| (normals, 1.0)),
             picture,
+            doubts,
             ..MeshMaterial::new(&self.name, color)
         })
+    }
+
+    /// Returns the statements that programs write with different meanings.
+    fn doubts(&self) -> Vec<&'static str> {
+        let is_opaque = self.opacity_number.is_none() && self.transparency == Some(1.0);
+        let is_dull = self.specular != Vec3::ZERO && self.exponent.is_some_and(|of| of < 1.0);
+        let is_glass = self.is_glass() && self.opacity.is_none();
+        let opaque = "`Tr 1` without `d` is read as opaque: write `d 0` for an invisible one";
+        let dull = "an `Ns` below 1 is read as no highlight: write `Ns 1` for a wide one";
+        let has_facets = self.roughness.is_some() || self.metallic.is_some();
+        let found = [
+            (is_opaque && !is_glass).then_some(opaque),
+            (is_dull && !has_facets).then_some(dull),
+        ];
+        found.into_iter().flatten().collect()
     }
 
     /// Returns true if its illumination model describes glass, with refraction.
