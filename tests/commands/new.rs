@@ -95,6 +95,66 @@ fn a_mesh_is_rendered_as_the_scene_that_new_writes() {
     assert!(text(&run(folder.path(), &set).stderr).contains("did you mean `clay`?"));
 }
 
+/// Returns a binary glTF file with a point light of so many candela at a node of its own.
+fn with_light(glb: &[u8], candela: f32, at: [f32; 3]) -> Vec<u8> {
+    let word = |at: usize| u32::from_le_bytes(*glb[at..].first_chunk().unwrap()) as usize;
+    let (json, rest) = glb[20..].split_at(word(12));
+    let mut json: serde_json::Value = serde_json::from_slice(json).unwrap();
+    let light = serde_json::json!({ "type": "point", "intensity": candela });
+    json["extensionsUsed"] = serde_json::json!(["KHR_lights_punctual"]);
+    json["extensions"]["KHR_lights_punctual"]["lights"] = serde_json::json!([light]);
+    let of_light = serde_json::json!({ "KHR_lights_punctual": { "light": 0 } });
+    let node = serde_json::json!({ "translation": at, "extensions": of_light });
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    let index = nodes.len();
+    nodes.push(node);
+    let of_scene = json["scenes"][0]["nodes"].as_array_mut().unwrap();
+    of_scene.push(index.into());
+    let mut json = json.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let length = (20 + json.len() + rest.len()) as u32;
+    let head = [
+        &glb[..8],
+        &length.to_le_bytes(),
+        &(json.len() as u32).to_le_bytes(),
+        b"JSON",
+    ];
+    [&head.concat(), &json[..], rest].concat()
+}
+
+/// However bright they are: programs write anything from 1 to millions of candela.
+#[test]
+fn the_lights_of_a_mesh_light_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let lamp = fs::read(in_repository("configs/meshes/lamp.glb")).unwrap();
+    let mean = |candela: f32| {
+        let lit = with_light(&lamp, candela, [3.0, 4.0, 5.0]);
+        fs::write(folder.path().join("lamp.glb"), lit).unwrap();
+        let _ = fs::remove_file(folder.path().join("lamp.yaml"));
+        assert_success(&run(
+            folder.path(),
+            &["new", "--mesh", "lamp.glb", "lamp.yaml"],
+        ));
+        let scene = fs::read_to_string(folder.path().join("lamp.yaml")).unwrap();
+        assert!(
+            scene.contains(", lights: ") && !scene.contains("key light"),
+            "{scene}"
+        );
+        let small = ["--width", "40", "--height", "30", "--spp", "1"];
+        assert_success(&run(
+            folder.path(),
+            &[&["render", "lamp.yaml", "-o", "lamp.png"], &small[..]].concat(),
+        ));
+        let picture = image::open(folder.path().join("lamp.png")).unwrap();
+        let picture = picture.to_luma8();
+        let sum: f64 = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum();
+        sum / f64::from(picture.width() * picture.height())
+    };
+    let dim = mean(1.0);
+    assert!((40.0..220.0).contains(&dim), "{dim}");
+    assert!((mean(5e6) / dim - 1.0).abs() < 0.01);
+}
+
 /// All vertices are in the picture, whatever the size and the place of the mesh.
 #[test]
 fn the_camera_sees_all_of_a_mesh() {

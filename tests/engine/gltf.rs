@@ -5,6 +5,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
+use scene::config::Config;
 use scene::geometry::{Ray, RenderSpace};
 use scene::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
 use scene::world::{Geometries, Scene};
@@ -160,13 +161,18 @@ fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
     read.map_err(|fault| fault.to_string().replace(&place, ""))
 }
 
-fn scene_of(folder: &Path, rest: &str) -> Scene {
+fn read_scene(folder: &Path, rest: &str) -> (Config, Geometries) {
     let mut config = parse(&format!(
         "image: {{ width: 4000, height: 3000 }}\n\
          camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          lights: []\nmaterials: {{ red: {{ color: [1, 0, 0] }} }}\n{rest}"
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
+    (config, geometries)
+}
+
+fn scene_of(folder: &Path, rest: &str) -> Scene {
+    let (config, geometries) = read_scene(folder, rest);
     // Rays are given in world space.
     Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
@@ -521,16 +527,129 @@ fn a_mistake_is_reported_with_its_place() {
 
 /// The specification leaves names that begin with `_` to each program.
 #[test]
-fn attributes_of_other_programs_and_lights_are_no_obstacle() {
+fn attributes_of_other_programs_are_no_obstacle() {
     let mut file = sign();
     let plain = read("a.glb", &file.glb()).unwrap();
     let own = file.floats("VEC3", 4, &[0.0; 12]);
     file.json["meshes"][0]["primitives"][0]["attributes"]["_OWN"] = own.into();
-    file.json["extensionsRequired"] = json!(["KHR_lights_punctual"]);
-    let lamp = json!({ "type": "point", "intensity": 60 });
-    file.json["extensions"]["KHR_lights_punctual"] = json!({ "lights": [lamp] });
-    file.json["nodes"][0]["extensions"]["KHR_lights_punctual"] = json!({ "light": 0 });
     assert_eq!(read("a.glb", &file.glb()), Ok(plain));
+}
+
+/// Gives the sign a light at a node of its own, whose parent stands at x = 1.
+fn with_light(light: Value, node: Value) -> Gltf {
+    let mut file = sign();
+    file.json["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    file.json["extensions"]["KHR_lights_punctual"] = json!({ "lights": [light] });
+    let of_light = push(&mut file.json["nodes"], node);
+    file.json["nodes"][of_light]["extensions"]["KHR_lights_punctual"] = json!({ "light": 0 });
+    push(&mut file.json["nodes"][0]["children"], of_light.into());
+    file
+}
+
+/// A matte white surface in 1 lux has a radiance of 1 / pi.
+#[test]
+fn lights_shine_from_their_nodes() {
+    // Turned from -z to -y, and moved; the scale counts for nothing.
+    let down = [-(0.5_f32.sqrt()), 0.0, 0.0, 0.5_f32.sqrt()];
+    let node = json!({ "translation": [1, 5, 0], "rotation": down, "scale": [3, 3, 3] });
+    let cone = json!({ "innerConeAngle": 0.2, "outerConeAngle": 0.4 });
+    // The light, the point that it lights, and the illuminance there.
+    for (light, point, lux) in [
+        (
+            json!({ "type": "directional", "intensity": 7, "color": [1, 0.5, 0] }),
+            [80.0, -9.0, 3.0],
+            7.0,
+        ),
+        (
+            json!({ "type": "point", "intensity": 60 }),
+            [2.0, 3.0, 0.0],
+            15.0,
+        ),
+        (json!({ "type": "point", "range": 9 }), [2.0, 6.0, 0.0], 1.0),
+        (
+            json!({ "type": "spot", "intensity": 60, "spot": cone }),
+            [2.1, 3.0, 0.0],
+            60.0 / 4.01,
+        ),
+        (
+            json!({ "type": "spot", "intensity": 60, "spot": cone }),
+            [3.0, 3.0, 0.0],
+            0.0,
+        ),
+    ] {
+        let mesh = read("a.glb", &with_light(light.clone(), node.clone()).glb()).unwrap();
+        let [found] = mesh.lights[..] else {
+            panic!("{light}: {:?}", mesh.lights);
+        };
+        let found = found.illuminate(Vec3::from(point).into()).radiance;
+        let error = (found.x * std::f32::consts::PI - lux).abs();
+        assert!(error < 1e-4 * lux.max(1.0), "{light}: {found:?}");
+    }
+    let limited = with_light(json!({ "type": "point", "range": 9 }), json!({}));
+    let notes = read("a.glb", &limited.glb()).unwrap().notes;
+    let expected = "the `range` of 1 light is ignored: light weakens with the distance";
+    assert_eq!(notes, [expected]);
+    let hidden = json!({ "scale": [0, 0, 0] });
+    let sun = json!({ "type": "directional" });
+    let mesh = read("a.glb", &with_light(sun, hidden).glb()).unwrap();
+    assert_eq!(mesh.lights, []);
+}
+
+#[test]
+fn lights_out_of_range_are_refused() {
+    for (light, expected) in [
+        (json!({ "type": "lamp" }), "it has no valid value"),
+        (json!({ "type": "spot" }), "it is missing"),
+        (
+            json!({ "type": "point", "intensity": -1 }),
+            "the intensity of light 0 is out of range, expected a number, at least 0",
+        ),
+        (
+            json!({ "type": "point", "color": [1, -1, 0] }),
+            "the color of light 0 is out of range",
+        ),
+        (
+            json!({ "type": "spot", "spot": { "outerConeAngle": 2 } }),
+            "the cone of light 0 is out of range",
+        ),
+    ] {
+        let found = read("a.glb", &with_light(light.clone(), json!({})).glb()).unwrap_err();
+        assert!(found.contains(expected), "{light}: {found}");
+    }
+    let mut file = with_light(json!({ "type": "point" }), json!({}));
+    file.json["nodes"][3]["extensions"]["KHR_lights_punctual"] = json!({ "light": 1 });
+    let found = read("a.glb", &file.glb()).unwrap_err();
+    assert!(found.contains("there is none with this index"), "{found}");
+}
+
+/// An object twice as large is as bright.
+#[test]
+fn a_file_lights_the_scene_that_shows_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let sun = with_light(
+        json!({ "type": "point", "intensity": 60 }),
+        json!({ "translation": [0, 5, 0] }),
+    );
+    std::fs::write(folder.path().join("sign.glb"), sun.glb()).unwrap();
+    let light = |object: &str, point: [f32; 3]| -> f32 {
+        let rest = format!("objects: [{{ {object} }}]\n");
+        let (config, _) = read_scene(folder.path(), &rest);
+        let lights = config.lights.iter();
+        lights
+            .map(|light| light.illuminate(Vec3::from(point).into()).radiance.x)
+            .sum()
+    };
+    let file = "mesh: { file: sign.glb }";
+    let found = light(file, [1.0, 2.0, 0.0]);
+    let expected = 60.0 / std::f32::consts::PI / 9.0;
+    assert!((found / expected - 1.0).abs() < 1e-4, "{found}");
+    let twice = format!("{file}, transform: [{{ scale: 2 }}]");
+    let scaled = light(&twice, [2.0, 4.0, 0.0]);
+    assert!((scaled / expected - 1.0).abs() < 1e-4, "{scaled}");
+    let half = light("mesh: { file: sign.glb, lights: 0.5 }", [1.0, 2.0, 0.0]);
+    assert!((half / expected - 0.5).abs() < 1e-4, "{half}");
+    let none = "mesh: { file: sign.glb, lights: 0 }";
+    assert_eq!(light(none, [1.0, 2.0, 0.0]), 0.0);
 }
 
 /// A panel whose picture varies what is not its color.

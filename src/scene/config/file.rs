@@ -123,6 +123,9 @@ pub struct MeshFile {
     /// has a value.
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
+    /// A factor on the lights of a glTF file, at least 0; 1 by default.
+    #[serde(default = "one", deserialize_with = "yaml::intensity")]
+    pub lights: f32,
 }
 
 /// A table of spheres: comma-separated values below a header with the columns

@@ -6,6 +6,7 @@ use super::materials::{MeshMaterial, picture_bytes};
 use super::{FileFault, Result};
 use crate::color::Transfer;
 use crate::geometry::{Aabb, Located, Triangle, located_points};
+use crate::light::Light;
 
 /// The triangle mesh of a file. Triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,10 +25,10 @@ pub struct Mesh {
     pub uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
     pub scalars: Option<CornerValues<f32>>,
-    /// The colors at the corners, if the file has them for all vertices: linear light, from
     /// The least, the least positive and the greatest number of the array in the whole data set,
     /// with points and cells that are not on the surface; empty if there is none.
     pub scalar_ends: Vec<f32>,
+    /// The colors at the corners, if the file has them for all vertices: linear light, from
     /// 0 to 1.
     pub colors: Option<CornerValues<Vec3>>,
     /// The names of the arrays of the file that may give colors, point arrays first.
@@ -36,11 +37,11 @@ pub struct Mesh {
     pub materials: Vec<MeshMaterial>,
     /// The index of the material of each triangle, if there are materials.
     pub material_of: Vec<u32>,
-}
     /// Sentences about what the file may have meant otherwise, or what is left out of it.
     pub notes: Vec<String>,
     /// The lights of the file, if its materials were read.
     pub lights: Vec<Light>,
+}
 
 /// A value for each corner of each triangle of a mesh.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! The light from one direction.
 
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use serde::Deserialize;
 
 use super::illumination::{Illumination, MAX_RADIANCE};
@@ -38,6 +38,21 @@ impl DirectionalLight {
 
     pub(super) fn in_space(&self, _: &RenderSpace) -> Self {
         *self
+    }
+
+    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+        let direction = world_from_object.transform_vector3(self.direction.as_dvec3());
+        Some(Self {
+            direction: direction.try_normalize()?.as_vec3(),
+            ..*self
+        })
+    }
+
+    pub(super) fn times(self, factor: f32) -> Self {
+        Self {
+            intensity: (self.intensity * factor).min(f32::MAX),
+            ..self
+        }
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ mod illumination;
 mod point;
 mod spot;
 
-use glam::Vec3;
+use glam::{DAffine3, Vec3};
 use serde::Deserialize;
 
 pub use falloff::Falloff;
@@ -47,6 +47,22 @@ macro_rules! lights {
             pub fn in_space(&self, space: &RenderSpace) -> Self {
                 match self {
                     $(Self::$kind(light) => Self::$kind(light.in_space(space)),)*
+                }
+            }
+
+            /// Places the light as an object's transform does, with all lengths: where its falloff
+            /// is that of nature, it lights a scaled object as before. `None` if the transform
+            /// leaves it no direction.
+            pub fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+                match self {
+                    $(Self::$kind(light) => light.placed(world_from_object).map(Self::$kind),)*
+                }
+            }
+
+            /// Returns the light with its intensity multiplied by a factor.
+            pub fn times(self, factor: f32) -> Self {
+                match self {
+                    $(Self::$kind(light) => Self::$kind(light.times(factor)),)*
                 }
             }
 

@@ -1,6 +1,6 @@
 //! The point light.
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
 use super::falloff::Falloff;
@@ -44,6 +44,22 @@ impl PointLight {
             position: space.point(self.position).as_dvec3(),
             intensity: space.times_length(self.falloff.power(), self.intensity),
             ..*self
+        }
+    }
+
+    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+        let scale = world_from_object.matrix3.determinant().abs().cbrt();
+        let factor = scale.powi(self.falloff.power()) as f32;
+        Some(Self {
+            position: world_from_object.transform_point3(self.position),
+            ..self.times(factor)
+        })
+    }
+
+    pub(super) fn times(self, factor: f32) -> Self {
+        Self {
+            intensity: (self.intensity * factor).min(f32::MAX),
+            ..self
         }
     }
 

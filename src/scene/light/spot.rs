@@ -1,6 +1,6 @@
 //! The spot light.
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
@@ -79,20 +79,27 @@ impl TryFrom<SpotKeys> for SpotLight {
             .as_vec3();
         let half_angle = 0.5 * f64::from(keys.angle_deg).to_radians();
         let full_light = half_angle * (1.0 - f64::from(keys.soft_edge));
-        Ok(Self {
-            light: PointLight {
-                position: keys.position,
-                color: keys.color,
-                intensity: keys.intensity,
-                falloff: keys.falloff,
-            },
-            axis,
-            cosines: [half_angle, full_light].map(|angle| angle.cos() as f32),
-        })
+        let light = PointLight {
+            position: keys.position,
+            color: keys.color,
+            intensity: keys.intensity,
+            falloff: keys.falloff,
+        };
+        Ok(Self::new(light, axis, [half_angle, full_light]))
     }
 }
 
 impl SpotLight {
+    /// Creates the light of a cone around a unit vector; `angles` are those from the axis to the
+    /// edge and to where the light begins to fade, in radians.
+    pub(crate) fn new(light: PointLight, axis: Vec3, angles: [f64; 2]) -> Self {
+        Self {
+            light,
+            axis,
+            cosines: angles.map(|angle| angle.cos() as f32),
+        }
+    }
+
     pub(super) fn position(&self) -> Option<Vec3> {
         self.light.position()
     }
@@ -101,6 +108,22 @@ impl SpotLight {
         Self {
             light: self.light.in_space(space),
             ..*self
+        }
+    }
+
+    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+        let axis = world_from_object.transform_vector3(self.axis.as_dvec3());
+        Some(Self {
+            light: self.light.placed(world_from_object)?,
+            axis: axis.try_normalize()?.as_vec3(),
+            ..*self
+        })
+    }
+
+    pub(super) fn times(self, factor: f32) -> Self {
+        Self {
+            light: self.light.times(factor),
+            ..self
         }
     }
 

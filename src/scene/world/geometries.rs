@@ -90,8 +90,6 @@ impl ObjectGeometry {
             Self::Shape(_) | Self::Generator(_) => None,
         }
     }
-}
-
 
     /// Returns the numbers of an array that a texture's range comes from: those of the surface,
     /// and the ends of the whole data set for its range; `None` if no array was read.
@@ -104,10 +102,12 @@ impl ObjectGeometry {
             _ => Some(numbers.into()),
         }
     }
+}
+
 impl Geometries {
     /// Reads the geometries and the pictures of a config, with file paths relative to their
     /// `folders`, using at most `available` bytes of memory. In the config, a mesh without a
-    /// material becomes one object per material of its file.
+    /// material becomes one object per material of its file, and adds the lights of its file.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
@@ -253,6 +253,21 @@ impl Geometries {
         };
         self.objects.iter().map(of_object).sum()
     }
+}
+
+/// Returns the lights of an object's file, in world space.
+fn own_lights(object: &Object, mesh: &Mesh) -> Vec<Light> {
+    let factor = match &object.geometry {
+        Geometry::File(GeometryFile::Mesh(file)) => file.lights,
+        _ => 0.0,
+    };
+    if factor == 0.0 {
+        return Vec::new();
+    }
+    let world_from_object = world_from_object(&object.transform);
+    let lights = mesh.lights.iter();
+    let placed = lights.filter_map(|light| light.times(factor).placed(&world_from_object));
+    placed.collect()
 }
 
 /// Data read from a file besides shapes.

@@ -25,6 +25,14 @@ const SKY: &str = "\
   - directional: { direction: [-1, -1.2, -0.3], intensity: 0.09 }
   - directional: { direction: [0.3, -1.2, -1], intensity: 0.09 }
 ";
+/// Light from the camera's side, for a subject that brings no light.
+const LAMPS: &str = "\
+  # The key light from the upper left, and a weak one that fills its shadows.
+  - directional: { direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.7 }
+  - directional: { direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.15 }
+";
+/// The greatest light of a file's own lights on its box: about that of [`LAMPS`].
+const OWN_LIGHT: f32 = 0.85;
 /// The normals of meshes that lack them: smooth up to edges.
 const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 
@@ -86,6 +94,8 @@ struct Subject {
     colors: SubjectColors,
     /// The reason why the mesh's materials cannot be used, if it has any.
     lost: Option<String>,
+    /// True if the lights of the file light it.
+    has_lights: bool,
     /// The object's geometry, with a comment on its keys.
     geometry: String,
 }
@@ -110,9 +120,21 @@ impl Subject {
             "file"
         };
         let file = quoted(&file.to_string_lossy());
+        let factor = light_factor(&mesh, &bounds);
+        let lights = match factor {
+            Some(factor) => format!(", lights: {}", digits(factor.into(), factor)),
+            None if mesh.lights.is_empty() => String::new(),
+            None => ", lights: 0".to_owned(),
+        };
+        let about_lights = if lights.is_empty() {
+            ""
+        } else {
+            "    # `lights` is a factor on the lights of the file: 1 for all of them, 0 for none.\n"
+        };
         Self {
             origin: mesh.origin,
             bounds,
+            has_lights: factor.is_some(),
             colors: match first_array(mesh.arrays) {
                 _ if !mesh.materials.is_empty() => SubjectColors::OfFile,
                 Some(array) => SubjectColors::Array(array),
@@ -122,7 +144,7 @@ impl Subject {
             geometry: format!(
                 "\
     # `normals` come from the `file`, or are `smooth` (here up to edges) or `flat`.
-    mesh: {{ file: {file}, normals: {normals} }}"
+{about_lights}    mesh: {{ file: {file}, normals: {normals}{lights} }}"
             ),
         }
     }
@@ -134,6 +156,7 @@ impl Subject {
         Self {
             origin: tubes.origin,
             bounds,
+            has_lights: false,
             colors: first_array(tubes.arrays).map_or(SubjectColors::One, SubjectColors::Array),
             lost: None,
             geometry: format!(
@@ -144,6 +167,21 @@ impl Subject {
             ),
         }
     }
+}
+
+/// Returns the factor that turns a file's lights into those of a picture that is neither dark nor
+/// all white; `None` if no light reaches the corners or the center of its box.
+fn light_factor(mesh: &Mesh, bounds: &Aabb) -> Option<f32> {
+    let brightest = |at: Vec3| -> f32 {
+        let at = (mesh.origin + at.as_dvec3()).as_vec3();
+        let lights = mesh.lights.iter();
+        lights
+            .map(|light| Vec3::from(light.illuminate(at.into()).radiance).max_element())
+            .sum()
+    };
+    let points = bounds.corners().into_iter().chain([bounds.center()]);
+    let factor = OWN_LIGHT / points.map(brightest).reduce(f32::max)?;
+    (factor.is_finite() && factor > 0.0).then_some(factor)
 }
 
 /// Returns the first array that can be named in a scene.
@@ -206,6 +244,7 @@ fn text_of(subject: &Subject, file: &Path) -> String {
             ),
         )
     };
+    let lamps = if subject.has_lights { "" } else { LAMPS };
     let (ambient, sky) = if is_measured { (0.3, "") } else { (0.1, SKY) };
     format!(
         "\
@@ -217,10 +256,7 @@ background: {{ gradient: {{ bottom: [0.5, 0.53, 0.57], top: [0.2, 0.27, 0.38] }}
 shading: {{ ambient: {ambient}, max_depth: 2 }}
 materials:{materials}{floor_material}
 lights:
-  # The key light from the upper left, and a weak one that fills its shadows.
-  - directional: {{ direction: [0.7, -1, -0.8], color: [1, 0.96, 0.9], intensity: 0.7 }}
-  - directional: {{ direction: [-1, -0.2, -0.5], color: [0.8, 0.9, 1], intensity: 0.15 }}
-{sky}objects:
+{lamps}{sky}objects:
   - name: {name}
 {geometry}
     {material}

@@ -1,4 +1,5 @@
-//! glTF 2.0: the triangles of its default scene, placed by its nodes, and their materials.
+//! glTF 2.0: the triangles of its default scene, placed by its nodes, their materials
+//! and its lights.
 //!
 //! gltf-json parses the JSON and checks its indices. The crate gltf, which builds on it to read
 //! numbers and binary files, panics on some damaged files and does not bound memory.
@@ -6,10 +7,12 @@
 mod buffers;
 mod container;
 mod accessor;
+mod lights;
 mod nodes;
 mod materials;
 mod flat_scene;
 
+use base::text::numbers::counted;
 use glam::Vec3;
 
 use super::budget::Budget;
@@ -20,6 +23,7 @@ use accessor::Accessors;
 use buffers::Buffers;
 use flat_scene::FlatScene;
 use materials::Materials;
+use nodes::PlacedNodes;
 
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let mut budget = Budget::new();
@@ -30,9 +34,13 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
         root: &root,
         buffers: &buffers,
     });
-    let placed = nodes::placed_meshes(&root)?;
-    scene.take_memory(&placed, &mut budget)?;
-    for placed in &placed {
+    let PlacedNodes {
+        meshes,
+        lights,
+        n_limited,
+    } = nodes::placed_nodes(&root)?;
+    scene.take_memory(&meshes, &mut budget)?;
+    for placed in &meshes {
         scene.add(placed, &mut budget)?;
     }
     let mut mesh = scene.finish();
@@ -47,10 +55,19 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
                 shelf: PictureShelf::new(available),
             };
             mesh.materials = reader.read()?;
+            mesh.lights = lights;
+            mesh.notes.extend(limited_lights(n_limited));
             mark_colored(&mut mesh);
         }
     }
     Ok(mesh)
+}
+
+/// Returns the sentence about lights that end at a distance.
+fn limited_lights(n: usize) -> Option<String> {
+    let lights = counted(n as u64, "light");
+    let sentence = format!("the `range` of {lights} is ignored: light weakens with the distance");
+    (n > 0).then_some(sentence)
 }
 
 /// Marks the materials of triangles whose vertices have colors.

@@ -1,10 +1,21 @@
 //! The nodes of a glTF file's scene, placed in its space.
 
-use glam::{DMat4, DQuat, DVec3, Quat, Vec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3, Quat, Vec3};
 use gltf_json::scene::Node;
 use gltf_json::{Index, Root, mesh};
 
+use super::lights;
 use crate::import::{FileFault, Result};
+use crate::light::Light;
+
+/// The meshes and the lights of a scene.
+#[derive(Default)]
+pub(super) struct PlacedNodes {
+    pub(super) meshes: Vec<PlacedMesh>,
+    pub(super) lights: Vec<Light>,
+    /// The number of lights that end at a distance, which has no equivalent.
+    pub(super) n_limited: usize,
+}
 
 /// A mesh at a node.
 pub(super) struct PlacedMesh {
@@ -12,12 +23,12 @@ pub(super) struct PlacedMesh {
     pub(super) scene_from_mesh: DMat4,
 }
 
-/// Returns the meshes of the default scene, or else of the first one; in a file without scenes, the
-/// meshes below all root nodes.
+/// Returns the meshes and the lights of the default scene, or else of the first one; in a file
+/// without scenes, those below all root nodes.
 ///
 /// # Errors
-/// A node has two parents, or a transform is not finite.
-pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
+/// A node has two parents, a transform is not finite, or a light is out of range.
+pub(super) fn placed_nodes(root: &Root) -> Result<PlacedNodes> {
     let scene = root.scene.and_then(|scene| root.get(scene));
     let mut open: Vec<(Index<Node>, DMat4)> = match scene.or(root.scenes.first()) {
         Some(scene) => scene
@@ -30,7 +41,7 @@ pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
     // Reversed, because nodes are taken from the end.
     open.reverse();
     let mut is_known = vec![false; root.nodes.len()];
-    let mut found = Vec::new();
+    let mut found = PlacedNodes::default();
     while let Some((index, parent)) = open.pop() {
         let Some(node) = root.get(index) else {
             continue;
@@ -44,7 +55,12 @@ pub(super) fn placed_meshes(root: &Root) -> Result<Vec<PlacedMesh>> {
             let problem = format!("the transform of `nodes[{}]` is not finite", index.value());
             return Err(FileFault::new(problem, "finite numbers"));
         }
-        found.extend(node.mesh.map(|mesh| PlacedMesh {
+        if let Some(light) = lights::of_node(root, node)? {
+            let placed = lights::placed(light, &DAffine3::from_mat4(placed));
+            found.n_limited += usize::from(placed.is_some() && light.range.is_some());
+            found.lights.extend(placed);
+        }
+        found.meshes.extend(node.mesh.map(|mesh| PlacedMesh {
             mesh,
             scene_from_mesh: placed,
         }));
