@@ -265,9 +265,18 @@ fn caret(text: &str, at: usize, info: &str) -> Range<usize> {
 
 /// Converts a span of characters to bytes, without trailing blanks.
 pub(super) fn bytes(text: &str, span: Span) -> Range<usize> {
-    let start = byte_of(text, span.start.index());
-    let end = byte_of(text, span.end.index()).max(start);
-    start..start + text[start..end].trim_end().len()
+    bytes_after(text, span, [0; 2])
+}
+
+/// Converts a span as [`bytes`] does, counting from a place before it: its characters and bytes.
+/// Counting from the start for each of many spans takes the square of their number.
+pub(super) fn bytes_after(text: &str, span: Span, known: [usize; 2]) -> Range<usize> {
+    let [start, end] = [span.start.index(), span.end.index()];
+    let [n_characters, n_bytes] = if known[0] <= start { known } else { [0; 2] };
+    let start_byte = n_bytes + byte_of(&text[n_bytes..], start - n_characters);
+    let inside = &text[start_byte..];
+    let inside = &inside[..byte_of(inside, end.saturating_sub(start))];
+    start_byte..start_byte + inside.trim_end().len()
 }
 
 /// Returns the byte at which character `n_characters` starts.

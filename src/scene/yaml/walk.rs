@@ -1,5 +1,6 @@
 //! Visits all values of a YAML text with their paths.
 
+use std::cell::Cell;
 use std::collections::HashSet;
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use super::expansion::Expansion;
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
 use super::name::{MAX_NAME, is_long};
-use super::syntax::{self, bytes};
+use super::syntax::{self, bytes, bytes_after};
 
 /// A value of the text.
 pub(super) struct Node<'a> {
@@ -33,6 +34,7 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
         visit,
         frames: Vec::new(),
         path: Vec::new(),
+        last_key: Cell::default(),
         has_document: false,
     };
     let mut expansion = Expansion::default();
@@ -63,6 +65,8 @@ struct Walk<'t, V> {
     /// The open collections, the outermost first.
     frames: Vec<Frame>,
     path: Vec<Step>,
+    /// The characters and the bytes before the last key.
+    last_key: Cell<[usize; 2]>,
     has_document: bool,
 }
 
@@ -127,7 +131,9 @@ impl<V: FnMut(Node)> Walk<'_, V> {
                 })
             }
             (Event::Scalar(_, ScalarStyle::Plain, ..), Some(_)) => {
-                self.check_decimal_comma(bytes(self.text, span))
+                let key = bytes_after(self.text, span, self.last_key.get());
+                self.last_key.set([span.start.index(), key.start]);
+                self.check_decimal_comma(key)
             }
             _ => Ok(()),
         }
