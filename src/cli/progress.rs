@@ -70,10 +70,11 @@ pub(super) struct PixelBar {
 }
 
 impl PixelBar {
-    /// Creates a bar of `n_pixels`; never drawn if `quiet`.
-    pub(super) fn new(n_pixels: u64, quiet: bool) -> Self {
-        let bar = bar(MILLION, quiet);
-        if let Ok(style) = ProgressStyle::with_template("{bar:40.cyan} {percent:>3} %  {msg}") {
+    /// Creates a bar of `n_pixels` rendered for a purpose; never drawn if `quiet`.
+    pub(super) fn new(purpose: &'static str, n_pixels: u64, quiet: bool) -> Self {
+        let bar = bar(MILLION, quiet).with_prefix(purpose);
+        let template = "{bar:40.cyan} {percent:>3} %  {prefix}{msg}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         Self {
@@ -107,6 +108,15 @@ impl PixelBar {
     /// Removes the bar from the terminal.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Returns the purpose of another pass over the pixels after the picture's, before the speed.
+fn purpose(stage: &str) -> &'static str {
+    match stage {
+        "observe" => "again for the costs of objects, ",
+        "overhead" => "again for the cost of measuring, ",
+        _ => "",
     }
 }
 
@@ -151,8 +161,9 @@ impl Bars {
             Event::Begin { stage: "build", .. } => {
                 self.replace(Some(StageBar::Build(BuildBar::new(self.quiet))));
             }
-            Event::Begin { n_pixels, .. } => {
-                self.replace(Some(StageBar::Pixels(PixelBar::new(n_pixels, self.quiet))));
+            Event::Begin { stage, n_pixels } => {
+                let bar = PixelBar::new(purpose(stage), n_pixels, self.quiet);
+                self.replace(Some(StageBar::Pixels(bar)));
             }
             Event::Built { fraction } => self.with(|bar| bar.advance_build(fraction)),
             Event::Rendered(progress) => self.with(|bar| bar.advance_pixels(progress)),
@@ -227,7 +238,7 @@ impl StudyBar {
 
 /// Does `work` on `n_pixels` pixels, which reports its progress, with a bar.
 pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
-    let bar = PixelBar::new(n_pixels, quiet);
+    let bar = PixelBar::new("", n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
     done
@@ -245,5 +256,19 @@ mod tests {
             ..here
         };
         assert_eq!([here, before].map(rays_of_this_run), [12, 0]);
+    }
+
+    #[test]
+    fn a_pass_after_the_picture_says_what_it_is_for() {
+        let bars = Bars::new(true);
+        let prefix = |stage| {
+            bars.show(Event::Begin { stage, n_pixels: 9 });
+            match &*bars.current.read().unwrap() {
+                Some(StageBar::Pixels(bar)) => bar.bar.prefix(),
+                _ => unreachable!("pixels have a bar"),
+            }
+        };
+        assert_eq!(prefix("render"), "");
+        assert_eq!(prefix("observe"), "again for the costs of objects, ");
     }
 }

@@ -252,7 +252,7 @@ fn observe(
     quiet: bool,
 ) -> Result<Vec<ObservedPixel>, Failure> {
     let n_pixels = pixels.n();
-    let bar = PixelBar::new(n_pixels, quiet);
+    let bar = PixelBar::new("", n_pixels, quiet);
     let report = |n_pixels| bar.advance(Progress::of_pixels(n_pixels, 0));
     let observed = observer.observe_many(pixels.places(), memory::available() / 2, report);
     bar.clear();
