@@ -25,7 +25,7 @@ declare -A packages=(
     [embree]="libembree3-3"
     [hdf5]="libhdf5-dev"
     [mpi]="libopenmpi-dev openmpi-bin libclang-dev"
-    [paraview]="imagemagick paraview python3-paraview python3-venv xauth xdotool xvfb"
+    [paraview]="imagemagick libqt5svg5 paraview python3-paraview python3-venv xauth xdotool xvfb"
     [poppler]="poppler-utils"
     [slurm]="slurmd slurmctld slurm-client munge"
 )
