@@ -56,7 +56,7 @@ impl ForeignDiff {
                 output.require(&["RGB"])?;
                 let own = output.colors()?;
                 let [a, b] = in_order([&own, colors], position);
-                let map = greatest_differences(a.iter().zip(b), |channel| f32::from(channel));
+                let map = greatest_differences(a.iter().zip(b), f32::from);
                 (ForeignDifference::Picture(PictureDifference::of(a, b)), map)
             }
             ForeignContent::Light(light) => {
