@@ -110,8 +110,8 @@ fn others_of<T: DeserializeOwned>(
     choices.find(is_accepted).unwrap_or_else(|| but_for(key))
 }
 
-/// Returns the value that means the same in a file as leaving its key out. Returns `None` if other
-/// values mean the same, too.
+/// Returns the value that means the same in a file as leaving its key out. Returns `None` if no
+/// value is found, or if all that are tried mean the same.
 fn default_of<T: DeserializeOwned + Debug + PartialEq>(
     schema: &Value,
     with: IntoFile,
