@@ -41,10 +41,9 @@ impl Triplanar {
     #[inline(always)]
     pub(super) fn projections<R: Real>(&self, point: &TexturePoint<R>) -> [AxisProjection<R>; 3] {
         let like = point.position.x;
-        let from = self
-            .origins
-            .map(|origin| point.position - Vector::splat(like, origin));
-        let [Vector { x, z, .. }, Vector { y, z: z_up, .. }] = from;
+        let [first, second] = self.origins;
+        let Vector { x, z, .. } = point.position - Vector::splat(like, first);
+        let Vector { y, z: z_up, .. } = point.position - Vector::splat(like, second);
         let normal = point.normal;
         let [right, upward, front] = Vec3::AXES;
         let right = Vector::splat(x, right);
