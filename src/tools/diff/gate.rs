@@ -107,14 +107,19 @@ fn time_ratio(noise: &Noise) -> Result<(f64, f64), Diagnostic> {
         .and_then(|test| Some((test.ratio.estimate, test.ratio.interval?[0])));
     found.ok_or_else(|| {
         let message = match noise.test() {
+            None if *noise == Noise::Cut => {
+                "`--fail-above` cannot test a change of time in a part of a picture".to_owned()
+            }
             None => "`--fail-above` cannot test a change of time: there are no repeats".to_owned(),
             Some(test) => format!(
                 "`--fail-above` cannot test a change of time with only {} and {} repeats",
                 test.n[0], test.n[1]
             ),
         };
-        Diagnostic::new(message).with_help(
-            "render both with `--repeats 10`, or with `--cost counters`: counters are exact",
-        )
+        let help = match noise {
+            Noise::Cut => "render both with the same `--crop`, or with `--cost counters`",
+            _ => "render both with `--repeats 10`, or with `--cost counters`: counters are exact",
+        };
+        Diagnostic::new(message).with_help(help)
     })
 }

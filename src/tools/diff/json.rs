@@ -31,6 +31,7 @@ pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
         "a": a,
         "b": b,
         "image": { "width": diff.size[0], "height": diff.size[1] },
+        "origin": sides[0].origin(),
         "totals": totals(&diff.totals, |total| diff.ratio(total)),
         "noise": diff.noise,
         "confidence": CONFIDENCE,

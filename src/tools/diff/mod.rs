@@ -46,7 +46,7 @@ use tracer::cost::Metric;
 /// The changes from A to B.
 #[derive(Debug)]
 pub struct Diff {
-    /// Columns and rows of both outputs.
+    /// Columns and rows of the pixels that both outputs show.
     pub size: [u32; 2],
     /// The costs of the whole frame.
     pub totals: Totals,
@@ -195,6 +195,8 @@ impl Diff {
         totals.add_ratios(&ratios);
         let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
         let noise = match totals.cost(Metric::TIME) {
+            // The repeats add up other pixels, too.
+            Some(_) if sides.iter().any(Side::is_cut) => Some(Noise::Cut),
             Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
             None => None,
         };
@@ -269,11 +271,11 @@ fn common_ratios(sides: &[Side; 2]) -> Vec<Metric> {
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {
-    if a.size() == b.size() && a.window() == b.window() {
+    if (a.size(), a.origin(), a.window().picture) == (b.size(), b.origin(), b.window().picture) {
         return Ok(a.size());
     }
     let what = if a.window().picture == b.window().picture {
-        "outputs show different windows of the picture"
+        "outputs show no pixel in common"
     } else {
         "pictures differ in size"
     };

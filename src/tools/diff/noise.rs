@@ -10,6 +10,8 @@ use math::statistics::{CONFIDENCE, Ratio, mann_whitney_p};
 pub enum Noise {
     /// A run was not repeated.
     Unknown,
+    /// The repeats measured other pixels than those that are compared.
+    Cut,
     /// There are so few repeats that no difference would be significant.
     TooFew(Test),
     /// The difference is not significant.
@@ -62,10 +64,11 @@ impl Noise {
         }
     }
 
-    /// Returns the comparison; `None` for [`Self::Unknown`].
+    /// Returns the comparison; `None` for [`Self::Unknown`] and
+    /// [`Self::Cut`].
     pub fn test(&self) -> Option<&Test> {
         match self {
-            Self::Unknown => None,
+            Self::Unknown | Self::Cut => None,
             Self::TooFew(test)
             | Self::WithinNoise(test)
             | Self::Slower(test)

@@ -21,6 +21,9 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     for (letter, side) in ["A", "B"].into_iter().zip(sides) {
         text += &entry(letter, &[one_line(&side.sentence()).into_owned()]);
     }
+    if sides.iter().any(Side::is_cut) {
+        text += &entry("pixels", &[common_pixels(diff.size, &sides[0])]);
+    }
     text += &totals_table(diff);
     text += &entry("noise", &noise_lines(diff));
     if let Some(gate) = gate {
@@ -43,6 +46,12 @@ pub(super) fn entry(name: &str, lines: &[String]) -> String {
     let names = std::iter::once(name).chain(std::iter::repeat(""));
     let line = |(name, line): (&str, &String)| format!("{name:<10}{line}\n");
     names.zip(lines).map(line).collect()
+}
+
+/// Returns the part of the picture that both outputs show.
+fn common_pixels([width, height]: [u32; 2], a: &Side) -> String {
+    let [x, y] = a.origin();
+    format!("the {width} x {height} at {x},{y} of the picture, which both outputs show")
 }
 
 fn totals_table(diff: &Diff) -> String {
@@ -161,6 +170,9 @@ fn noise_sentence(diff: &Diff) -> String {
         Noise::Unknown => format!(
             "a change of time cannot be tested without repeats: {advice}; counters are exact"
         ),
+        Noise::Cut => "a change of time cannot be tested in a part of a picture; counters are \
+                       exact"
+            .to_owned(),
         Noise::TooFew(test) => format!(
             "a change of time cannot be tested with so few repeats, {advice}: {}",
             evidence(test)

@@ -10,24 +10,36 @@ use render::film::Column;
 use scene::config::PictureWindow;
 use vtk::Scalar;
 
-/// An output folder, A or B.
+/// An output folder, A or B, and the pixels of it that are compared.
 #[derive(Debug)]
 pub struct Side {
     results: Results,
     label: String,
+    /// Columns and rows of the frame.
+    frame_size: [u32; 2],
+    /// Columns and rows of the compared pixels.
     size: [u32; 2],
+    /// Column and row of the first compared pixel in the whole picture.
+    origin: [u32; 2],
     arrays: Vec<String>,
 }
 
 impl Side {
-    /// Opens two folders, A and B.
+    /// Opens two folders, A and B. If they show different windows of the picture, the pixels that
+    /// both show are compared; if there are none, their sizes or origins differ.
     ///
     /// # Errors
     /// If a folder does not hold an output, or its files cannot be read.
     pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
         let labels = labels([a, b]);
         let [label_a, label_b] = labels;
-        Ok([Self::new(a, label_a)?, Self::new(b, label_b)?])
+        let mut sides = [Self::new(a, label_a)?, Self::new(b, label_b)?];
+        if let Some((origin, size)) = common_window(&sides) {
+            for side in &mut sides {
+                (side.origin, side.size) = (origin, size);
+            }
+        }
+        Ok(sides)
     }
 
     /// Opens the only folder that is compared.
@@ -43,8 +55,11 @@ impl Side {
         let results = Results::open(folder)?;
         let frame = results.frame()?;
         let names = frame.arrays().iter().map(|array| array.name.clone());
+        let frame_size = [frame.width(), frame.height()];
         Ok(Self {
-            size: [frame.width(), frame.height()],
+            frame_size,
+            size: frame_size,
+            origin: results.summary.image.place().origin,
             arrays: names.collect(),
             results,
             label,
@@ -61,9 +76,19 @@ impl Side {
         &self.label
     }
 
-    /// Returns the number of columns and rows.
+    /// Returns the number of compared columns and rows.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// Returns column and row of the first compared pixel in the whole picture.
+    pub(super) fn origin(&self) -> [u32; 2] {
+        self.origin
+    }
+
+    /// Returns true if the output has pixels that are not compared.
+    pub(super) fn is_cut(&self) -> bool {
+        self.size != self.frame_size
     }
 
     /// Returns the position in the picture.
@@ -95,8 +120,12 @@ impl Side {
         self.results.frame()?.require(arrays)
     }
 
-    /// Reads `objects.csv`; `None` if the folder has none.
+    /// Reads `objects.csv`; `None` if the folder has none, or if it holds the cost of pixels that
+    /// are not compared.
     pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
+        if self.is_cut() {
+            return Ok(None);
+        }
         self.results.objects()
     }
 
@@ -124,7 +153,10 @@ impl Side {
     pub(super) fn values(&self, metric: Metric) -> Result<Vec<f64>, Diagnostic> {
         let array = self.results.frame()?.read(metric.name)?;
         match array.n_components {
-            1 => Ok(array.values.iter().collect()),
+            1 => {
+                let values: Vec<f64> = array.values.iter().collect();
+                Ok(self.compared(&values, 1))
+            }
             _ => Err(self.foreign(metric.name)),
         }
     }
@@ -154,7 +186,21 @@ impl Side {
             .values
             .as_slice()
             .filter(|_| array.n_components == n_components);
-        Ok(numbers.ok_or_else(|| self.foreign(name))?.to_vec())
+        let numbers = numbers.ok_or_else(|| self.foreign(name))?;
+        Ok(self.compared(numbers, n_components))
+    }
+
+    /// Returns the values of the compared pixels out of those of the frame.
+    fn compared<T: Copy>(&self, values: &[T], n_components: usize) -> Vec<T> {
+        let first = self.summary().image.place().origin;
+        let [x, y] = [0, 1].map(|axis| (self.origin[axis] - first[axis]) as usize);
+        let [width, height] = self.size.map(|n| n as usize);
+        let columns = x * n_components..(x + width) * n_components;
+        let rows = values.chunks_exact(self.frame_size[0] as usize * n_components);
+        let rows = rows.skip(y).take(height);
+        rows.flat_map(|row| &row[columns.clone()])
+            .copied()
+            .collect()
     }
 
     /// Reads the summed time of all pixels in each repeat, in nanoseconds; empty if the run was not
@@ -204,6 +250,19 @@ impl Side {
         );
         Diagnostic::new(message).with_help("render the scene again")
     }
+}
+
+/// Returns the first pixel, and columns and rows, of the pixels of one picture that both outputs
+/// show; `None` if there are none.
+fn common_window([a, b]: &[Side; 2]) -> Option<([u32; 2], [u32; 2])> {
+    if a.window().picture != b.window().picture {
+        return None;
+    }
+    let origin = [0, 1].map(|axis| a.origin[axis].max(b.origin[axis]));
+    let end = |side: &Side, axis: usize| side.origin[axis].saturating_add(side.frame_size[axis]);
+    let ends = [0, 1].map(|axis| end(a, axis).min(end(b, axis)));
+    let is_empty = (0..2).any(|axis| ends[axis] <= origin[axis]);
+    (!is_empty).then(|| (origin, [0, 1].map(|axis| ends[axis] - origin[axis])))
 }
 
 /// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but `before/spot` and

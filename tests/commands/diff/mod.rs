@@ -211,6 +211,32 @@ fn the_same_windows_are_compared() {
     let rows = whole.chunks(50).skip(7).take(15);
     let sum: f64 = rows.flat_map(|row| &row[13..33]).sum();
     assert_eq!(found["totals"]["node_visits"]["a"], json!(sum as i64));
+    // The whole picture is cut to the window, on either side.
+    let visits = json!(sum as i64);
+    for names in [["a", "whole"], ["whole", "a"]] {
+        let (found, code) = json_report(folder.path(), &names);
+        assert_eq!((&found["image"], code), (&size, Some(0)));
+        assert_eq!(found["origin"], json!([13, 7]));
+        assert_eq!(found["totals"]["node_visits"]["a"], visits);
+        assert_eq!(found["totals"]["node_visits"]["b"], visits);
+        assert_eq!(found["picture"]["n_pixels"], 0);
+        assert_eq!(found["n_pixels_of_other_objects"], 0);
+    }
+    let report = diff(folder.path(), &["whole", "a"]);
+    let report = String::from_utf8(report.stdout).unwrap();
+    let pixels = "the 20 x 15 at 13,7 of the picture, which both outputs show";
+    assert!(report.contains(pixels), "{report}");
+    // Of two windows, the pixels of both are compared.
+    render(
+        folder.path(),
+        "beside",
+        SCENE,
+        &["--cost=counters", "--crop=30,10,12,20"],
+    );
+    let (found, _) = json_report(folder.path(), &["a", "beside"]);
+    assert_eq!(found["image"], json!({ "width": 3, "height": 12 }));
+    assert_eq!(found["origin"], json!([30, 10]));
+    assert_eq!(found["picture"]["n_pixels"], 0);
     // A window of everything is the whole picture.
     render(
         folder.path(),
@@ -222,12 +248,11 @@ fn the_same_windows_are_compared() {
 }
 
 #[test]
-fn different_windows_are_refused() {
+fn windows_without_a_common_pixel_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for (name, flags) in [
-        ("whole", &[][..]),
-        ("window", &["--crop=13,7,20,15"]),
-        ("moved", &["--crop=14,7,20,15"]),
+        ("window", &["--crop=13,7,20,15"][..]),
+        ("beside", &["--crop=33,7,10,15"]),
         ("large", &["--width=70", "--crop=13,7,20,15"]),
     ] {
         render(
@@ -237,33 +262,38 @@ fn different_windows_are_refused() {
             &[&["--cost=counters"], flags].concat(),
         );
     }
-    let windows = "the outputs show different windows of the picture";
-    let crop = "render B again with `--width 50 --height 40 --crop 13,7,20,15`";
-    for (names, message, help) in [
+    let help = "render B again with `--width 50 --height 40 --crop 13,7,20,15`";
+    for (b, message) in [
         (
-            ["window", "moved"],
-            format!(
-                "{windows}: `window` has 20 x 15 at 13,7 of 50 x 40, `moved` has 20 x 15 at 14,7 \
-                 of 50 x 40 pixels"
-            ),
-            crop,
+            "beside",
+            "the outputs show no pixel in common: `window` has 20 x 15 at 13,7 of 50 x 40, \
+             `beside` has 10 x 15 at 33,7 of 50 x 40 pixels",
         ),
         (
-            ["whole", "window"],
-            format!("{windows}: `whole` has 50 x 40, `window` has 20 x 15 at 13,7 of 50 x 40"),
-            "render B again with `--width 50 --height 40`",
-        ),
-        (
-            ["window", "large"],
+            "large",
             "the pictures differ in size: `window` has 20 x 15 at 13,7 of 50 x 40, `large` has \
-             20 x 15 at 13,7 of 70 x 40 pixels"
-                .to_owned(),
-            crop,
+             20 x 15 at 13,7 of 70 x 40 pixels",
         ),
     ] {
-        let found = error(folder.path(), &names);
-        assert!(found.contains(&message) && found.contains(help), "{found}");
+        let found = error(folder.path(), &["window", b]);
+        assert!(found.contains(message) && found.contains(help), "{found}");
     }
+}
+
+#[test]
+fn times_of_a_part_of_a_picture_are_not_tested() {
+    let folder = outputs(&["--cost=time", "--repeats=3"]);
+    render(
+        folder.path(),
+        "window",
+        SCENE,
+        &["--cost=time", "--repeats=3", "--crop=13,7,20,15"],
+    );
+    let (found, _) = json_report(folder.path(), &["a", "window"]);
+    assert_eq!(found["noise"], json!({ "verdict": "cut" }));
+    let found = error(folder.path(), &["a", "window", "--fail-above=5%"]);
+    assert!(found.contains("in a part of a picture"), "{found}");
+    assert!(found.contains("with the same `--crop`"), "{found}");
 }
 
 #[test]
