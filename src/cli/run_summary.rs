@@ -6,7 +6,7 @@ use super::scene::SceneArguments;
 use super::{charges, hottest, shell_word, shown, timing_quality};
 use base::folder::Written;
 use base::text::numbers::{bytes, count, counted, duration};
-use base::text::one_line;
+use base::text::{one_line, wrapped};
 use output::summary::RanksSection;
 use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use render::instruments::Stages;
@@ -70,24 +70,17 @@ pub(super) fn lines(
         String::new()
     };
     let ranks = rendering.ranks.map_or(String::new(), ranks);
-    format!(
-        "{}\
-         {tiles}\
-         {ranks}\
-{quality}\
-         {}\
-         {}\
-         {}\
-         wrote   {}: {}\n\
-         next    paraview {option}{}\n\
-         {trace}\
-         {keep}",
+    let found = format!(
+        "{}{tiles}{ranks}{quality}{}{costs}{}wrote   {}: {files}\n",
         head(rendering, stages),
         hottest::lines(rendering.survey.hottest),
-        costs,
         notes(rendering.config, rendering.scene),
         shown(&out),
-        files,
+    );
+    // Commands stay on one line, to be copied.
+    format!(
+        "{}next    paraview {option}{}\n{trace}{keep}",
+        wrapped(&found),
         shell_word(&out.join(next)),
     )
 }

@@ -13,4 +13,4 @@ pub use diagnostic::line_start;
 pub use keyword::{keyword, keyword_name};
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;
-pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json};
+pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json, wrapped};

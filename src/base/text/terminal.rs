@@ -6,7 +6,10 @@
 //! writes to standard output or standard error.
 
 use std::borrow::Cow;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
+
+/// Spaces before the text of a line that begins with a word of a summary, such as `image`.
+const INDENT: &str = "        ";
 
 /// Escapes invisible characters except line ends and tabs.
 pub fn visible(text: &str) -> Cow<'_, str> {
@@ -41,6 +44,25 @@ pub fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(visible(text).as_bytes())?;
     out.flush()
+}
+
+/// Breaks the lines of a summary between words if standard output is a terminal that is narrower
+/// than they are.
+pub fn wrapped(text: &str) -> Cow<'_, str> {
+    if io::stdout().is_terminal() {
+        Cow::Owned(wrapped_to(text, textwrap::termwidth()))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Breaks lines of more than `width` characters between words; what follows is indented.
+fn wrapped_to(text: &str, width: usize) -> String {
+    let options = textwrap::Options::new(width)
+        .subsequent_indent(INDENT)
+        .break_words(false)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(text, options)
 }
 
 /// Prints styled text to standard output, without styles unless it is a terminal. Untrusted parts
@@ -129,6 +151,18 @@ mod tests {
         assert_eq!(visible(evil), text);
         let line = text.replace('\n', "\\n").replace('\t', "\\t");
         assert_eq!(one_line(evil), line);
+    }
+
+    #[test]
+    fn long_lines_break_between_words() {
+        let text =
+            "image   200 x 150 pixels, 4 samples per pixel\nnote    short\n        a  table\n";
+        let narrow = "image   200 x 150 pixels,\n        4 samples per pixel\nnote    short\n        \
+                      a  table\n";
+        assert_eq!(wrapped_to(text, 30), narrow);
+        assert_eq!(wrapped_to(text, 80), text);
+        let path = "wrote   /a/path/that/is/longer/than/the/line/of/a/terminal\n";
+        assert_eq!(wrapped_to(path, 20).matches("terminal").count(), 1);
     }
 
     #[test]

@@ -47,7 +47,8 @@ pub(super) fn lines(checked: &CheckedScene) -> String {
     let text: String = lines
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect();
-    text + &notes(config, scene) + &hints::lines(config, expected)
+    let text = text + &notes(config, scene) + &hints::lines(config, expected);
+    text::wrapped(&text).into_owned()
 }
 
 fn image(image: &Image) -> String {

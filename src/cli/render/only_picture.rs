@@ -63,7 +63,9 @@ pub(super) fn render(
     if !arguments.quiet {
         let head = run_summary::head(&rendering.view(None), rendering.stages());
         let (path, length) = (shown(&file.path), bytes(written.bytes));
-        text::print(&format!("{head}wrote   {path} ({length})\n"))?;
+        text::print(&text::wrapped(&format!(
+            "{head}wrote   {path} ({length})\n"
+        )))?;
     }
     Ok(())
 }
