@@ -198,7 +198,9 @@ async function start() {
   listenToControls();
   rgb = await frameArray("RGB");
   picture.paint(pictureColor(rgb, null));
-  const first = ["time_ns", "node_visits", "distance"].find((name) => FIELDS.has(name));
+  // The scene's own metrics come first, as in cost.png.
+  const costs = about.metrics.map((metric) => metric.name);
+  const first = [...costs, "distance"].find((name) => FIELDS.has(name));
   await chooseArray(first ?? byId("array").value);
   placeCursors();
   createHottest(byId("hottest"), {

@@ -113,6 +113,25 @@ fn every_array_is_in_the_menu_and_has_a_map() {
 
 #[test]
 #[ignore = "needs Chromium: run tests/with-chromium"]
+fn the_page_opens_with_the_metric_of_the_cost_map() {
+    let own = "metrics={ tests_per_ray: primitive_tests / rays }";
+    for (flags, first) in [
+        (&["--cost=time"][..], "time_ns"),
+        (&["--cost=counters"], "node_visits"),
+        (&["--cost=time", "--set", own], "tests_per_ray"),
+        (&["--cost=none"], "distance"),
+    ] {
+        let folder = rendered("seed_extended", flags);
+        let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
+        browser.wait_until(&format!(
+            "document.querySelector('#array').value === '{first}'"
+        ));
+        browser.assert_calm();
+    }
+}
+
+#[test]
+#[ignore = "needs Chromium: run tests/with-chromium"]
 fn a_range_of_the_histogram_marks_its_pixels() {
     let folder = rendered("seed_extended", &[]);
     let arrays = arrays(folder.path());
