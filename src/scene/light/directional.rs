@@ -40,19 +40,13 @@ impl DirectionalLight {
         *self
     }
 
-    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+    pub(super) fn placed(&self, world_from_object: &DAffine3, factor: f32) -> Option<Self> {
         let direction = world_from_object.transform_vector3(self.direction.as_dvec3());
         Some(Self {
             direction: direction.try_normalize()?.as_vec3(),
+            intensity: (self.intensity * factor).min(f32::MAX),
             ..*self
         })
-    }
-
-    pub(super) fn times(self, factor: f32) -> Self {
-        Self {
-            intensity: (self.intensity * factor).min(f32::MAX),
-            ..self
-        }
     }
 
     #[inline(always)]

@@ -51,18 +51,13 @@ macro_rules! lights {
             }
 
             /// Places the light as an object's transform does, with all lengths: where its falloff
-            /// is that of nature, it lights a scaled object as before. `None` if the transform
-            /// leaves it no direction.
-            pub fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+            /// is the natural one, it lights a scaled object as before. Multiplies its intensity by
+            /// `factor`. Returns `None` if the transform leaves it without a direction.
+            pub fn placed(&self, world_from_object: &DAffine3, factor: f32) -> Option<Self> {
                 match self {
-                    $(Self::$kind(light) => light.placed(world_from_object).map(Self::$kind),)*
-                }
-            }
-
-            /// Returns the light with its intensity multiplied by a factor.
-            pub fn times(self, factor: f32) -> Self {
-                match self {
-                    $(Self::$kind(light) => Self::$kind(light.times(factor)),)*
+                    $(Self::$kind(light) => {
+                        light.placed(world_from_object, factor).map(Self::$kind)
+                    })*
                 }
             }
 

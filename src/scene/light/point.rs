@@ -47,20 +47,14 @@ impl PointLight {
         }
     }
 
-    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+    pub(super) fn placed(&self, world_from_object: &DAffine3, factor: f32) -> Option<Self> {
         let scale = world_from_object.matrix3.determinant().abs().cbrt();
-        let factor = scale.powi(self.falloff.power()) as f32;
+        let factor = factor * scale.powi(self.falloff.power()) as f32;
         Some(Self {
             position: world_from_object.transform_point3(self.position),
-            ..self.times(factor)
-        })
-    }
-
-    pub(super) fn times(self, factor: f32) -> Self {
-        Self {
             intensity: (self.intensity * factor).min(f32::MAX),
-            ..self
-        }
+            ..*self
+        })
     }
 
     #[inline(always)]

@@ -111,20 +111,13 @@ impl SpotLight {
         }
     }
 
-    pub(super) fn placed(&self, world_from_object: &DAffine3) -> Option<Self> {
+    pub(super) fn placed(&self, world_from_object: &DAffine3, factor: f32) -> Option<Self> {
         let axis = world_from_object.transform_vector3(self.axis.as_dvec3());
         Some(Self {
-            light: self.light.placed(world_from_object)?,
+            light: self.light.placed(world_from_object, factor)?,
             axis: axis.try_normalize()?.as_vec3(),
             ..*self
         })
-    }
-
-    pub(super) fn times(self, factor: f32) -> Self {
-        Self {
-            light: self.light.times(factor),
-            ..self
-        }
     }
 
     /// Fades the light toward the edge by a smoothstep in the cosine of the angle.

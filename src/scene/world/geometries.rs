@@ -266,7 +266,7 @@ fn own_lights(object: &Object, mesh: &Mesh) -> Vec<Light> {
     }
     let world_from_object = world_from_object(&object.transform);
     let lights = mesh.lights.iter();
-    let placed = lights.filter_map(|light| light.times(factor).placed(&world_from_object));
+    let placed = lights.filter_map(|light| light.placed(&world_from_object, factor));
     placed.collect()
 }
 

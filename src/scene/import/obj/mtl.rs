@@ -168,16 +168,12 @@ impl Statements {
 
     /// Returns the statements that programs write with different meanings.
     fn doubts(&self) -> Vec<&'static str> {
-        let is_opaque = self.opacity_number.is_none() && self.transparency == Some(1.0);
-        let is_dull = self.specular != Vec3::ZERO && self.exponent.is_some_and(|of| of < 1.0);
-        let is_glass = self.is_glass() && self.opacity.is_none();
         let opaque = "`Tr 1` without `d` is read as opaque: write `d 0` for an invisible one";
         let dull = "an `Ns` below 1 is read as no highlight: write `Ns 1` for a wide one";
-        let has_facets = self.roughness.is_some() || self.metallic.is_some();
-        let found = [
-            (is_opaque && !is_glass).then_some(opaque),
-            (is_dull && !has_facets).then_some(dull),
-        ];
+        let is_opaque = self.is_opaque_by_transparency() && !self.refracts();
+        let is_dull = self.exponent.is_some() && self.highlight_exponent().is_none();
+        let is_dull = is_dull && self.specular != Vec3::ZERO && !self.has_facets();
+        let found = [is_opaque.then_some(opaque), is_dull.then_some(dull)];
         found.into_iter().flatten().collect()
     }
 
@@ -186,18 +182,27 @@ impl Statements {
         [4.0, 6.0, 7.0, 9.0].contains(&self.illumination)
     }
 
+    /// Returns true if light passes through the glass everywhere.
+    fn refracts(&self) -> bool {
+        self.is_glass() && self.opacity.is_none()
+    }
+
+    /// Returns true if its transparency of 1 means opaque: programs that mistake it for the opacity
+    /// write this for opaque surfaces, and an invisible one would serve no purpose.
+    fn is_opaque_by_transparency(&self) -> bool {
+        self.opacity_number.is_none() && self.transparency == Some(1.0)
+    }
+
     fn transmission(&self) -> f32 {
-        if self.is_glass() && self.opacity.is_none() {
+        if self.refracts() {
             return 1.0;
         }
-        let transparency = match (self.opacity_number, self.transparency) {
-            (Some(opacity), _) => 1.0 - opacity,
-            // Programs that mistake it for the opacity write this for opaque surfaces: an
-            // invisible one would serve no purpose.
-            (None, Some(1.0)) | (None, None) => 0.0,
-            (None, Some(transparency)) => transparency,
-        };
-        transparency.clamp(0.0, 1.0)
+        if self.is_opaque_by_transparency() {
+            return 0.0;
+        }
+        let of_opacity = self.opacity_number.map(|opacity| 1.0 - opacity);
+        let transparency = of_opacity.or(self.transparency);
+        transparency.unwrap_or(0.0).clamp(0.0, 1.0)
     }
 
     /// Returns the index of refraction of the inside: 1 if it is transparent without refraction.
@@ -210,8 +215,19 @@ impl Statements {
         }
     }
 
+    /// Returns true if it is described by a roughness or by a share of metal.
+    fn has_facets(&self) -> bool {
+        self.roughness.is_some() || self.metallic.is_some()
+    }
+
+    /// Returns the exponent of the highlight; `None` for a dull surface. Programs write an exponent
+    /// below 1, a highlight as wide as the surface, for a dull one.
+    fn highlight_exponent(&self) -> Option<f32> {
+        self.exponent.filter(|exponent| *exponent >= 1.0)
+    }
+
     fn finish(&self) -> Finish {
-        if self.roughness.is_some() || self.metallic.is_some() {
+        if self.has_facets() {
             return Finish::Facets {
                 metallic: self.metallic.unwrap_or(0.0),
                 roughness: self.roughness.unwrap_or(0.5),
@@ -219,9 +235,7 @@ impl Statements {
         }
         let strength = self.specular.max_element().min(1.0);
         let mirrors = [3.0, 5.0].contains(&self.illumination);
-        // Without an exponent there is no highlight. Programs write an exponent below 1, a
-        // highlight as wide as the surface, for a dull surface.
-        let exponent = self.exponent.filter(|exponent| *exponent >= 1.0);
+        let exponent = self.highlight_exponent();
         Finish::Highlight {
             specular: exponent.map_or(0.0, |_| strength),
             exponent: exponent.unwrap_or(50.0),
