@@ -171,7 +171,8 @@ fn without_default(meaning: &str) -> (String, Option<String>) {
         let end = end.trim_end_matches('.');
         let default = end
             .strip_suffix(" if not given")
-            .or(end.strip_suffix(" by default"))?;
+            .or(end.strip_suffix(" by default"))?
+            .trim_end_matches(',');
         Some((format!("{meaning}."), Some(default.to_owned())))
     });
     stated.unwrap_or_else(|| (meaning.to_owned(), None))

@@ -118,16 +118,22 @@ fn default_of<T: DeserializeOwned + Debug + PartialEq>(
     without: Value,
 ) -> Option<Value> {
     let absent: T = parsed(&without)?;
-    let text = format!("{absent:?}");
-    let samples = samples(schema);
-    let read: Vec<Option<T>> = samples
-        .iter()
-        .map(|value| parsed(&with(value.clone())))
-        .collect();
-    let others = || read.iter().flatten().filter(|other| **other != absent);
-    others().next()?;
+    let mut default = None;
+    let mut others = Vec::new();
+    for value in samples(schema) {
+        match parsed::<T>(&with(value.clone())) {
+            Some(same) if same == absent => default = default.or(Some(value)),
+            other => others.extend(other),
+        }
+    }
+    if others.is_empty() || default.is_some() {
+        return default.filter(|_| !others.is_empty());
+    }
     // The numbers that stand in the place of those of a sample.
-    let numbers = others().map(|other| numbers_instead(&text, &format!("{other:?}")));
+    let text = format!("{absent:?}");
+    let numbers = others
+        .iter()
+        .map(|other| numbers_instead(&text, &format!("{other:?}")));
     let numbers = numbers.flat_map(|numbers| {
         let degrees = numbers
             .iter()
@@ -136,11 +142,9 @@ fn default_of<T: DeserializeOwned + Debug + PartialEq>(
         let list = Value::Array(numbers.iter().map(|&x| in_short(x)).collect());
         each.chain([list]).collect::<Vec<Value>>()
     });
-    let is_default =
-        |value: &Value| parsed::<T>(&with(value.clone())).is_some_and(|with| with == absent);
     let is_short = |value: &Value| !value.is_number() || value.to_string().len() <= MAX_LENGTH;
-    let numbers: Vec<Value> = numbers.filter(is_short).collect();
-    samples.into_iter().chain(numbers).find(is_default)
+    let is_default = |value: &Value| parsed::<T>(&with(value.clone())).as_ref() == Some(&absent);
+    numbers.filter(is_short).find(is_default)
 }
 
 /// Returns values of a schema without mappings.

@@ -13,7 +13,7 @@ pub struct StudyStep {
     /// The name in tables and plots.
     #[serde(deserialize_with = "yaml::name")]
     pub name: String,
-    /// The levels that join or replace those of the steps before.
+    /// The levels that join or replace the levels of the steps before.
     #[serde(default)]
     pub set: Case,
     /// Another program that makes the picture of this step alone, in place of raycost.
