@@ -25,6 +25,7 @@ use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 use vtk::Codec;
 
 const N_ROUNDS: usize = 9;
@@ -150,8 +151,9 @@ fn film(width: u32, height: u32) -> Film {
     let geometries = Geometries::read(&mut config, Path::new("configs"), u64::MAX).unwrap();
     let scene = Scene::new(&config, geometries).unwrap();
     let accel = Accel::new(&scene, config.acceleration);
-    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
-    render(&scene, &accel, &plan, &Meter::new(CostMode::Time), |_| {}).0
+    let tracer = Tracer::new(&scene, &accel);
+    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    render(tracer, &plan, &Meter::new(CostMode::Time), |_| {}).0
 }
 
 /// Returns the system's folder in memory, or its temporary folder.

@@ -28,6 +28,7 @@ use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 /// Pixels along a window's side.
 const SIDE: u32 = 32;
@@ -65,8 +66,7 @@ struct Options {
 /// A scene that can be rendered.
 struct World<'a> {
     config: &'a Config,
-    scene: &'a Scene,
-    accel: Accel<'a>,
+    tracer: Tracer<'a>,
     counters: Meter,
     time: Meter,
 }
@@ -108,10 +108,11 @@ fn compare(path: &Path, options: &Options) -> Result<Value, Diagnostic> {
     let geometries = Geometries::read(&mut config, source.folder(), u64::MAX);
     let scene = geometries.and_then(|geometries| Scene::new(&config, geometries));
     let scene = scene.map_err(|fault| source.point_at(fault))?;
+    let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let world = World {
-        accel: Accel::new(&scene, config.acceleration),
+        tracer,
         config: &config,
-        scene: &scene,
         counters: Meter::new(CostMode::Counters),
         time: Meter::new(CostMode::Time),
     };
@@ -135,16 +136,16 @@ impl World<'_> {
     /// Renders the picture. Returns the CPU time, and the time that the thread spent on tiles, in
     /// nanoseconds, and the film.
     fn render(&self, meter: &Meter) -> (f64, f64, Film) {
-        let image = &self.config.image;
-        let plan = TilePlan::new(self.scene, &self.accel, image, self.config.tiles);
+        let sensor = self.tracer.scene.sensor(self.config);
+        let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
         let begin = ThreadTime::now();
-        let (film, schedule) = render(self.scene, &self.accel, &plan, meter, |_| {});
+        let (film, schedule) = render(self.tracer, &plan, meter, |_| {});
         (begin.elapsed().as_nanos() as f64, busy_ns(&schedule), film)
     }
 
     /// Renders a window without a clock inside. Returns the nanoseconds of its tiles.
     fn window_ns(&self, plan: &TilePlan) -> f64 {
-        let (_, schedule) = render(self.scene, &self.accel, plan, &self.counters, |_| {});
+        let (_, schedule) = render(self.tracer, plan, &self.counters, |_| {});
         busy_ns(&schedule)
     }
 
@@ -168,19 +169,20 @@ impl World<'_> {
     /// Measures the times of windows rendered separately over their times in the map of the whole
     /// picture.
     fn windows(&self, options: &Options) -> Vec<f64> {
-        let image = self.config.image;
-        let plan = TilePlan::new(self.scene, &self.accel, &image, self.config.tiles);
+        let (image, scene) = (self.config.image, self.tracer.scene);
+        let plan = TilePlan::new(self.tracer, &scene.sensor(self.config), self.config.tiles);
         let n = options.rounds.clamp(1, 255).to_string();
         let repeats: Repeats = n.parse().expect("a number of renderings");
-        let (map, ..) = repeat(repeats, self.scene, &self.accel, &plan, &self.time, |_| {});
+        let (map, ..) = repeat(repeats, self.tracer, &plan, &self.time, |_| {});
         let times: Vec<f32> = map.values(|strip| &strip.time_ns).collect();
         let places = places([image.width, image.height], options.windows);
         let window = |[x, y]: [u32; 2]| {
             let cropped = image.cropped([x, y, SIDE, SIDE])?;
+            let sensor = scene.sensor_of(self.config, cropped);
             let rows = (y..y + SIDE).map(|y| (y * image.width + x) as usize);
             let of_row = |first: usize| &times[first..first + SIDE as usize];
             let in_map: f64 = rows.flat_map(of_row).map(|&ns| f64::from(ns)).sum();
-            let plan = TilePlan::new(self.scene, &self.accel, &cropped, self.config.tiles);
+            let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
             let mut rendered: Vec<f64> = (0..10 * options.rounds)
                 .map(|_| self.window_ns(&plan))
                 .collect();

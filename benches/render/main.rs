@@ -24,6 +24,7 @@ use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 4] = [
@@ -86,14 +87,15 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
 fn compare(path: &Path) -> Result<Value, Diagnostic> {
     let (config, scene) = read(path)?;
     let accel = Accel::new(&scene, config.acceleration);
-    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+    let tracer = Tracer::new(&scene, &accel);
+    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; MODES.len()];
     let mut n_rays = 0;
     for round in 0..N_ROUNDS {
         for (meter, times) in meters.iter().zip(&mut times) {
             let start = Instant::now();
-            let (film, _) = render(&scene, &accel, &plan, meter, |_| {});
+            let (film, _) = render(tracer, &plan, meter, |_| {});
             times[round] = start.elapsed().as_secs_f64();
             n_rays = n_rays.max(black_box(film).totals.n_rays());
         }

@@ -7,9 +7,8 @@ use base::text::Diagnostic;
 use render::film::{Film, HotPixel};
 use render::tiles::{TilePlan, least_repeats, repeat};
 use scene::config::{Config, CostMode, Repeats};
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::{Meter, Metric, MetricUnit};
+use tracer::trace::Tracer;
 
 /// The most expensive pixel by a metric.
 type Hottest = (Metric, HotPixel);
@@ -70,12 +69,12 @@ pub(super) fn searched(config: &Config, metric: Metric) -> Config {
 }
 
 /// Renders the picture on the current rayon pool.
-pub(super) fn search(config: &Config, scene: &Scene, accel: &Accel, quiet: bool) -> Film {
+pub(super) fn search(config: &Config, tracer: Tracer, quiet: bool) -> Film {
     let n_rendered = u64::from(least_repeats(config)) * config.image.n_pixels() as u64;
     let meter = Meter::new(config.cost);
     with_bar(n_rendered, quiet, |report| {
-        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
-        repeat(config.repeats, scene, accel, &plan, &meter, report).0
+        let plan = TilePlan::new(tracer, &tracer.scene.sensor(config), config.tiles);
+        repeat(config.repeats, tracer, &plan, &meter, report).0
     })
 }
 

@@ -16,6 +16,7 @@ use render::tiles::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repea
 use scene::config::SimdSet;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 impl Session {
     /// Renders and measures on the current rayon pool.
@@ -29,14 +30,15 @@ impl Session {
         let accel = &self.accel(options, stages)?;
         // Make the meter, which calibrates the clock.
         let (config, scene) = (&self.config, &self.scene);
+        let tracer = Tracer::new(scene, accel);
         let meter = Meter::new(config.cost);
         if meter.clock().is_some() {
             stages.end("calibrate");
         }
         // Plan the tiles and their order.
-        let mut plan = scope.plan(scene, accel, config);
+        let mut plan = scope.plan(tracer, config);
         if options.estimates_work {
-            plan = estimate_times(plan, (scene, accel), &meter);
+            plan = estimate_times(plan, tracer, &meter);
         }
         if plan.is_estimated() {
             stages.end("order");
@@ -44,7 +46,7 @@ impl Session {
         let n_pixels = config.image.n_pixels() as u64;
         // Measure the overhead before the film is allocated, so that two never exist at once.
         let overhead = options.measure_overhead.then(|| {
-            let work = |report: Report| Overhead::measure(scene, accel, &plan, report);
+            let work = |report: Report| Overhead::measure(tracer, &plan, report);
             let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
             stages.end("overhead");
             overhead
@@ -53,8 +55,8 @@ impl Session {
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
             options.reported("render", n_rendered, |report: Report| {
-                let (limits, world) = (&scope.limits, (scene, accel));
-                repeat_within(limits, config.repeats, world, &plan, &meter, report)
+                let limits = &scope.limits;
+                repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
         stages.end("render");
         stop::check()?;
@@ -76,9 +78,9 @@ impl Session {
         // Attribute the cost to objects and nodes.
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
         let attribution = is_attributed.then(|| {
-            let world = (scene, accel, &config.image);
+            let (sensor, measured) = (&plan.sensor, (&film, &meter));
             let mut attribution = options.reported("observe", n_pixels, |report: Report| {
-                CostAttribution::measure(world, (&film, &meter), &config.output, report)
+                CostAttribution::measure(tracer, sensor, measured, &config.output, report)
             });
             film.keep_step_counts(std::mem::take(&mut attribution.step_counts));
             stages.end("observe");

@@ -6,8 +6,7 @@ use render::checkpoint::{CheckpointFailure, PicturePart};
 use render::ranks::Team;
 use render::tiles::{Limits, TilePlan};
 use scene::config::Config;
-use scene::world::Scene;
-use tracer::accel::Accel;
+use tracer::trace::Tracer;
 
 /// The tiles that a rendering renders, takes over and keeps.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,11 +21,11 @@ pub(crate) struct Scope<'a> {
 
 impl Scope<'_> {
     /// Returns the tiles in their order.
-    pub(super) fn plan(&self, scene: &Scene, accel: &Accel, config: &Config) -> TilePlan {
-        let plan = TilePlan::new(scene, accel, &config.image, config.tiles);
+    pub(super) fn plan(&self, tracer: Tracer, config: &Config) -> TilePlan {
+        let plan = TilePlan::new(tracer, &tracer.scene.sensor(config), config.tiles);
         match (self.part, self.limits.team) {
-            (Some(part), _) => plan.of_part(scene, accel, part),
-            (None, Some(_)) => plan.most_expensive_first(scene, accel),
+            (Some(part), _) => plan.of_part(tracer, part),
+            (None, Some(_)) => plan.most_expensive_first(tracer),
             (None, None) => plan,
         }
     }

@@ -7,6 +7,7 @@ use render::ranks::Ranks;
 use render::tiles::{self, TilePlan};
 use scene::config::{TileOrder, Tiling};
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 impl Session {
     /// Renders the tiles that rank 0 deals to this rank.
@@ -16,14 +17,15 @@ impl Session {
     pub(crate) fn work(&self, options: &Options, ranks: &Ranks) -> Result<(), RenderError> {
         options.thread_pool()?.install(|| {
             let accel = self.accel(options, &mut Stages::default())?;
+            let tracer = Tracer::new(&self.scene, &accel);
             let meter = Meter::new(self.config.cost);
             // The order of tiles comes from rank 0.
             let tiling = Tiling {
                 order: TileOrder::Scanline,
                 ..self.config.tiles
             };
-            let plan = TilePlan::new(&self.scene, &accel, &self.config.image, tiling);
-            tiles::work(ranks, (&self.scene, &accel), &plan, &meter);
+            let plan = TilePlan::new(tracer, &self.scene.sensor(&self.config), tiling);
+            tiles::work(ranks, tracer, &plan, &meter);
             Ok(stop::check()?)
         })
     }

@@ -7,6 +7,7 @@ use scene::config::{Config, OptionalOutput};
 use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 use super::scene_of;
 
@@ -23,16 +24,18 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
     .for_each(|output| config.output.add(output));
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
         .unwrap();
     let (mut film, mut attribution) = pool.install(|| {
-        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
-        let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
-        let world = (&scene, &accel, &config.image);
-        let attribution = CostAttribution::measure(world, (&film, &meter), &config.output, |_| {});
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        let (film, _) = render(tracer, &plan, &meter, |_| {});
+        let sensor = &plan.sensor;
+        let attribution =
+            CostAttribution::measure(tracer, sensor, (&film, &meter), &config.output, |_| {});
         (film, attribution)
     });
     film.keep_step_counts(std::mem::take(&mut attribution.step_counts));

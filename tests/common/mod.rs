@@ -28,6 +28,7 @@ use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use tracer::accel::Accel;
 use tracer::cost::{self, Counter, Meter, Metric};
+use tracer::trace::Tracer;
 
 /// The names of the counters, as arrays and totals have them; all but the last add up.
 pub const COUNTERS: [&str; 8] = [
@@ -150,13 +151,14 @@ pub fn film_on(config: &Config, n_threads: usize, simd: Simd) -> Film {
 pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedule) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene, config.acceleration).with_simd(simd);
+    let tracer = Tracer::new(&scene, &accel);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads)
         .build()
         .unwrap();
     pool.install(|| {
-        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
-        render(&scene, &accel, &plan, &Meter::new(config.cost), |_| {})
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        render(tracer, &plan, &Meter::new(config.cost), |_| {})
     })
 }
 

@@ -6,6 +6,7 @@ use crate::common::{mean, parse, radiance, scene_of};
 use render::attribution::{Observer, RayTree};
 use tracer::accel::Accel;
 use tracer::cost::RayKind;
+use tracer::trace::Tracer;
 
 /// The rays of the pixel in the middle of five, which sees a medium under a white sky.
 fn under_white_sky(max_depth: u32, medium: &str, objects: &str) -> RayTree {
@@ -24,8 +25,9 @@ objects: [{objects}]
     ));
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let mut tree = RayTree::default();
-    Observer::new(&scene, &accel, &config.image, None).observe((2, 2), &mut tree);
+    Observer::new(tracer, &scene.sensor(&config), None).observe((2, 2), &mut tree);
     tree
 }
 

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageFormat};
 use proptest::prelude::*;
 use scene::color::Transfer;
-use scene::config::CostMode;
+use scene::config::{Config, CostMode};
 use scene::geometry::{Ray, RenderSpace};
 use scene::import::{FileFault, Mesh, read_mesh, read_picture};
 use scene::picture::{Picture, Sampling, TexelFilter, Wrap};
@@ -204,16 +204,20 @@ fn scene(folder: &Path, image: &str, object: &str) -> Scene {
 
 /// A scene of an object of this material.
 fn scene_of(folder: &Path, material: &str, object: &str) -> Scene {
-    let mut config = parse(&format!(
+    let mut config = config_of(material, object);
+    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
+    // Rays are given in world space.
+    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+}
+
+fn config_of(material: &str, object: &str) -> Config {
+    parse(&format!(
         "image: {{ width: 4, height: 3 }}\n\
          camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
          materials: {{ picture: {material} }}\n\
          lights: []\n\
          objects: [{{ {object}, material: picture }}]\n"
-    ));
-    let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-    // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    ))
 }
 
 /// The surface points that rays from all directions toward the center hit.
@@ -352,7 +356,8 @@ fn a_ray_sees_as_much_of_a_picture_as_its_cone_is_wide() {
     // One sample of three pixels in a height of 40 degrees.
     let spread = 2.0 * 20.0_f32.to_radians().tan() / 3.0;
     let accel = Accel::new(&scene, Default::default());
-    let tracer = Tracer::new(&scene, &accel);
+    let sensor = scene.sensor(&config_of("{ color: 1 }", object));
+    let tracer = Tracer::new(&scene, &accel).with_cone(sensor.cone);
     let (up, across) = (Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.0, -0.8, 0.6));
     for i in 0..500 {
         let [x, y, z, length] = math::sampling::uniform([5, i, 0]);

@@ -19,6 +19,7 @@ use render::tiles::{Repeat, TilePlan, render, repeat};
 use scene::config::{Config, CostMode, Repeats};
 use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 fn small(name: &str) -> Config {
     let mut config = config(name);
@@ -29,12 +30,13 @@ fn small(name: &str) -> Config {
 fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
-        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
-        repeat(exactly(n_repeats), &scene, &accel, &plan, &meter, |_| {})
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        repeat(exactly(n_repeats), tracer, &plan, &meter, |_| {})
     });
     (film, repeats)
 }
@@ -73,15 +75,16 @@ fn each_repeat_reports_its_pixels() {
     let config = small("seed_sphere");
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
-    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
     let report = |progress: render::tiles::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
     };
-    repeat(exactly(3), &scene, &accel, &plan, &meter, report);
+    repeat(exactly(3), tracer, &plan, &meter, report);
     assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
-    let (film, _) = render(&scene, &accel, &plan, &meter, |_| {});
+    let (film, _) = render(tracer, &plan, &meter, |_| {});
     assert_eq!(film.n_repeats, 1);
 }
 
@@ -108,15 +111,15 @@ fn beside_other_work_the_times_are_those_of_the_pixels() {
     let config = with_cost(config("blocks"), CostMode::SingleRayTime);
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
+    let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
-    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     // The part of the CPU time that is known, and the shares of objects.
     let measured = || {
         let before = cpu_time(&pool);
-        let (film, _, repeats) =
-            pool.install(|| repeat(exactly(1), &scene, &accel, &plan, &meter, |_| {}));
+        let (film, _, repeats) = pool.install(|| repeat(exactly(1), tracer, &plan, &meter, |_| {}));
         let cpu_ns = (cpu_time(&pool) - before).as_nanos() as f64;
         (repeats[0].busy_ns as f64 / cpu_ns, shares(&film))
     };
@@ -266,13 +269,14 @@ fn a_single_rendering_of_auto_has_a_spread_of_zero() {
     let config = small("seed_sphere");
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
-    let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+    let tracer = Tracer::new(&scene, &accel);
+    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
     let meter = Meter::new(CostMode::Time);
     // A rendering that is reported so slowly that no second one is made.
     let wait = std::time::Duration::from_millis(300);
     let first = std::sync::Once::new();
     let slowly = |_| first.call_once(|| std::thread::sleep(wait));
-    let (film, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, slowly);
+    let (film, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, slowly);
     assert_eq!((film.n_repeats, repeats.len()), (1, 1));
     let deviations: Vec<f32> = film.values(|strip| &strip.time_mad_ns).collect();
     assert_eq!(deviations, vec![0.0; 53 * 37]);
@@ -284,9 +288,10 @@ fn auto_renders_once_without_times() {
         let config = with_cost(small("seed_sphere"), mode);
         let scene = scene_of(&config);
         let accel = Accel::new(&scene, config.acceleration);
-        let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+        let tracer = Tracer::new(&scene, &accel);
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
         let meter = Meter::new(mode);
-        let (_, _, repeats) = repeat(Repeats::Auto, &scene, &accel, &plan, &meter, |_| {});
+        let (_, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, |_| {});
         assert_eq!(repeats.len(), 1);
     }
 }

@@ -9,6 +9,7 @@ use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode, OptionalOutput, Traversal};
 use tracer::accel::Accel;
 use tracer::cost::{Counter, Meter};
+use tracer::trace::Tracer;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
@@ -59,9 +60,10 @@ fn every_kernel_gives_the_same_film() {
             for traversal in [Traversal::Single, Traversal::Stream] {
                 let accel = Accel::new(&scene, config.acceleration);
                 let accel = accel.with_simd(simd).with_traversal(traversal);
-                let plan = TilePlan::new(&scene, &accel, &config.image, config.tiles);
+                let tracer = Tracer::new(&scene, &accel);
+                let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
                 let meter = Meter::new(CostMode::Time);
-                films.push(lasting(render(&scene, &accel, &plan, &meter, |_| {}).0));
+                films.push(lasting(render(tracer, &plan, &meter, |_| {}).0));
             }
         }
         assert!(films.iter().all(|film| *film == films[0]), "{name}");

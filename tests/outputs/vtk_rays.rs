@@ -13,6 +13,7 @@ use scene::config::{Config, CostMode};
 use scene::world::Primitive;
 use tracer::accel::Accel;
 use tracer::cost::Clock;
+use tracer::trace::Tracer;
 use vtk::Codec;
 
 /// Two tests of the rays of some pixels.
@@ -59,13 +60,14 @@ fn with_rays(
 ) {
     let scene = scene_in_world(config);
     let accel = Accel::new(&scene, config.acceleration);
-    let observer = Observer::new(&scene, &accel, &config.image, clock);
+    let tracer = Tracer::new(&scene, &accel);
+    let observer = Observer::new(tracer, &scene.sensor(&config), clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {
         name: "scene",
         time: None,
         scene: &scene,
-        plane: &scene.image_plane,
+        plane: &scene.sensor(&config).plane,
         pixels: &pixels.unwrap(),
         is_timed: clock.is_some(),
         cloud: &Film::new(TileGrid::new(1, 1, 16), 1, CostMode::None),

@@ -130,8 +130,8 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         scene.at(number)?;
         stop::check()?;
     }
-    let (config, mut placed, memory) = placed(&scene, arguments.frame)?;
-    let expected = Prediction::of(&config, &mut placed, memory.band_rows)
+    let (config, placed, memory) = placed(&scene, arguments.frame)?;
+    let expected = Prediction::of(&config, &placed, memory.band_rows)
         .map_err(|error| scene.point_at(memory::too_large(error)))?;
     stop::check()?;
     let checked = CheckedScene {

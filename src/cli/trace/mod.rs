@@ -22,9 +22,10 @@ use render::attribution::{ObservedPixel, Observer, TooManyRays};
 use render::film::HotPixel;
 use render::tiles::{Progress, TilePlan, render};
 use scene::config::{Config, Image, Tiling, WrittenArrays};
-use scene::world::{Geometries, Scene, World};
+use scene::world::{Geometries, Scene};
 use tracer::accel::Accel;
 use tracer::cost::{Meter, Metric};
+use tracer::trace::Tracer;
 use tree::Trees;
 
 /// Show all rays of some pixels and the cost of each
@@ -113,48 +114,39 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         rectangle.check(&image)?;
     }
     let meter = Meter::new(config.cost);
-    let mut scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
-    // The state of the cloud needs arrays that `output.arrays` may leave out.
-    scene.extra_arrays.written = WrittenArrays::default();
+    let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
     let bar = BuildBar::new(arguments.quiet);
     let report = |part| bar.advance(part);
-    // The image plane changes below.
-    let world = World {
-        primitives: &scene.primitives,
-        instances: scene.instances.as_ref(),
-    };
     let kind = config.acceleration;
     let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
-    let accel = pool.install(|| Accel::of_frame(world, kind, base, report));
+    let accel = pool.install(|| Accel::of_frame(&scene, kind, base, report));
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
-    let pixels = pool.install(|| TracedPixels::of(arguments, &config, &scene, &accel))?;
+    let tracer = Tracer::new(&scene, &accel);
+    let pixels = pool.install(|| TracedPixels::of(arguments, &config, tracer))?;
 
-    // The cloud is a small picture of the scene, sharp without a lens; the traced rays pass through
-    // the image plane of the requested picture.
-    let plane = scene.image_plane;
-    let small = small(&image);
-    scene.image_plane = config
-        .camera
-        .image_plane(small.picture_size(), &scene.space)
-        .of_pinhole();
+    // The cloud is a small picture of the scene, sharp without a lens.
+    let mut small = scene.sensor_of(&config, small(&image));
+    small.plane = small.plane.of_pinhole();
+    // Its state needs arrays that `output.arrays` may leave out.
+    small.extra_arrays.written = WrittenArrays::default();
     let (cloud, _) = pool.install(|| {
-        let plan = TilePlan::new(&scene, &accel, &small, Tiling::default());
-        render(&scene, &accel, &plan, &Meter::Off, |_| {})
+        let plan = TilePlan::new(tracer, &small, Tiling::default());
+        render(tracer, &plan, &Meter::Off, |_| {})
     });
     stop::check()?;
-    let observer = Observer::new(&scene, &accel, &image, meter.clock());
-    let observer = observer.through(plane).without_steps();
+    let sensor = scene.sensor(&config);
+    let observer = Observer::new(tracer, &sensor, meter.clock()).without_steps();
     let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
     stop::check()?;
     let traced = Traced {
         name: &arguments.scene.name(),
         time: open.time(arguments.frame),
         scene: &scene,
-        plane: &plane,
+        plane: &sensor.plane,
         pixels: &observed,
         is_timed: meter.clock().is_some(),
         cloud: &cloud,
@@ -183,17 +175,12 @@ enum TracedPixels<'a> {
 impl<'a> TracedPixels<'a> {
     /// Returns the pixels of the arguments; for `--hottest` renders the picture on the current
     /// rayon pool.
-    fn of(
-        arguments: &'a TraceArguments,
-        config: &Config,
-        scene: &Scene,
-        accel: &Accel,
-    ) -> Result<Self, Failure> {
+    fn of(arguments: &'a TraceArguments, config: &Config, tracer: Tracer) -> Result<Self, Failure> {
         let Some((n, metric)) = arguments.hottest.zip(arguments.metric(config)) else {
             return Ok(Self::Named(&arguments.pixel));
         };
         let config = hottest::searched(config, metric);
-        let film = hottest::search(&config, scene, accel, arguments.quiet);
+        let film = hottest::search(&config, tracer, arguments.quiet);
         let found = hottest::pixels(&film, metric, n as usize)?;
         Ok(Self::Hottest(metric, found))
     }

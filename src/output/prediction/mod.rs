@@ -26,8 +26,9 @@ use render::schedule::{self, TileGrid};
 use render::tiles::most_repeats;
 use sample::RowSample;
 use scene::config::{Config, OptionalOutput, Repeats};
-use scene::world::{Scene, World};
+use scene::world::Scene;
 use tracer::accel::{Accel, BvhNode, TooLarge};
+use tracer::trace::Tracer;
 
 /// The predicted resources of a rendering.
 #[derive(Debug, Clone)]
@@ -48,23 +49,12 @@ impl Prediction {
     ///
     /// # Errors
     /// The hierarchy is too large.
-    pub fn of(
-        config: &Config,
-        scene: &mut Scene,
-        band_rows: Option<u32>,
-    ) -> Result<Self, TooLarge> {
-        let world = World {
-            primitives: &scene.primitives,
-            instances: scene.instances.as_ref(),
-        };
+    pub fn of(config: &Config, scene: &Scene, band_rows: Option<u32>) -> Result<Self, TooLarge> {
         // Build the hierarchy as the rendering will.
-        let accel = Accel::build(world, config.acceleration, |_| {})?;
+        let accel = Accel::build(scene, config.acceleration, |_| {})?;
         // Render a small picture for all that depends on the camera.
-        let small = preview::image(&config.image);
-        scene.image_plane = config
-            .camera
-            .image_plane(small.picture_size(), &scene.space);
-        let preview = Preview::of(config, small, scene, &accel);
+        let tracer = Tracer::new(scene, &accel);
+        let preview = Preview::of(config, tracer);
         let has_nodes = config.output.has(OptionalOutput::Bvh);
         // Before the list of nodes takes memory itself.
         let so_far = MemorySoFar::so_far();
@@ -83,11 +73,8 @@ impl Prediction {
         });
         let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
         let is_repeated = n_repeats(config, &preview) > 1;
-        scene.image_plane = config
-            .camera
-            .image_plane(config.image.picture_size(), &scene.space);
         // Render some rows to measure the sizes of files.
-        let sample = RowSample::of(config, scene, &accel, is_repeated);
+        let sample = RowSample::of(config, tracer, is_repeated);
         Ok(Self {
             peak_memory,
             look: preview.look,

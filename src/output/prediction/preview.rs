@@ -6,9 +6,8 @@ use crate::chart;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode, Image, Tiling};
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::{Counter, Meter};
+use tracer::trace::Tracer;
 
 /// Maximum number of pixels of the picture: a hundredth of a second of rays, and the share of hits
 /// to about 0.5 %.
@@ -41,7 +40,7 @@ pub(super) struct Preview {
 
 /// Returns the settings of the small picture: a subset of the columns and rows, with one sample
 /// each.
-pub(super) fn image(image: &Image) -> Image {
+fn small(image: &Image) -> Image {
     let stride = stride(image);
     image.shrunk(|side| side.div_ceil(stride))
 }
@@ -54,7 +53,8 @@ fn stride(image: &Image) -> u32 {
 
 impl Preview {
     /// Renders the small picture on the current rayon pool.
-    pub(super) fn of(config: &Config, small: Image, scene: &Scene, accel: &Accel) -> Self {
+    pub(super) fn of(config: &Config, tracer: Tracer) -> Self {
+        let small = small(&config.image);
         // Tiles that show as much of the scene as the picture's.
         let tiling = Tiling {
             size: (config.tiles.size / stride(&config.image)).max(Tiling::MIN_SIZE),
@@ -64,9 +64,9 @@ impl Preview {
             CostMode::None => Meter::Off,
             _ => Meter::new(CostMode::Counters),
         };
-        let plan = TilePlan::new(scene, accel, &small, tiling);
+        let plan = TilePlan::new(tracer, &tracer.scene.sensor_of(config, small), tiling);
         let begin = Instant::now();
-        let (film, _) = render(scene, accel, &plan, &meter, |_| {});
+        let (film, _) = render(tracer, &plan, &meter, |_| {});
         let n_pixels = small.n_pixels() as f64;
         Self {
             look: Look::of(&film),

@@ -7,9 +7,8 @@ use crate::writers;
 use render::film::Film;
 use render::tiles::{TilePlan, repeat};
 use scene::config::{Config, Image, Repeats};
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 /// Camera rays of the rows, unless the minimum number of rows has more: about a second.
 const N_SAMPLES: u64 = 1 << 20;
@@ -30,14 +29,18 @@ pub(super) struct RowSample<'a> {
 }
 
 impl<'a> RowSample<'a> {
-    /// Renders some rows of a scene with the picture's image plane on the current rayon pool.
-    pub(super) fn of(config: &'a Config, scene: &Scene, accel: &Accel, is_repeated: bool) -> Self {
+    /// Renders some rows of the picture on the current rayon pool.
+    pub(super) fn of(config: &'a Config, tracer: Tracer, is_repeated: bool) -> Self {
         let has_spread = config.cost.has_time() && config.repeats.has_spread();
         let repeats = if has_spread { TWICE } else { Repeats::ONCE };
         let (image, n_rows) = rows(config, if has_spread { 2 } else { 1 });
-        let plan = TilePlan::of_some_rows(&image, config.tiles.size, n_rows);
+        let plan = TilePlan::of_some_rows(
+            &tracer.scene.sensor_of(config, image),
+            config.tiles.size,
+            n_rows,
+        );
         let meter = Meter::new(config.cost);
-        let (mut film, ..) = repeat(repeats, scene, accel, &plan, &meter, |_| {});
+        let (mut film, ..) = repeat(repeats, tracer, &plan, &meter, |_| {});
         if !is_repeated {
             for strip in &mut film.strips {
                 strip.time_mad_ns.fill(0.0);

@@ -284,7 +284,7 @@ pub struct RenderingView<'a> {
 impl RenderingView<'_> {
     /// Returns the image plane of the pixels: for a window, a part of the scene's.
     pub fn image_plane(&self) -> ImagePlane {
-        let (plane, image) = (self.scene.image_plane, &self.config.image);
+        let (plane, image) = (self.scene.sensor(self.config).plane, &self.config.image);
         match image.window {
             None => plane,
             Some(window) => plane.part(window.origin, [image.width, image.height]),

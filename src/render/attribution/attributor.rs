@@ -4,10 +4,11 @@ use super::CostAttribution;
 use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use super::tally::{Tally, TallyCache};
 use crate::attribution::{Observer, RayTree, TracedRay};
-use scene::config::{Image, OptionalOutput, Outputs};
-use scene::world::{Instances, Primitive, Scene};
-use tracer::accel::{Accel, BvhNode, Hit, TraversalStep};
+use scene::config::{OptionalOutput, Outputs};
+use scene::world::{Instances, Primitive, Scene, Sensor};
+use tracer::accel::{BvhNode, Hit, TraversalStep};
 use tracer::cost::{Clock, RayKind, StepCounter, StepCounts};
+use tracer::trace::Tracer;
 
 /// Sums that all threads add to.
 pub(super) struct Tallies {
@@ -95,13 +96,13 @@ pub(super) struct Attributor<'a> {
 
 impl<'a> Attributor<'a> {
     pub(super) fn new(
-        scene: &'a Scene,
-        accel: &'a Accel<'a>,
-        image: &Image,
+        tracer: Tracer<'a>,
+        sensor: &Sensor,
         clock: Option<&'a Clock>,
         tallies: &'a Tallies,
     ) -> Self {
-        let observer = Observer::new(scene, accel, image, clock);
+        let scene = tracer.scene;
+        let observer = Observer::new(tracer, sensor, clock);
         let needs_steps =
             tallies.keeps_counts || tallies.primitives.is_some() || tallies.lines.is_some();
         Self {

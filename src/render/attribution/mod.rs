@@ -22,10 +22,11 @@ use rayon::prelude::*;
 use crate::film::Film;
 use crate::tiles::Progress;
 use base::stop;
-use scene::config::{Acceleration, Image, OptionalOutput, Outputs};
-use scene::world::Scene;
-use tracer::accel::{Accel, Bvh, BvhNode};
+use scene::config::{Acceleration, OptionalOutput, Outputs};
+use scene::world::Sensor;
+use tracer::accel::{Bvh, BvhNode};
 use tracer::cost::{Meter, StepCounts};
+use tracer::trace::Tracer;
 
 pub use attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use attributor::{Attributor, Tallies};
@@ -77,15 +78,18 @@ impl CostAttribution {
     /// Observes all rays of a film of this scene, which was rendered with counters, on the current
     /// rayon pool. Any thread calls `report` after each row.
     pub fn measure(
-        (scene, accel, image): (&Scene, &Accel, &Image),
+        tracer: Tracer,
+        sensor: &Sensor,
         (film, meter): (&Film, &Meter),
         outputs: &Outputs,
         report: impl Fn(Progress) + Sync,
     ) -> Self {
-        let nodes = outputs.has(OptionalOutput::Bvh).then(|| accel.nodes());
-        let tallies = Tallies::new(scene, nodes.as_deref(), outputs);
+        let nodes = outputs
+            .has(OptionalOutput::Bvh)
+            .then(|| tracer.accel.nodes());
+        let tallies = Tallies::new(tracer.scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
-        let attributor = || Attributor::new(scene, accel, image, meter.clock(), &tallies);
+        let attributor = || Attributor::new(tracer, sensor, meter.clock(), &tallies);
         let width = film.grid.width;
         let n_counts = if tallies.keeps_counts { width } else { 0 };
         let rows = (0..film.grid.height).into_par_iter();

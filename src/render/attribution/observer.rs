@@ -4,15 +4,13 @@ use glam::Vec3;
 
 use crate::attribution::{RayTree, TracedRay};
 use crate::tiles::{SampleSums, View};
-use scene::camera::ImagePlane;
-use scene::config::Image;
 use scene::geometry::Ray;
 use scene::light::Illumination;
-use scene::world::Scene;
-use tracer::accel::{Accel, Hit, TraversalStep};
+use scene::world::Sensor;
+use tracer::accel::{Hit, TraversalStep};
 use tracer::cost::{Clock, Cost, RayKind};
 use tracer::shade::{LightSample, PathRay};
-use tracer::trace::SurfacePoint;
+use tracer::trace::{SurfacePoint, Tracer};
 
 /// Renders pixels and records their rays.
 #[derive(Clone, Copy)]
@@ -37,26 +35,13 @@ struct Start {
 }
 
 impl<'a> Observer<'a> {
-    /// Creates an observer of the pixels of this image, which measures their rays with the clock,
+    /// Creates an observer of the pixels of this sensor, which measures their rays with the clock,
     /// if there is one.
-    pub fn new(
-        scene: &'a Scene,
-        accel: &'a Accel<'a>,
-        image: &Image,
-        clock: Option<&'a Clock>,
-    ) -> Self {
+    pub fn new(tracer: Tracer<'a>, sensor: &Sensor, clock: Option<&'a Clock>) -> Self {
         Self {
-            view: View::new(scene, accel, image),
+            view: View::new(tracer, sensor),
             keeps_steps: true,
             clock,
-        }
-    }
-
-    /// Observes pixels in this plane instead of the scene's plane.
-    pub fn through(self, plane: ImagePlane) -> Self {
-        Self {
-            view: self.view.through(plane),
-            ..self
         }
     }
 

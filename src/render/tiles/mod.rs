@@ -42,12 +42,11 @@ use deal::deal;
 use groups::GroupRenderer;
 use pass::Pass;
 pub(crate) use rounds::SampleSums;
-use scene::world::Scene;
 use stream::StreamRenderer;
 use tile_queue::{Target, TileQueue};
 use timed::SingleRayRenderer;
-use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+use tracer::trace::Tracer;
 pub use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
@@ -89,14 +88,13 @@ impl Progress {
 /// `meter`. Any thread calls `report` after each tile. The schedule holds the time span of each
 /// tile. After a request to stop ([`base::stop`]) the remaining tiles are skipped.
 pub fn render(
-    scene: &Scene,
-    accel: &Accel,
+    tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule) {
-    let film = plan.film(scene, meter.mode());
-    let view = View::new(scene, accel, &plan.image);
+    let film = plan.film(tracer.scene, meter.mode());
+    let view = View::new(tracer, &plan.sensor);
     render_onto(film, view, plan, &Pass::default(), meter, report)
 }
 

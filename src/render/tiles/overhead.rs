@@ -15,9 +15,8 @@ use cpu_time::ProcessTime;
 use super::{Progress, TilePlan, render};
 use math::statistics::median;
 use scene::config::CostMode;
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 /// Rounds of four renderings: each variant has each position equally often.
 pub const N_ROUNDS: usize = 8;
@@ -49,19 +48,14 @@ const MODES: [CostMode; 4] = [
 
 impl Overhead {
     /// Renders the picture [`N_RENDERINGS`] times on the current rayon pool.
-    pub fn measure(
-        scene: &Scene,
-        accel: &Accel,
-        plan: &TilePlan,
-        report: impl Fn(Progress) + Sync,
-    ) -> Self {
+    pub fn measure(tracer: Tracer, plan: &TilePlan, report: impl Fn(Progress) + Sync) -> Self {
         let meters = MODES.map(Meter::new);
         let mut times_ms: [Vec<f64>; 4] = Default::default();
         for round in 0..N_ROUNDS {
             for turn in 0..meters.len() {
                 let mode = (round + turn) % meters.len();
                 let begin = ProcessTime::now();
-                let (film, _) = render(scene, accel, plan, &meters[mode], &report);
+                let (film, _) = render(tracer, plan, &meters[mode], &report);
                 times_ms[mode].push(begin.elapsed().as_secs_f64() * 1e3);
                 // Freed outside of the measured time.
                 drop(black_box(film));

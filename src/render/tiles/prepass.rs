@@ -6,9 +6,9 @@ use super::stream::{StreamRenderer, WAVE_LEN};
 use super::view::View;
 use crate::schedule::{Tile, TileGrid};
 use scene::config::Image;
-use scene::world::Scene;
-use tracer::accel::Accel;
+use scene::world::Sensor;
 use tracer::cost::{Cost, Counters, RayKind};
+use tracer::trace::Tracer;
 
 /// Distance of probed pixels in columns and rows.
 const STEP: u32 = 8;
@@ -18,9 +18,8 @@ const WIDE_STEP: u32 = 32;
 /// Estimates the work of each tile in traversal steps: one sample of some of its pixels, at least
 /// one, extrapolated to all of them. It is counted, not timed, and so does not depend on the run or
 /// the number of threads.
-pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid) -> Vec<u64> {
-    let image = of_one_sample(image);
-    let view = View::new(scene, accel, &image);
+pub(super) fn work(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<u64> {
+    let view = View::new(tracer, &of_one_sample(sensor));
     let per_tile = grid.tile_size.div_ceil(STEP).pow(2);
     // Enough tiles to fill a stream.
     let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
@@ -32,21 +31,17 @@ pub(super) fn work(scene: &Scene, accel: &Accel, image: &Image, grid: &TileGrid)
 
 /// Estimates the counts of the rays of each tile by about one camera ray in 64, from at least one
 /// pixel: with one sample, or with the samples that adaptive sampling gives it.
-pub(super) fn counts(
-    scene: &Scene,
-    accel: &Accel,
-    image: &Image,
-    grid: &TileGrid,
-) -> Vec<RayCounts> {
+pub(super) fn counts(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<RayCounts> {
+    let image = &sensor.image;
     let n_samples = f64::from(image.samples_per_pixel);
-    let (image, step, factor) = match image.adaptive {
+    let (sensor, step, factor) = match image.adaptive {
         None => {
             let step = (f64::from(STEP) / n_samples.sqrt()).max(1.0) as u32;
-            (of_one_sample(image), step.next_power_of_two(), n_samples)
+            (of_one_sample(sensor), step.next_power_of_two(), n_samples)
         }
-        Some(_) => (*image, WIDE_STEP, 1.0),
+        Some(_) => (*sensor, WIDE_STEP, 1.0),
     };
-    let view = View::new(scene, accel, &image);
+    let view = View::new(tracer, &sensor);
     let per_tile = grid.tile_size.div_ceil(step).pow(2);
     let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
     let renderer = || StreamRenderer::<Counters>::new(view);
@@ -71,12 +66,13 @@ pub(super) fn ray_counts(cost: &Cost) -> RayCounts {
     [camera, others, cost.node_visits, cost.primitive_tests].map(|count| count as f64)
 }
 
-fn of_one_sample(image: &Image) -> Image {
-    Image {
+fn of_one_sample(sensor: &Sensor) -> Sensor {
+    let image = Image {
         samples_per_pixel: 1,
         adaptive: None,
-        ..*image
-    }
+        ..sensor.image
+    };
+    Sensor { image, ..*sensor }
 }
 
 /// Calls `of_chunk` with the tiles of the grid, some at a time, on the current rayon pool. Returns

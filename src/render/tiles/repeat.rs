@@ -14,9 +14,8 @@ use super::{Progress, TilePlan, View, render_onto};
 use crate::film::Film;
 use crate::schedule::{Schedule, TileRun};
 use scene::config::{Config, Repeats};
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::Meter;
+use tracer::trace::Tracer;
 
 /// Time limit of all renderings of [`Repeats::Auto`] together. The first one may exceed it.
 const TIME_OF_AUTO: Duration = Duration::from_millis(500);
@@ -76,14 +75,13 @@ pub fn repeat_bytes_per_pixel(config: &Config) -> usize {
 /// [`Repeats::ONCE`], or without times, the film equals the result of [`render`](super::render).
 pub fn repeat(
     repeats: Repeats,
-    scene: &Scene,
-    accel: &Accel,
+    tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {
     let limits = Limits::default();
-    repeat_within(&limits, repeats, (scene, accel), plan, meter, report)
+    repeat_within(&limits, repeats, tracer, plan, meter, report)
 }
 
 /// Renders the picture repeatedly, as [`repeat`] does, within limits. Where tiles are taken over,
@@ -95,19 +93,19 @@ pub fn repeat(
 pub fn repeat_within(
     limits: &Limits,
     repeats: Repeats,
-    (scene, accel): (&Scene, &Accel),
+    tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
     report: impl Fn(Progress) + Sync,
 ) -> (Film, Schedule, Vec<Repeat>) {
     // Make the film.
-    let view = View::new(scene, accel, &plan.image);
+    let view = View::new(tracer, &plan.sensor);
     let begin = Instant::now();
     // Rank 0 of several makes its film while the others render.
     let mut film = if limits.is_stored || limits.team.is_some() {
-        plan.film_without_rows(scene, meter.mode())
+        plan.film_without_rows(tracer.scene, meter.mode())
     } else {
-        plan.film(scene, meter.mode())
+        plan.film(tracer.scene, meter.mode())
     };
     film.repeats = repeats;
     let mut samples: Option<Samples> = None;
@@ -116,7 +114,7 @@ pub fn repeat_within(
     let schedule = loop {
         // Render all tiles.
         let started = Instant::now();
-        let pass = Pass::new(done.len() as u8, scene, *limits);
+        let pass = Pass::new(done.len() as u8, tracer.scene, *limits);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, &report);
         // Drop a later rendering that a deadline cut off.

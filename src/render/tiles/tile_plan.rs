@@ -8,14 +8,14 @@ use crate::checkpoint::PicturePart;
 use crate::film::Film;
 use crate::schedule::{Tile, TileGrid, hilbert_curve};
 use scene::config::{CostMode, Image, TileOrder, Tiling};
-use scene::world::Scene;
-use tracer::accel::Accel;
+use scene::world::{Scene, Sensor};
+use tracer::trace::Tracer;
 
 /// A picture divided into tiles, which can be rendered any number of times.
 #[derive(Debug, Clone)]
 pub struct TilePlan {
-    /// The picture.
-    pub image: Image,
+    /// The sensor of the picture.
+    pub sensor: Sensor,
     /// The tiles of the picture.
     pub grid: TileGrid,
     /// The order in which threads take them.
@@ -35,21 +35,20 @@ pub struct TilePlan {
 impl TilePlan {
     /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces a few rays
     /// through each tile on the current rayon pool.
-    pub fn new(scene: &Scene, accel: &Accel, image: &Image, tiling: Tiling) -> Self {
+    pub fn new(tracer: Tracer, sensor: &Sensor, tiling: Tiling) -> Self {
+        let image = &sensor.image;
         let grid = TileGrid::new(image.width, image.height, tiling.size);
         let mut work = None;
         let sequence = match tiling.order {
             TileOrder::Scanline => (0..grid.n_tiles()).collect(),
             TileOrder::Hilbert => grid.numbers(hilbert_curve(grid.n_columns, grid.n_rows)),
-            TileOrder::Cost => {
-                most_work_first(work.insert(prepass::work(scene, accel, image, &grid)))
-            }
+            TileOrder::Cost => most_work_first(work.insert(prepass::work(tracer, sensor, &grid))),
         };
         let this = Self {
             work,
             times: None,
             pixels_per_ns: 1.0,
-            image: *image,
+            sensor: *sensor,
             grid,
             order: tiling.order,
             sequence,
@@ -60,7 +59,8 @@ impl TilePlan {
 
     /// Plans about `n_rows` rows of a picture, evenly spread and in whole tiles, as a separate
     /// picture; the whole picture if it has no more.
-    pub fn of_some_rows(image: &Image, tile_size: u32, n_rows: u32) -> Self {
+    pub fn of_some_rows(sensor: &Sensor, tile_size: u32, n_rows: u32) -> Self {
+        let image = &sensor.image;
         let [n_all, n_rows_of_tiles] = [image.height, n_rows].map(|n| n / tile_size);
         let n_rows_of_tiles = n_rows_of_tiles.max(1);
         let first_row = |i: u32| {
@@ -75,7 +75,7 @@ impl TilePlan {
         };
         let grid = TileGrid::new(image.width, height, tile_size);
         Self {
-            image: *image,
+            sensor: *sensor,
             grid,
             order: TileOrder::Scanline,
             sequence: (0..grid.n_tiles()).collect(),
@@ -103,16 +103,16 @@ impl TilePlan {
     /// Keeps only the tiles of one part of the picture, in order. All parts together have each tile
     /// once, and about the same work, whatever the machine and the order. Traces a few rays through
     /// each tile on the current rayon pool.
-    pub fn of_part(mut self, scene: &Scene, accel: &Accel, part: PicturePart) -> Self {
-        let parts = dealt(self.estimated(scene, accel), part.of);
+    pub fn of_part(mut self, tracer: Tracer, part: PicturePart) -> Self {
+        let parts = dealt(self.estimated(tracer), part.of);
         (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);
         self.scaled()
     }
 
     /// Orders the tiles by their work, the most expensive first, as ranks take them. Traces a few
     /// rays through each tile on the current rayon pool.
-    pub fn most_expensive_first(mut self, scene: &Scene, accel: &Accel) -> Self {
-        self.sequence = most_work_first(self.estimated(scene, accel));
+    pub fn most_expensive_first(mut self, tracer: Tracer) -> Self {
+        self.sequence = most_work_first(self.estimated(tracer));
         self.order = TileOrder::Cost;
         self.scaled()
     }
@@ -142,11 +142,11 @@ impl TilePlan {
         self
     }
 
-    fn estimated(&mut self, scene: &Scene, accel: &Accel) -> &[u64] {
+    fn estimated(&mut self, tracer: Tracer) -> &[u64] {
         let Self {
-            image, grid, work, ..
+            sensor, grid, work, ..
         } = self;
-        work.get_or_insert_with(|| prepass::work(scene, accel, image, grid))
+        work.get_or_insert_with(|| prepass::work(tracer, sensor, grid))
     }
 
     /// Returns the work of a tile in pixels of average cost; over all tiles of the plan, it adds up
@@ -179,11 +179,11 @@ impl TilePlan {
     pub(super) fn film_without_rows(&self, scene: &Scene, cost: CostMode) -> Film {
         Film {
             space: scene.space,
-            development: scene.development,
+            development: self.sensor.development,
             ..Film::without_rows(
-                scene.extra_arrays,
+                self.sensor.extra_arrays,
                 self.grid,
-                self.image.uniform_samples(),
+                self.sensor.image.uniform_samples(),
                 cost,
             )
         }
@@ -192,7 +192,7 @@ impl TilePlan {
     /// Returns the greatest number of pixels rendered at a time, and their image.
     pub(super) fn room(&self) -> (usize, &Image) {
         let most = MAX_PIXELS.min(self.grid.tile_size.pow(2) as usize);
-        (most, &self.image)
+        (most, &self.sensor.image)
     }
 
     /// Returns the tile at a position of the order; `None` after the last.

@@ -27,9 +27,8 @@ use crate::film::Film;
 use crate::schedule::Tile;
 use base::stop;
 use math::statistics::non_negative_least_squares;
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter};
+use tracer::trace::Tracer;
 
 /// Tiles for each that is measured, and the least and the greatest number of measured tiles.
 const PER_MEASURED: usize = 64;
@@ -47,12 +46,12 @@ struct MeasuredTile {
 
 /// Returns the plan with the estimated time of each tile on this machine, in nanoseconds up to a
 /// common factor. Renders some tiles on the current rayon pool.
-pub fn estimate_times(plan: TilePlan, (scene, accel): (&Scene, &Accel), meter: &Meter) -> TilePlan {
-    let counts = prepass::counts(scene, accel, &plan.image, &plan.grid);
+pub fn estimate_times(plan: TilePlan, tracer: Tracer, meter: &Meter) -> TilePlan {
+    let counts = prepass::counts(tracer, &plan.sensor, &plan.grid);
     let chosen = chosen(plan.sequence(), &counts);
     let tiles: Vec<Tile> = chosen.iter().map(|&n| plan.grid.tile(n)).collect();
-    let film = plan.film_without_rows(scene, meter.mode());
-    let view = View::new(scene, accel, &plan.image);
+    let film = plan.film_without_rows(tracer.scene, meter.mode());
+    let view = View::new(tracer, &plan.sensor);
     let measured = match meter {
         Meter::SingleRayTime(clock) => {
             let renderer = || SingleRayRenderer::new(view, clock, plan.room());

@@ -63,12 +63,12 @@ pub(super) fn time_hottest_again(
             });
         }
         Meter::SingleRayTime(clock) => {
-            let room = (N_BEFORE as usize + 1, &plan.image);
+            let room = (N_BEFORE as usize + 1, &plan.sensor.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
             let group_of = |at| Some(pixel(at));
             again(film, end, group_of, &mut |group, wait| {
                 let place = first_pixel(&plan.in_picture(group));
-                let before = before(place, plan.image.width);
+                let before = before(place, plan.sensor.image.width);
                 wait.begin();
                 vec![renderer.time_last(before.chain([place]), wait)]
             });
@@ -85,14 +85,11 @@ fn again(
     let is_over = || stop::is_requested() || Instant::now() >= end;
     let mut wait = CpuWait::of_this_thread();
     let mut timed: Vec<Tile> = Vec::new();
-    let next = |film: &Film, timed: &[Tile]| {
-        let [HotPixel { place, .. }] = film.hottest(Metric::TIME, 1)[..] else {
-            return None;
-        };
-        let is_new = !timed.iter().any(|group| group.has(place));
-        group_of(place).filter(|_| is_new)
-    };
-    while let Some(group) = next(film, &timed) {
+    while !stop::is_requested()
+        && let [HotPixel { place, .. }] = film.hottest(Metric::TIME, 1)[..]
+        && !timed.iter().any(|group| group.has(place))
+        && let Some(group) = group_of(place)
+    {
         // Time the group.
         let mut times = vec![Vec::with_capacity(N_TIMES); group.n_pixels()];
         for i in 0..N_TIMES {
@@ -158,6 +155,7 @@ mod tests {
     use scene::yaml::Source;
     use tracer::accel::Accel;
     use tracer::cost::Meter;
+    use tracer::trace::Tracer;
 
     #[test]
     fn a_pixel_that_was_disturbed_is_not_the_hottest() {
@@ -171,15 +169,16 @@ mod tests {
         let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
         let scene = Scene::new(&config, geometries).unwrap();
         let accel = Accel::new(&scene, config.acceleration);
-        let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
+        let tracer = Tracer::new(&scene, &accel);
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), Tiling::default());
         let meter = Meter::new(CostMode::Time);
-        let (mut film, _) = render(&scene, &accel, &plan, &meter, |_| {});
+        let (mut film, _) = render(tracer, &plan, &meter, |_| {});
         // Neighbors, so that they are trusted; one of them is at the left edge.
         let disturbed = [(0, 20), (1, 20), (39, 29), (38, 29)];
         for place in disturbed {
             film.set_time(place, [1e15, 0.0]);
         }
-        let view = View::new(&scene, &accel, &plan.image);
+        let view = View::new(tracer, &plan.sensor);
         time_hottest_again(&mut film, view, &meter, &plan, Duration::from_secs(60));
         let [hottest] = film.hottest(Metric::TIME, 1)[..] else {
             panic!("no time is trusted");

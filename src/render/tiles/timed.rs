@@ -300,6 +300,7 @@ mod tests {
     use scene::world::{Geometries, Scene};
     use scene::yaml::Source;
     use tracer::accel::Accel;
+    use tracer::trace::Tracer;
 
     #[test]
     fn a_warm_up_is_timed_and_not_counted() {
@@ -312,8 +313,9 @@ mod tests {
         let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
         let scene = Scene::new(&config, geometries).unwrap();
         let accel = Accel::new(&scene, config.acceleration);
-        let plan = TilePlan::new(&scene, &accel, &config.image, Tiling::default());
-        let view = View::new(&scene, &accel, &config.image);
+        let tracer = Tracer::new(&scene, &accel);
+        let plan = TilePlan::new(tracer, &scene.sensor(&config), Tiling::default());
+        let view = View::new(tracer, &plan.sensor);
         let clock = Clock::calibrated();
         let mut cold = StreamRenderer::<Counters>::new(view);
         let mut warm = SingleRayRenderer::new(view, &clock, plan.room());

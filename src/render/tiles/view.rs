@@ -7,10 +7,8 @@ use crate::film::Pixel;
 use math::sampling::{Dimension, FilterSampler, Sampler};
 use math::simd::{Integer, Mask, Real, Vector};
 use scene::camera::ImagePlane;
-use scene::config::Image;
 use scene::geometry::Ray;
-use scene::world::Scene;
-use tracer::accel::Accel;
+use scene::world::Sensor;
 use tracer::shade::{PathRay, SampleId, Shader};
 use tracer::trace::Tracer;
 
@@ -43,32 +41,27 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Creates the view of a scene through the pixels of an image.
-    pub fn new(scene: &'a Scene, accel: &'a Accel<'a>, image: &Image) -> Self {
+    /// Creates the view of a scene through the pixels of a sensor.
+    pub fn new(tracer: Tracer<'a>, sensor: &Sensor) -> Self {
+        let Sensor {
+            ref image, plane, ..
+        } = *sensor;
+        let scene = tracer.scene;
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {
-            tracer: Tracer::new(scene, accel),
+            tracer: tracer.with_cone(sensor.cone),
             shader: Shader::new(scene, sampler),
-            rounds: Rounds::new(image, scene.development.gain()),
+            rounds: Rounds::new(image, sensor.development.gain()),
             middle: sampler.center(),
-            sample_limit: scene.sample_limit,
-            counts_bounces: scene.extra_arrays.bounces,
-            plane: scene.image_plane,
+            sample_limit: sensor.sample_limit,
+            counts_bounces: sensor.extra_arrays.bounces,
+            plane,
             unit: scene.space.world_length(1.0),
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),
             width: image.picture_size()[0],
             origin: image.origin(),
-            pitch: scene.image_plane.pitch(),
-        }
-    }
-
-    /// Replaces the image plane.
-    pub fn through(self, plane: ImagePlane) -> Self {
-        Self {
-            plane,
             pitch: plane.pitch(),
-            ..self
         }
     }
 

@@ -15,9 +15,8 @@ use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
 use base::stop;
-use scene::world::Scene;
-use tracer::accel::Accel;
 use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+use tracer::trace::Tracer;
 
 /// Greatest number of bytes of tiles in a message: more would keep rank 0 from the other workers.
 const MAX_BYTES: usize = 1 << 20;
@@ -31,9 +30,9 @@ type DealtTile = (u8, u32);
 /// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each pixel
 /// measured with the `meter`, and sends them back, until rank 0 has no more. After a request to
 /// stop ([`stop`]) it ends at once.
-pub fn work(ranks: &Ranks, (scene, accel): (&Scene, &Accel), plan: &TilePlan, meter: &Meter) {
-    let film = &plan.film_without_rows(scene, meter.mode());
-    let view = View::new(scene, accel, &plan.image);
+pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) {
+    let film = &plan.film_without_rows(tracer.scene, meter.mode());
+    let view = View::new(tracer, &plan.sensor);
     match meter {
         Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
         Meter::Counters => {

@@ -23,13 +23,12 @@ mod light_source;
 mod light_choice;
 mod lights;
 mod timeline;
+mod sensor;
 
 use glam::Vec3;
 
 use crate::background::Background;
-use crate::camera::{ImagePlane, RayCone};
-use crate::color::Development;
-use crate::config::{Config, ExtraArrays, Geometry, GeometryFile, Object, Shading, ShadingModel};
+use crate::config::{Config, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::fog::FogSphere;
 use crate::geometry::RenderSpace;
 use crate::material::{ArrayTexture, FactorPictures, Material, TexturePoint};
@@ -53,6 +52,7 @@ pub use instances::{Instance, InstanceId, Instances, PlacedPrimitive, World};
 pub use light_source::LightNumbers;
 pub use lights::{LightOrigin, Lights};
 pub use primitive::{MaterialId, ObjectId, Primitive};
+pub use sensor::Sensor;
 pub use surface_class::SurfaceClass;
 pub use timeline::{SceneFrame, Timeline};
 
@@ -61,20 +61,10 @@ pub use timeline::{SceneFrame, Timeline};
 pub struct Scene {
     /// The space of all coordinates and lengths, with the way back to world space.
     pub space: RenderSpace,
-    /// The positions of the pixels.
-    pub image_plane: ImagePlane,
-    /// The footprint of a camera ray as a cone, if a material has a picture.
-    pub cone: Option<RayCone>,
     /// The radiance of rays without a hit.
     pub background: Background,
     /// The shading model and its parameters.
     pub shading: Shading,
-    /// The conversion of light to the numbers of the picture.
-    pub development: Development,
-    /// The greatest value of a channel of a sample.
-    pub sample_limit: f32,
-    /// The arrays of the film beyond what every film keeps.
-    pub extra_arrays: ExtraArrays,
     /// The fog around the objects.
     pub fog: Option<FogSphere>,
     /// The lights.
@@ -91,6 +81,8 @@ pub struct Scene {
     has_media: bool,
     /// True if any material has holes.
     has_cutouts: bool,
+    /// True if any material has a picture.
+    pub has_images: bool,
     /// True if pictures vary the roughness, the metallicness or the emission of any material.
     pub has_factors: bool,
     /// Number of triangles of meshes that were left out because they have no area.
@@ -156,20 +148,12 @@ impl Scene {
 
     /// Returns the scene with its settings and materials, but neither objects nor lights.
     fn without_objects(config: &Config, geometries: &Geometries, space: RenderSpace) -> Self {
-        let plane = config
-            .camera
-            .image_plane(config.image.picture_size(), &space);
         let has = |is_such: fn(&Material) -> bool| config.materials.values().any(is_such);
         let materials = config.materials.values().cloned();
         Self {
             space,
-            image_plane: plane,
-            cone: has(Material::has_images).then(|| plane.ray_cone(config.image.samples_per_pixel)),
             background: geometries.pictures.background(config),
             shading: config.shading.in_space(&space),
-            development: config.film.development(config.shading.model),
-            sample_limit: config.film.sample_limit(config.shading.model),
-            extra_arrays: config.extra_arrays(),
             fog: None,
             lights: Lights::default(),
             materials: materials
@@ -177,6 +161,7 @@ impl Scene {
                 .collect(),
             has_media: has(|material| material.dielectric.is_some()),
             has_cutouts: has(|material| material.cutout.is_some()),
+            has_images: has(Material::has_images),
             has_factors: has(|material| material.factors != FactorPictures::default()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
             instances: None,

@@ -82,7 +82,7 @@ impl<'a> WaveShader<'a> {
 
     /// Returns true if textures need the lengths of paths.
     pub fn measures_paths(&self) -> bool {
-        self.scene.cone.is_some()
+        self.scene.has_images
     }
 
     /// Returns true if [`PathStarts::ids`] are needed.

@@ -10,6 +10,7 @@ use math::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes, lanes_mut, set_lane,
     to_arrays,
 };
+use scene::camera::RayCone;
 use scene::geometry::{InstanceTransform, RayStream};
 use scene::material::{PictureFactors, TexturePoint};
 use scene::world::{
@@ -20,7 +21,8 @@ use scene::world::{
 /// Computes the points of grouped hits.
 pub(super) struct FindPoints<'a> {
     pub(super) scene: &'a Scene,
-    /// Lengths of the paths before the rays, in a scene with a cone.
+    pub(super) cone: Option<RayCone>,
+    /// Lengths of the paths before the rays, with a cone.
     pub(super) lengths: &'a [f32],
     pub(super) rays: &'a RayStream,
     pub(super) hits: &'a [Option<Hit>],
@@ -148,7 +150,7 @@ impl FindPoints<'_> {
                 None => self.placed_scalars(set, &hits, position),
             };
         }
-        if let Some(cone) = self.scene.cone {
+        if let Some(cone) = self.cone {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
             at_point.width = width(cone, distance, geometric_normal, direction);
         }

@@ -15,23 +15,37 @@ use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use find_points::FindPoints;
 use math::simd::{Simd, Vector};
 pub use points::{PointGroup, PointLanes, Points};
+use scene::camera::RayCone;
 use scene::geometry::{Ray, RayStream};
 use scene::material::TexturePoint;
 use scene::world::Scene;
 pub use surface_point::{ShadingPoint, SurfacePoint};
 use surface_point::{on_side_of, side, width};
 
-/// Traces rays through a scene and reports their counters to a probe.
+/// A scene with a structure over its primitives: traces rays and reports their counters to a probe.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracer<'a> {
-    scene: &'a Scene,
-    accel: &'a Accel<'a>,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The structure.
+    pub accel: &'a Accel<'a>,
+    /// The footprint of a camera ray, by which textures are filtered; `None` for a point.
+    cone: Option<RayCone>,
 }
 
 impl<'a> Tracer<'a> {
     /// Creates a tracer of rays through `scene`; `accel` is a structure over its primitives.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>) -> Self {
-        Self { scene, accel }
+        Self {
+            scene,
+            accel,
+            cone: None,
+        }
+    }
+
+    /// Filters textures by the footprint of a camera ray.
+    pub fn with_cone(self, cone: Option<RayCone>) -> Self {
+        Self { cone, ..self }
     }
 
     /// Returns the nearest surface point on a camera ray, whose direction is a unit vector.
@@ -132,7 +146,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Computes the surface points of the grouped hits of these rays. `lengths` are the lengths of
-    /// the paths before the rays, in a scene with a [`cone`](Scene::cone).
+    /// the paths before the rays, with a [cone](Self::with_cone).
     pub fn surface_points(
         &self,
         lengths: &[f32],
@@ -142,6 +156,7 @@ impl<'a> Tracer<'a> {
     ) {
         self.simd().run(FindPoints {
             scene: self.scene,
+            cone: self.cone,
             lengths,
             rays,
             hits,
@@ -167,8 +182,10 @@ impl<'a> Tracer<'a> {
         let mut at = TexturePoint::new(position.into(), normal);
         at.scalar = self.scene.scalar(placed, position);
         at = self.scene.with_color(placed, at);
-        if let Some(cone) = self.scene.cone {
+        if self.scene.has_images {
             at = self.scene.with_uv(placed, at);
+        }
+        if let Some(cone) = self.cone {
             at.width = width(cone, length + hit.t, geometric_normal, ray.direction.into());
         }
         // Evaluate the textures.

@@ -1,0 +1,46 @@
+//! What takes the picture of a scene.
+
+use super::Scene;
+use crate::camera::{ImagePlane, RayCone};
+use crate::color::Development;
+use crate::config::{Config, ExtraArrays, Image};
+
+/// Camera, sampler and film of a picture, as in Mitsuba: where its pixels are, and how their light
+/// is kept.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensor {
+    /// The size, the window and the samples of the picture.
+    pub image: Image,
+    /// The positions of the pixels of the whole picture, in render space.
+    pub plane: ImagePlane,
+    /// The footprint of a camera ray as a cone, if a material has a picture.
+    pub cone: Option<RayCone>,
+    /// The conversion of light to the numbers of the picture.
+    pub development: Development,
+    /// The greatest value of a channel of a sample.
+    pub sample_limit: f32,
+    /// The arrays of the film beyond what every film keeps.
+    pub extra_arrays: ExtraArrays,
+}
+
+impl Scene {
+    /// Returns the sensor of the scene's config.
+    pub fn sensor(&self, config: &Config) -> Sensor {
+        self.sensor_of(config, config.image)
+    }
+
+    /// Returns the sensor of the scene's config for another image.
+    pub fn sensor_of(&self, config: &Config, image: Image) -> Sensor {
+        let plane = (config.camera).image_plane(image.picture_size(), &self.space);
+        let cone = || plane.ray_cone(image.samples_per_pixel);
+        let model = config.shading.model;
+        Sensor {
+            image,
+            plane,
+            cone: self.has_images.then(cone),
+            development: config.film.development(model),
+            sample_limit: config.film.sample_limit(model),
+            extra_arrays: config.extra_arrays(),
+        }
+    }
+}
