@@ -10,12 +10,12 @@ use scene::config::{Config, Image, Repeats};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
-/// Camera rays of the rows, unless the minimum number of rows has more: about a second.
-const N_SAMPLES: u64 = 1 << 20;
+/// Camera rays of the rows, unless the minimum number of rows has more: about half a second.
+const N_SAMPLES: u64 = 1 << 19;
 
 /// Minimum number of rows of tiles. If their camera rays are too many, pixels have fewer samples.
-const LEAST_ROWS_OF_TILES: u32 = 4;
-const MOST_SAMPLES: u64 = 1 << 22;
+const LEAST_ROWS_OF_TILES: u32 = 3;
+const MOST_SAMPLES: u64 = 1 << 20;
 
 /// Two renderings, which show the spread of times.
 const TWICE: Repeats = Repeats::Exactly(NonZeroU8::new(2).unwrap());
