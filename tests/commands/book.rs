@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
 use serde_yaml::{Mapping, Value};
 
 use crate::common::{film, in_repository, parse};
@@ -135,34 +136,37 @@ fn the_error_is_the_one_that_the_mistake_gives() {
     assert_eq!(blocks(&page, "text"), [format!("{error}\n")]);
 }
 
-/// Each page's commands run in order in a folder of their own, by a real shell.
-/// Programs that are not built here have stand-ins that check what they can.
+/// Each page's commands run in order in a folder of their own, by a real shell; pages run beside
+/// each other. Programs that are not built here have stand-ins that check what they can.
 #[cfg(unix)]
 #[test]
 fn the_commands_run() {
-    let mut n_commands = 0;
-    for (path, text) in pages() {
-        let script = blocks(&text, "sh").join("\n");
-        if script.is_empty() {
-            continue;
-        }
-        let folder = tempfile::tempdir().unwrap();
-        let stand_ins = stand_ins(folder.path());
-        let mut paths = vec![stand_ins];
-        paths.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
-        let output = std::process::Command::new("bash")
-            .args(["-euo", "pipefail", "-c", &script])
-            .current_dir(folder.path())
-            .env("PATH", std::env::join_paths(paths).unwrap())
-            .env("HOME", folder.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{path}: {said}");
-        let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
-        n_commands += script.lines().filter(is_command).count();
-    }
+    let n_commands: usize = pages().into_par_iter().map(run_commands).sum();
     assert!(n_commands >= 20, "{n_commands}");
+}
+
+/// Runs the commands of a page; returns their number.
+#[cfg(unix)]
+fn run_commands((path, text): (String, String)) -> usize {
+    let script = blocks(&text, "sh").join("\n");
+    if script.is_empty() {
+        return 0;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let stand_ins = stand_ins(folder.path());
+    let mut paths = vec![stand_ins];
+    paths.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
+    let output = std::process::Command::new("bash")
+        .args(["-euo", "pipefail", "-c", &script])
+        .current_dir(folder.path())
+        .env("PATH", std::env::join_paths(paths).unwrap())
+        .env("HOME", folder.path())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{path}: {said}");
+    let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    script.lines().filter(is_command).count()
 }
 
 /// Fills a folder with what the pages' commands find in the repository;

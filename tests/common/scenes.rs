@@ -386,8 +386,10 @@ prop_compose! {
         background in prop::sample::select(&BACKGROUNDS[..]),
         fog in prop::sample::select(&FOGS[..]),
     ) -> RandomScene {
+        // Without a hierarchy each ray tests all primitives.
+        let most = if acceleration == "brute_force" { 12 } else { 40 };
         RandomScene {
-            model, size, samples, max_depth, seed, has_media, has_lamps, has_holes, has_instances,
+            model, size: size.map(|n| n.min(most)), samples, max_depth, seed, has_media, has_lamps, has_holes, has_instances,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color, wire_color], wire_scale, reflections, specular, lights, acceleration, camera, sampling,

@@ -129,7 +129,7 @@ proptest! {
         exponent in -30..=30,
     ) {
         if scene.model != "seed" {
-            let scene = RandomScene { size: SIZE, ..scene };
+            let scene = RandomScene { size: SIZE, acceleration: "bvh", ..scene };
             let text = scene.text();
             check_scaled("random", &text, &small(parse(&text)), exponent);
         }
