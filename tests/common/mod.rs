@@ -157,7 +157,7 @@ pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedul
         .build()
         .unwrap();
     pool.install(|| {
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
         render(tracer, &plan, &Meter::new(config.cost), |_| {})
     })
 }

@@ -18,7 +18,7 @@ fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &scene.sensor(&config), None);
+    let observer = Observer::new(tracer, &scene.sensor(config), None);
     let mut tree = RayTree::default();
     for pixel in 0..config.image.n_pixels() {
         let [x, y] = [

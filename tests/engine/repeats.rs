@@ -35,7 +35,7 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
         repeat(exactly(n_repeats), tracer, &plan, &meter, |_| {})
     });
     (film, repeats)

@@ -61,13 +61,13 @@ fn with_rays(
     let scene = scene_in_world(config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &scene.sensor(&config), clock);
+    let observer = Observer::new(tracer, &scene.sensor(config), clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {
         name: "scene",
         time: None,
         scene: &scene,
-        plane: &scene.sensor(&config).plane,
+        plane: &scene.sensor(config).plane,
         pixels: &pixels.unwrap(),
         is_timed: clock.is_some(),
         cloud: &Film::new(TileGrid::new(1, 1, 16), 1, CostMode::None),

@@ -91,7 +91,7 @@ impl RayTree {
     }
 
     /// Returns the pixel's color: the mean of the samples, each channel of which is limited to
-    /// `most`, as by [`Scene::sample_limit`](scene::world::Scene::sample_limit).
+    /// `most`, as by [`Sensor::sample_limit`](scene::world::Sensor::sample_limit).
     pub fn limited_color(&self, most: f32) -> Vec3 {
         let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
         let most = Vec3::splat(most / n_samples as f32);

@@ -64,8 +64,7 @@ impl Noise {
         }
     }
 
-    /// Returns the comparison; `None` for [`Self::Unknown`] and
-    /// [`Self::Cut`].
+    /// Returns the comparison; `None` for [`Self::Unknown`] and [`Self::Cut`].
     pub fn test(&self) -> Option<&Test> {
         match self {
             Self::Unknown | Self::Cut => None,

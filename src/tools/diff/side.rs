@@ -155,7 +155,11 @@ impl Side {
         match array.n_components {
             1 => {
                 let values: Vec<f64> = array.values.iter().collect();
-                Ok(self.compared(&values, 1))
+                Ok(if self.is_cut() {
+                    self.compared(&values, 1)
+                } else {
+                    values
+                })
             }
             _ => Err(self.foreign(metric.name)),
         }
