@@ -29,8 +29,15 @@ pub struct Chromium {
 impl Chromium {
     /// Starts a browser with a window of this size and opens a page, which sets
     /// `data-ready` when it is complete.
-    pub fn open(page: &Path, [width, height]: [u32; 2]) -> Self {
-        let mut browser = Self::start();
+    pub fn open(page: &Path, size: [u32; 2]) -> Self {
+        let mut browser = Self::start(size);
+        browser.visit(page, "document.body && 'ready' in document.body.dataset");
+        browser
+    }
+
+    /// Starts a browser with an empty window of this size.
+    pub fn start([width, height]: [u32; 2]) -> Self {
+        let mut browser = Self::launch();
         let target = browser.send("Target.createTarget", json!({ "url": "about:blank" }));
         let session = browser.send(
             "Target.attachToTarget",
@@ -41,13 +48,17 @@ impl Chromium {
             browser.send(&format!("{domain}.enable"), json!({}));
         }
         browser.resize(width, height);
-        let url = format!("file://{}", std::path::absolute(page).unwrap().display());
-        browser.send("Page.navigate", json!({ "url": url }));
-        browser.wait_until("document.body && 'ready' in document.body.dataset");
         browser
     }
 
-    fn start() -> Self {
+    /// Opens a page, and waits until a condition holds.
+    pub fn visit(&mut self, page: &Path, ready: &str) {
+        let url = format!("file://{}", std::path::absolute(page).unwrap().display());
+        self.send("Page.navigate", json!({ "url": url }));
+        self.wait_until(ready);
+    }
+
+    fn launch() -> Self {
         let program = std::env::var("RAYCOST_CHROMIUM").expect("run tests/with-chromium");
         let profile = tempfile::tempdir().unwrap();
         let mut process = Command::new(program)
@@ -264,7 +275,8 @@ impl Chromium {
                 }
                 "Network.requestWillBeSent" => {
                     let url = parameters["request"]["url"].as_str().unwrap();
-                    assert!(url.starts_with("file://"), "requests {url}");
+                    let is_local = url.starts_with("file://") || url.starts_with("data:");
+                    assert!(is_local, "requests {url}");
                 }
                 _ => {}
             }

@@ -46,3 +46,4 @@ mod series;
 mod view;
 mod vtk_files;
 mod vtk_rays;
+mod website;
