@@ -56,13 +56,29 @@ pub fn wrapped(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Breaks lines of more than `width` characters between words; what follows is indented.
+/// Stands for a space that no line breaks at.
+const GLUE: char = '\u{e000}';
+
+/// Breaks lines of more than `width` characters between words, but not after a number, whose unit
+/// follows. Indents what follows in a line.
 fn wrapped_to(text: &str, width: usize) -> String {
     let options = textwrap::Options::new(width)
         .subsequent_indent(INDENT)
         .break_words(false)
         .word_splitter(textwrap::WordSplitter::NoHyphenation);
-    textwrap::fill(text, options)
+    let mut last = ' ';
+    let glued = |c: char| {
+        let before = std::mem::replace(&mut last, c);
+        if c == ' ' && before.is_ascii_digit() {
+            GLUE
+        } else {
+            c
+        }
+    };
+    let glued: String = text.chars().map(glued).collect();
+    let lines = glued.split_inclusive('\n');
+    let filled: String = lines.map(|line| textwrap::fill(line, &options)).collect();
+    filled.replace(GLUE, " ")
 }
 
 /// Prints styled text to standard output, without styles unless it is a terminal. Untrusted parts
