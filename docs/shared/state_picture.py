@@ -7,4 +7,7 @@ from paraview import simple as pv
 state, file, width, height = sys.argv[1:]
 pv._DisableFirstRenderCameraReset()
 pv.LoadState(state)
-pv.SaveScreenshot(file, pv.GetLayout(), ImageResolution=[int(width), int(height)])
+layout = pv.GetLayout()
+size = [int(width), int(height)]
+layout.SetSize(size)
+pv.SaveScreenshot(file, layout, ImageResolution=size)
