@@ -66,16 +66,12 @@ fn wrapped_to(text: &str, width: usize) -> String {
         .subsequent_indent(INDENT)
         .break_words(false)
         .word_splitter(textwrap::WordSplitter::NoHyphenation);
-    let mut last = ' ';
-    let glued = |c: char| {
-        let before = std::mem::replace(&mut last, c);
-        if c == ' ' && before.is_ascii_digit() {
-            GLUE
-        } else {
-            c
-        }
+    let before = std::iter::once(' ').chain(text.chars());
+    let glued = |(c, before): (char, char)| match c {
+        ' ' if before.is_ascii_digit() => GLUE,
+        c => c,
     };
-    let glued: String = text.chars().map(glued).collect();
+    let glued: String = text.chars().zip(before).map(glued).collect();
     let lines = glued.split_inclusive('\n');
     let filled: String = lines.map(|line| textwrap::fill(line, &options)).collect();
     filled.replace(GLUE, " ")

@@ -43,10 +43,7 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// Creates the view of a scene through the pixels of a sensor.
     pub fn new(tracer: Tracer<'a>, sensor: &Sensor) -> Self {
-        let Sensor {
-            ref image, plane, ..
-        } = *sensor;
-        let scene = tracer.scene;
+        let (image, plane, scene) = (&sensor.image, sensor.plane, tracer.scene);
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
         Self {
             tracer: tracer.with_cone(sensor.cone),

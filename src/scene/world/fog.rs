@@ -43,9 +43,7 @@ impl Scene {
         let bounds = bounds(self.world().upper_level());
         let center = bounds.center();
         let to_corner = 0.5 * (bounds.max - bounds.min).length();
-        let size = config.image.picture_size();
-        let eye = config.camera.image_plane(size, &self.space).eye;
-        let to_camera = eye.distance(center);
+        let to_camera = self.sensor(config).plane.eye.distance(center);
         let around_all = to_corner.max(to_camera).max(f32::MIN_POSITIVE);
         let phase = HenyeyGreenstein {
             anisotropy: fog.anisotropy,

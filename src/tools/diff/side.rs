@@ -194,7 +194,7 @@ impl Side {
         Ok(self.compared(numbers, n_components))
     }
 
-    /// Returns the values of the compared pixels out of those of the frame.
+    /// Returns the values of the compared pixels out of the values of the frame.
     fn compared<T: Copy>(&self, values: &[T], n_components: usize) -> Vec<T> {
         let first = self.summary().image.place().origin;
         let [x, y] = [0, 1].map(|axis| (self.origin[axis] - first[axis]) as usize);

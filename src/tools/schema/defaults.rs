@@ -129,7 +129,7 @@ fn default_of<T: DeserializeOwned + Debug + PartialEq>(
     if others.is_empty() || default.is_some() {
         return default.filter(|_| !others.is_empty());
     }
-    // The numbers that stand in the place of those of a sample.
+    // The numbers that stand in the place of a sample's.
     let text = format!("{absent:?}");
     let numbers = others
         .iter()
