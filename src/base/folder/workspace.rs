@@ -28,6 +28,9 @@ const PLAN: &str = "plan.json";
 /// Longest plan that is read, in bytes: room for the names of several thousand files.
 const MAX_PLAN: u64 = 64 << 20;
 
+/// Maximum number of attempts to create a workspace.
+const N_TRIES: usize = 100;
+
 /// The steps of a commit.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct CommitPlan {
@@ -52,8 +55,19 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    /// Creates a workspace in `parent` for the files of a folder with this name.
+    /// Creates a workspace in `parent` for the files of a folder with this name. Another run may take
+    /// one that is not locked yet for a killed run's and remove it; then this creates another.
     pub(super) fn create(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
+        for _ in 1..N_TRIES {
+            match Self::create_once(parent, folder_name) {
+                Err(error) if error.kind() == io::ErrorKind::NotFound && parent.is_dir() => {}
+                done => return done,
+            }
+        }
+        Self::create_once(parent, folder_name)
+    }
+
+    fn create_once(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
         let mut builder = tempfile::Builder::new();
         let prefix = prefix(folder_name);
         let made = builder
@@ -61,7 +75,9 @@ impl Workspace {
             .make_in(parent, disk::create_private_dir)?;
         let path = made.into_parts().1.keep()?;
         let mut this = Self { path, lock: None };
-        this.lock = lock(&this.path)?;
+        let locked = lock(&this.path)?;
+        // A run that removes it holds the lock.
+        this.lock = Some(locked.ok_or(io::ErrorKind::NotFound)?);
         disk::create_dir(&this.new_files())?;
         Ok(this)
     }
