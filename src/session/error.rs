@@ -21,7 +21,7 @@ impl RenderError {
     pub(crate) fn of_rank(rank: &str, failure: &RankFailure) -> Self {
         let diagnostic = Diagnostic::new(format!("{rank} cannot render with rank 0"))
             .with_note(&*failure.message)
-            .with_help("all ranks need the same program, scene, flags and VTKHDF files");
+            .with_help("all ranks need the same program, scene, flags and files");
         match failure.exit_code {
             2 => Self::Scene(diagnostic),
             _ => Self::Machine(diagnostic),

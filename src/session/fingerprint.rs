@@ -39,27 +39,8 @@ impl Session {
         flags: Vec<String>,
         part: Option<PicturePart>,
     ) -> Result<Header, Diagnostic> {
-        self.header_with(files(&self.document, &self.config), flags, part)
-    }
-
-    /// Returns the header that identifies the tiles of a rank. It hashes only the files that rank 0
-    /// has not read for all.
-    ///
-    /// # Errors
-    /// If such a file cannot be read.
-    pub(crate) fn header_of_rank(&self, flags: Vec<String>) -> Result<Header, Diagnostic> {
-        let files = named_files(&self.document, &self.config).into_iter();
-        let own = files.filter(|file| import::is_read_by_each_rank(file));
-        self.header_with(own, flags, None)
-    }
-
-    fn header_with(
-        &self,
-        files: impl Iterator<Item = PathBuf>,
-        flags: Vec<String>,
-        part: Option<PicturePart>,
-    ) -> Result<Header, Diagnostic> {
-        let (config, frame) = (&self.config, self.frame.as_ref());
+        let (document, config) = (&self.document, &self.config);
+        let frame = self.frame.as_ref();
         let frame_time = frame.map(|frame| (frame.number, frame.time));
         let base = self.base_contents.get().copied();
         let Build {
@@ -75,7 +56,7 @@ impl Session {
             flags,
             folder: folder.to_string_lossy().into_owned(),
             frame: frame.map(|frame| frame.number),
-            fingerprint: of_pixels(config, (frame_time, base), files)?,
+            fingerprint: of_pixels(config, (frame_time, base), files(document, config))?,
             part,
             layout: RecordLayout {
                 width: config.image.width,

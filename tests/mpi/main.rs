@@ -1,4 +1,4 @@
-//! `mpirun raycost render`: with the feature `mpi` the ranks render one picture; without,
+//! `mpirun raycost render`: with the feature `mpi` the ranks render each picture together; without,
 //! they are refused.
 #![cfg(unix)]
 
@@ -7,6 +7,8 @@ mod common;
 
 #[cfg(feature = "mpi")]
 mod failures;
+#[cfg(feature = "mpi")]
+mod frames;
 #[cfg(feature = "mpi")]
 mod files;
 #[cfg(feature = "mpi")]

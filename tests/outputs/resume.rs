@@ -393,11 +393,7 @@ fn flags_that_make_no_sense_are_refused() {
     let folder = Folder::new();
     for (flags, expected) in [
         (
-            &["--resume", "--measure-overhead"][..],
-            "`--resume` and `--measure-overhead`",
-        ),
-        (
-            &["--timeout=1h", "--measure-overhead"],
+            &["--timeout=1h", "--measure-overhead"][..],
             "`--timeout` and `--measure-overhead`",
         ),
         (&["--timeout=5"], "such as 90s"),

@@ -4,24 +4,24 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::hierarchies::{self, FrameHierarchies};
+use super::hierarchies::{self, FrameHierarchies, FrameInput};
 use super::part::{self, PartDone};
 use super::picture::{FinishedPicture, Until};
+use super::ranks::Crew;
 use super::tiles;
 use super::{RenderArguments, start_profiler};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, json, shell_word, shown};
-use crate::session::{Frames, Input, Session};
+use crate::session::{Frames, Session};
 use base::stop;
 use base::text::numbers::{counted, duration};
 use base::text::{self, Diagnostic};
 use output::memory::Memory;
 use output::results::complete_frame;
-use output::summary::{FrameSection, Partial};
+use output::summary::Partial;
 use render::checkpoint::{PARTS, PicturePart};
 use render::instruments::Stages;
-use scene::config::Config;
-use scene::yaml::Document;
+use render::ranks::Order;
 use tools::series::{FrameSeries, Video, frame_folder};
 
 /// Renders the incomplete frames, and writes the files that play all complete ones.
@@ -29,7 +29,7 @@ pub(super) fn render(
     arguments: &RenderArguments,
     scene: &OpenScene,
     frames: &Frames,
-    deadline: Option<Instant>,
+    (crew, deadline): (Option<&Crew>, Option<Instant>),
 ) -> Result<(), Failure> {
     let start = Instant::now();
     let out = arguments.scene.out();
@@ -45,6 +45,7 @@ pub(super) fn render(
         scene,
         frames,
         out: &out,
+        crew,
         deadline,
         hierarchies: FrameHierarchies::new(scene)?,
     };
@@ -54,17 +55,15 @@ pub(super) fn render(
         if arguments.merges && !folder.join(PARTS).exists() {
             continue;
         }
-        let (document, config, section) = job.frame(number)?;
-        let done = match complete_frame(&folder, &section) {
+        let frame = job.frame(number)?;
+        let done = match complete_frame(&folder, &frame.section) {
             Some(_) => {
                 tiles::remove_left(&folder);
                 FrameDone::Kept
             }
-            None => job
-                .render(&folder, document, config, section)
-                .map_err(|failure| {
-                    failure.or_kept(|| frames_kept(arguments, n_kept + n_rendered))
-                })?,
+            None => job.render(&folder, frame).map_err(|failure| {
+                failure.or_kept(|| frames_kept(arguments, n_kept + n_rendered))
+            })?,
         };
         if arguments.json {
             json::print_summary(&folder)?;
@@ -82,7 +81,7 @@ pub(super) fn render(
         None => job.finish()?,
         Some(_) => part::next_line(&out),
     };
-    if !arguments.quiet && !arguments.json {
+    if !arguments.run.quiet && !arguments.json {
         let kept = match n_kept {
             0 => String::new(),
             n => format!(", {n} complete from an earlier run"),
@@ -102,7 +101,7 @@ pub(super) fn render(
 
 /// Returns what a stopped run keeps, and how to continue.
 fn frames_kept(arguments: &RenderArguments, n_complete: u64) -> Option<Diagnostic> {
-    if arguments.quiet {
+    if arguments.run.quiet {
         return None;
     }
     let n_frames = counted(n_complete, "complete frame");
@@ -178,6 +177,8 @@ struct FrameJob<'a> {
     frames: &'a Frames,
     /// The folder of the series.
     out: &'a Path,
+    /// The other ranks, if there are several.
+    crew: Option<&'a Crew>,
     /// The moment after which no further tile is started.
     deadline: Option<Instant>,
     /// The acceleration structures.
@@ -185,9 +186,8 @@ struct FrameJob<'a> {
 }
 
 impl FrameJob<'_> {
-    /// Returns the scene at a frame, and the section of its summary.
-    fn frame(&self, number: u32) -> Result<(Document, Config, FrameSection), Failure> {
-        let (document, config) = self.scene.at(number)?;
+    /// Returns a frame.
+    fn frame(&self, number: u32) -> Result<FrameInput, Failure> {
         let RenderArguments {
             measure_overhead,
             hardware_counters,
@@ -196,52 +196,48 @@ impl FrameJob<'_> {
         } = self.arguments;
         let flags = format!("{:?}", (measure_overhead, hardware_counters, profile));
         let flags = flags + &self.hierarchies.flags();
-        let section = self.frames.section(number, (&document, &config), &flags);
-        Ok((document, config, section))
+        FrameInput::read(self.scene, self.frames, number, &flags)
     }
 
     /// Renders a frame, or a part of it, into its folder.
-    fn render(
-        &mut self,
-        folder: &Path,
-        document: Document,
-        config: Config,
-        section: FrameSection,
-    ) -> Result<FrameDone, Failure> {
+    fn render(&mut self, folder: &Path, frame: FrameInput) -> Result<FrameDone, Failure> {
         let arguments = self.arguments;
+        let (number, n_frames) = (frame.section.number, frame.section.n_frames);
+        if let Some(crew) = self.crew {
+            crew.begin(Order::Frame(number));
+        }
         let stages = Stages::start(arguments.hardware());
         let profiler = arguments.profile.then(start_profiler).transpose()?;
-        let (number, n_frames) = (section.number, section.n_frames);
-        let geometry = Frames::geometry(&document, &config);
         let needed = match arguments.part {
             Some(_) => Memory::of_part,
             None => Memory::of,
         };
-        let input = Input::read_frame(document, config, section, needed)?;
-        let session = Session::new(input, stages)?;
         let silent = |_| {};
         let options = arguments.options(&silent);
-        let is_kept = self.hierarchies.give_to(&session, geometry, &options)?;
+        let frame = self.hierarchies.open(frame, needed, stages, &options)?;
+        let session = &frame.session;
         let done = match arguments.part {
             Some(part) => {
                 let part_until = (part, self.deadline);
-                FrameRender::Part(part, part::render(arguments, &session, folder, part_until)?)
+                FrameRender::Part(part, part::render(arguments, session, folder, part_until)?)
             }
             None => {
+                let team = self.crew.map(|crew| crew.gather(arguments, session));
+                let team = team.transpose()?;
                 let until = Until {
                     deadline: self.deadline,
                     profiler: profiler.as_ref(),
-                    ..Until::default()
+                    team: team.as_ref(),
                 };
-                whole(arguments, &session, folder, until)?
+                whole(arguments, session, folder, until)?
             }
         };
-        self.hierarchies.take_from(&session, geometry)?;
-        if !arguments.quiet && !arguments.json {
+        self.hierarchies.take_from(&frame)?;
+        if !arguments.run.quiet && !arguments.json {
             text::print(&match &done {
                 FrameRender::Part(part, done) => done.line(*part, folder),
                 FrameRender::Whole(text, _) => {
-                    let hierarchy = hierarchies::line(session.hierarchy(), is_kept);
+                    let hierarchy = hierarchies::line(session.hierarchy(), frame.keeps_hierarchy);
                     format!("frame   {number} of {n_frames}: {text}{hierarchy}\n")
                 }
             })?;
@@ -259,13 +255,13 @@ impl FrameJob<'_> {
             if !folder.exists() {
                 continue;
             }
-            let (.., section) = self.frame(number)?;
-            if let Some(summary) = complete_frame(&folder, &section) {
+            let frame = self.frame(number)?;
+            if let Some(summary) = complete_frame(&folder, &frame.section) {
                 series.add(&summary);
             }
             stop::check()?;
         }
-        let written = series.write(self.out, self.arguments.format.is_some())?;
+        let written = series.write(self.out, self.arguments.run.format.is_some())?;
         drop(lock);
         let out = shown(self.out);
         let mut lines = format!("wrote   {out}: {}\n", written.join(", "));

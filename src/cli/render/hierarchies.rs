@@ -1,4 +1,4 @@
-//! The acceleration structures of the frames that a run renders.
+//! The frames that a run renders, and their acceleration structures.
 //!
 //! A frame has the same structure whether another one came before it or not, so that job arrays
 //! write the bytes of a whole run: the same primitives have the same structure, and other
@@ -9,9 +9,54 @@ use std::sync::Arc;
 use crate::cli::Failure;
 use crate::cli::first_frame::FirstFrame;
 use crate::cli::open_scene::OpenScene;
-use crate::session::{Options, Session};
+use crate::session::{Frames, Input, Options, Session};
 use base::provenance::Checksum;
+use output::memory::Memory;
+use output::summary::FrameSection;
+use render::instruments::Stages;
+use scene::config::Config;
+use scene::world::Geometries;
+use scene::yaml::Document;
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
+
+/// A frame whose files have not been read.
+pub(super) struct FrameInput {
+    document: Document,
+    config: Config,
+    /// Its section of the summary.
+    pub(super) section: FrameSection,
+}
+
+impl FrameInput {
+    /// Returns a frame of an animated scene. `flags` are those that change its files, besides flags
+    /// that change the config.
+    ///
+    /// # Errors
+    /// The first fault in it.
+    pub(super) fn read(
+        scene: &OpenScene,
+        frames: &Frames,
+        number: u32,
+        flags: &str,
+    ) -> Result<Self, Failure> {
+        let (document, config) = scene.at(number)?;
+        let section = frames.section(number, (&document, &config), flags);
+        Ok(Self {
+            document,
+            config,
+            section,
+        })
+    }
+}
+
+/// A frame whose files were read.
+pub(super) struct OpenFrame {
+    pub(super) session: Session,
+    /// The hash of its geometry.
+    geometry: Checksum,
+    /// True if it keeps the hierarchy of an earlier frame.
+    pub(super) keeps_hierarchy: bool,
+}
 
 /// The structures that the frames so far leave for later ones.
 pub(super) struct FrameHierarchies<'a> {
@@ -46,12 +91,39 @@ impl<'a> FrameHierarchies<'a> {
         })
     }
 
+    /// Reads the files of a frame, and gives it the structure that it keeps, or another one that it
+    /// can start from.
+    ///
+    /// # Errors
+    /// The first fault of the frame, or of the first frame.
+    pub(super) fn open(
+        &mut self,
+        frame: FrameInput,
+        needed: fn(&Config, &Geometries) -> Memory,
+        stages: Stages,
+        options: &Options,
+    ) -> Result<OpenFrame, Failure> {
+        let FrameInput {
+            document,
+            config,
+            section,
+        } = frame;
+        let geometry = Frames::geometry(&document, &config);
+        let input = Input::read_frame(document, config, section, needed)?;
+        let session = Session::new(input, stages)?;
+        Ok(OpenFrame {
+            keeps_hierarchy: self.give_to(&session, geometry, options)?,
+            session,
+            geometry,
+        })
+    }
+
     /// Gives the session of a frame of this geometry the structure that it keeps, or another one
     /// that it can start from. Returns true if it keeps one.
     ///
     /// # Errors
     /// If the first frame cannot be read or built.
-    pub(super) fn give_to(
+    fn give_to(
         &mut self,
         session: &Session,
         geometry: Checksum,
@@ -83,15 +155,15 @@ impl<'a> FrameHierarchies<'a> {
         Ok(true)
     }
 
-    /// Takes over the structure of a session that was rendered, of a frame of this geometry.
+    /// Takes over the structure of a frame that was rendered.
     ///
     /// # Errors
     /// If a file of the first frame cannot be read.
-    pub(super) fn take_from(
-        &mut self,
-        session: &Session,
-        geometry: Checksum,
-    ) -> Result<(), Failure> {
+    pub(super) fn take_from(&mut self, frame: &OpenFrame) -> Result<(), Failure> {
+        let OpenFrame {
+            session, geometry, ..
+        } = frame;
+        let geometry = *geometry;
         let Some(index) = session.index() else {
             return Ok(());
         };

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ExtraFormat, RenderArguments};
+use super::RenderArguments;
+use super::run_arguments::RunArguments;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, shell_word, shown};
 use crate::session::Session;
 use base::text::Diagnostic;
-use base::text::numbers::parse_bytes;
 use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use render::ranks::n_launched;
-use scene::config::Pinning;
 use tools::series::FRAMES;
 
 /// Merge the parts of a picture that `raycost render --part` wrote
@@ -31,28 +30,8 @@ pub(in crate::cli) struct MergeArguments {
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
 
-    /// Also write cloud and frame in this format; an animation has one file each for all frames.
-    /// Needs a build with `--features hdf5`
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<ExtraFormat>,
-
-    /// Number of threads [default: one for each processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Flush the files to the disk before they replace older ones, so that they survive
-    /// a power cut
-    #[arg(long)]
-    sync: bool,
-
-    /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
-    /// available]. A picture that needs more is written in pieces
-    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
-    memory: Option<u64>,
-
-    /// Print only errors
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    run: RunArguments,
 }
 
 pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
@@ -86,26 +65,10 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     };
     drop(found);
     let arguments = RenderArguments {
-        picture: None,
         scene: scene_of(arguments, &header)?,
-        frames: None,
-        part: None,
         merges: true,
-        resume: false,
-        timeout: None,
-        format: arguments.format,
-        threads: arguments.threads,
-        pin: Pinning::None,
-        simd: None,
-        traversal: None,
-        measure_overhead: false,
-        hardware_counters: false,
-        profile: false,
-        sync: arguments.sync,
-        memory: arguments.memory,
-        while_input_is_open: false,
-        json: false,
-        quiet: arguments.quiet,
+        run: arguments.run.clone(),
+        ..RenderArguments::default()
     };
     super::render_scene(&arguments, None)
 }

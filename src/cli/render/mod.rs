@@ -2,11 +2,13 @@
 
 mod hierarchies;
 mod frames;
+mod combinations;
 mod merge;
 mod only_picture;
 mod part;
 mod picture;
 mod ranks;
+mod run_arguments;
 mod tiles;
 
 use std::io;
@@ -17,6 +19,7 @@ use only_picture::PictureFile;
 use part::PartDone;
 use picture::{FinishedPicture, Until};
 use ranks::Crew;
+use run_arguments::RunArguments;
 
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
@@ -25,22 +28,21 @@ use crate::cli::{Failure, json, run_summary};
 use crate::session::{Event, Options, Session};
 use base::folder::refuse_root;
 use base::stop;
-use base::text::numbers::{parse_bytes, parse_duration};
+use base::text::numbers::parse_duration;
 use base::text::{self, Diagnostic};
-use output::memory::{self, Memory};
+use output::memory::Memory;
 use render::checkpoint::PicturePart;
 use render::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
-use render::ranks::{Ranks, n_launched};
+use render::ranks::{Order, Ranks};
 use scene::animation::FrameRange;
 use scene::config::{Config, Pinning, SimdSet, Traversal};
 use scene::world::Geometries;
-use vtk::hdf;
 
 pub(super) use merge::{MergeArguments, run as run_merge};
 pub(super) use ranks::fail_on_a_rank;
 
 /// Render a scene and write its files
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 #[command(after_help = "Examples:
   raycost render configs/seed_sphere.yaml
   raycost render configs/seed_extended.yaml --width 1600 --height 1200 --spp 4 --out /tmp/big
@@ -81,15 +83,6 @@ pub(super) struct RenderArguments {
     #[arg(skip)]
     merges: bool,
 
-    /// Also write cloud and frame in this format; an animation has one file each for all frames.
-    /// Needs a build with `--features hdf5`
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<ExtraFormat>,
-
-    /// Number of threads [default: one for each processor]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
     /// Where the threads may run; `threads` in summary.json says where they could
     #[arg(long, value_name = "WHERE", default_value = "none")]
     pin: Pinning,
@@ -116,16 +109,6 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     profile: bool,
 
-    /// Flush the files to the disk before they replace older ones, so that they survive
-    /// a power cut
-    #[arg(long)]
-    sync: bool,
-
-    /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
-    /// available]. A picture that needs more is written in pieces, by way of a file of tiles
-    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
-    memory: Option<u64>,
-
     /// Stop when standard input ends, as it does with the process at its other end
     #[arg(long, hide = true)]
     while_input_is_open: bool,
@@ -135,16 +118,8 @@ pub(super) struct RenderArguments {
     #[arg(long, conflicts_with_all = ["quiet", "picture", "part"])]
     json: bool,
 
-    /// Print only errors
-    #[arg(long, short)]
-    quiet: bool,
-}
-
-/// A format of cloud and frame besides VTK's XML files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum ExtraFormat {
-    /// VTK's format in HDF5
-    Vtkhdf,
+    #[command(flatten)]
+    run: RunArguments,
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -172,41 +147,49 @@ fn lead(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure
             stop::request();
         });
     }
-    arguments.check_part()?;
-    arguments.check_kept()?;
     render_scene(arguments, ranks)
 }
 
-/// Renders a scene, a part of it, or the tiles of all parts.
+/// Renders a scene, a part of it, or the tiles of all parts; then dismisses the other ranks.
 fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
     let deadline = arguments.deadline();
-    if let Some(limit) = arguments.memory {
-        memory::set_limit(limit);
-    }
-    arguments.check_format()?;
+    arguments.check_flags()?;
+    arguments.run.prepare()?;
     arguments.simd.map(SimdSet::detect).transpose()?;
     refuse_root(&arguments.scene.out())?;
     let stages = Stages::with_start(arguments.hardware());
-    let crew = ranks
-        .map(|ranks| Crew::meet(arguments, ranks))
-        .transpose()?;
+    let crew = ranks.map(|ranks| Crew::meet(arguments, ranks));
+    let crew = crew.transpose()?;
     let source = arguments.scene.source()?;
-    let shared = crew.as_ref().map(|crew| crew.send(&source));
+    if let Some(crew) = &crew {
+        crew.send_scene(&source);
+    }
     let scene = OpenScene::of(&arguments.scene, source)?;
-    if crew.is_some() {
-        arguments.check_ranks(scene.frames.is_some())?;
-    }
-    let frame = match (&scene.frames, &arguments.picture) {
-        (Some(_), Some(_)) => Some(arguments.only_frame()?),
-        (Some(frames), None) => return frames::render(arguments, &scene, frames, deadline),
-        (None, _) => arguments.frames.as_ref().map(|range| *range.0.start()),
+    let done = match &scene.frames {
+        Some(frames) if arguments.picture.is_none() => {
+            frames::render(arguments, &scene, frames, (crew.as_ref(), deadline))
+        }
+        _ => still(arguments, &scene, stages, (crew.as_ref(), deadline)),
     };
-    let profiler = arguments.profile.then(start_profiler).transpose()?;
-    let input = scene.load(frame, arguments.needed())?;
-    if let Some(shared) = shared {
-        shared.end();
+    if let (Some(crew), Ok(()) | Err(Failure::Partial)) = (crew, &done) {
+        crew.leave();
     }
-    let session = Session::new(input, stages)?;
+    done
+}
+
+/// Renders a still, or one frame as a still.
+fn still(
+    arguments: &RenderArguments,
+    scene: &OpenScene,
+    stages: Stages,
+    (crew, deadline): (Option<&Crew>, Option<Instant>),
+) -> Result<(), Failure> {
+    let frame = arguments.only_frame(scene)?;
+    let profiler = arguments.profile.then(start_profiler).transpose()?;
+    if let Some(crew) = crew {
+        crew.begin(Order::Still(frame));
+    }
+    let session = Session::new(scene.load(frame, arguments.needed())?, stages)?;
     arguments.check_bands(&session)?;
     let out = arguments.scene.out();
     if let Some(part) = arguments.part {
@@ -215,21 +198,17 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     let team = crew.map(|crew| crew.gather(arguments, &session));
     let team = team.transpose()?;
     if let Some(file) = &arguments.picture {
-        return only_picture::render(arguments, &session, file, team);
+        return only_picture::render(arguments, &session, file, team.as_ref());
     }
     let until = Until {
         deadline,
         profiler: profiler.as_ref(),
         team: team.as_ref(),
-        is_only_rank: !arguments.merges && n_launched() == Some(1),
     };
     let picture = FinishedPicture::render(arguments, &session, &out, until)?;
-    if let Some(team) = team {
-        team.ranks.leave();
-    }
     if arguments.json {
         json::print_summary(&out)?;
-    } else if !arguments.quiet {
+    } else if !arguments.run.quiet {
         text::print(&still_lines(arguments, &picture, profiler.as_ref()))?;
     }
     // The process ends: the system frees all memory at once.
@@ -263,7 +242,7 @@ fn still_part(
     (part, deadline): (PicturePart, Option<Instant>),
 ) -> Result<(), Failure> {
     let done = part::render(arguments, session, out, (part, deadline))?;
-    if !arguments.quiet {
+    if !arguments.run.quiet {
         text::print(&format!("{}{}", done.line(part, out), part::next_line(out)))?;
     }
     match done {
@@ -289,31 +268,6 @@ impl RenderArguments {
             .and_then(|timeout| Instant::now().checked_add(timeout))
     }
 
-    /// Checks that another run can continue the measurements.
-    fn check_kept(&self) -> Result<(), Diagnostic> {
-        let flag = match self.timeout {
-            Some(_) => "timeout",
-            None => "resume",
-        };
-        if self.measure_overhead && (self.resume || self.timeout.is_some()) {
-            let message = format!("`--{flag}` and `--measure-overhead` exclude each other");
-            let help = "the overhead takes many whole renderings: measure it in another run";
-            return Err(Diagnostic::new(message).with_help(help));
-        }
-        Ok(())
-    }
-
-    /// Checks that this program can write the requested format.
-    fn check_format(&self) -> Result<(), Failure> {
-        if self.format.is_none() || hdf::IS_BUILT {
-            return Ok(());
-        }
-        let message = "this raycost was built without HDF5, which `--format vtkhdf` needs";
-        let help = "install libhdf5 with its headers (on Debian, `apt-get install libhdf5-dev`), \
-                    then `cargo install --path . --features hdf5`";
-        Err(Diagnostic::new(message).with_help(help).into())
-    }
-
     /// Returns the memory estimate of a still picture, or of a part of one.
     fn needed(&self) -> fn(&Config, &Geometries) -> Memory {
         match self.part {
@@ -322,33 +276,15 @@ impl RenderArguments {
         }
     }
 
-    /// Checks that a picture that is larger than memory can have these settings.
-    fn check_bands(&self, session: &Session) -> Result<(), Diagnostic> {
-        let flags = [
-            (self.picture.is_some(), "picture"),
-            (self.format.is_some(), "format"),
-            (self.measure_overhead, "measure-overhead"),
-        ];
-        let Some((_, flag)) = flags.into_iter().find(|(is_given, _)| *is_given) else {
-            return Ok(());
-        };
-        if session.bands().is_none() {
-            return Ok(());
-        }
-        let message = format!("`--{flag}` needs a picture that fits into memory");
-        let help = "choose a smaller `width` or `height`, or leave the flag out";
-        Err(Diagnostic::new(message).with_help(help))
-    }
-
     /// Returns the options of a session.
     fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
         Options {
-            threads: self.threads,
+            threads: self.run.threads,
             pin: self.pin,
             simd: self.simd,
             traversal: self.traversal.unwrap_or_default(),
             measure_overhead: self.measure_overhead,
-            estimates_work: Bars::are_shown(self.quiet),
+            estimates_work: Bars::are_shown(self.run.quiet),
             on_event: Some(on_event),
             ..Options::default()
         }

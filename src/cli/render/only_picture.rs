@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use super::RenderArguments;
+use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::PictureFormat;
 use crate::cli::{Failure, run_summary, shown};
@@ -42,13 +43,13 @@ pub(super) fn render(
     arguments: &RenderArguments,
     session: &Session,
     file: &PictureFile,
-    team: Option<Team>,
+    team: Option<&Team>,
 ) -> Result<(), Failure> {
     target(&file.path, Replace::Marked)?;
-    let bars = Bars::new(arguments.quiet);
+    let bars = Bars::new(arguments.run.quiet);
     let on_event = |event| bars.show(event);
     let limits = Limits {
-        team: team.as_ref(),
+        team,
         ..Limits::default()
     };
     let scope = Scope {
@@ -57,10 +58,7 @@ pub(super) fn render(
     };
     let mut rendering = session.render_within(&arguments.options(&on_event), &scope)?;
     let written = rendering.write_picture(&file.path)?;
-    if let Some(team) = team {
-        team.ranks.leave();
-    }
-    if !arguments.quiet {
+    if !arguments.run.quiet {
         let head = run_summary::head(&rendering.view(None), rendering.stages());
         let (path, length) = (shown(&file.path), bytes(written.bytes));
         text::print(&text::wrapped(&format!(
@@ -71,11 +69,15 @@ pub(super) fn render(
 }
 
 impl RenderArguments {
-    /// Returns the number of the frame of an animation whose picture is requested.
-    pub(super) fn only_frame(&self) -> Result<u32, Diagnostic> {
+    /// Returns the number of the only frame to render, if one is requested or the scene has frames.
+    ///
+    /// # Errors
+    /// Not exactly one frame of an animation is requested.
+    pub(super) fn only_frame(&self, scene: &OpenScene) -> Result<Option<u32>, Diagnostic> {
         let range = self.frames.as_ref().map(|frames| &frames.0);
         match range {
-            Some(range) if range.start() == range.end() => Ok(*range.start()),
+            range if scene.frames.is_none() => Ok(range.map(|range| *range.start())),
+            Some(range) if range.start() == range.end() => Ok(Some(*range.start())),
             _ => Err(
                 Diagnostic::new("`--picture` writes one picture, and the scene has frames")
                     .with_help("choose one of them, such as `--frames 7`"),

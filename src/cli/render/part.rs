@@ -53,38 +53,6 @@ pub(super) fn next_line(out: &Path) -> String {
     format!("next    raycost merge {out}, when all parts are there\n")
 }
 
-impl RenderArguments {
-    /// Checks that a part of the picture can have these settings.
-    ///
-    /// # Errors
-    /// The first flag that is not allowed.
-    pub(super) fn check_part(&self) -> Result<(), Diagnostic> {
-        if self.part.is_none() {
-            return Ok(());
-        }
-        let writes_none = "a part writes none of the output files: leave the flag out";
-        let refused = [
-            (self.profile, "profile", writes_none),
-            (self.measure_overhead, "measure-overhead", writes_none),
-            (self.hardware_counters, "hardware-counters", writes_none),
-            (
-                self.format.is_some(),
-                "format",
-                "give it to `raycost merge`, which writes the files",
-            ),
-        ];
-        if let Some((_, flag, help)) = refused.into_iter().find(|(is_given, ..)| *is_given) {
-            let message = format!("`--part` and `--{flag}` exclude each other");
-            return Err(Diagnostic::new(message).with_help(help));
-        }
-        if self.scene.is_standard_input() {
-            let message = "`--part` needs a scene in a file: `raycost merge` reads it again";
-            return Err(Diagnostic::new(message).with_help("write the scene to a file"));
-        }
-        Ok(())
-    }
-}
-
 /// Renders a part of the picture of a session into the folder of parts of an output folder, unless
 /// it is there. Continues where an interrupted run of the same part ended.
 pub(super) fn render(
@@ -109,7 +77,7 @@ pub(super) fn render(
         Some(file) if !file.is_complete => Checkpoint::resume(file)?,
         _ => Checkpoint::create(&unfinished, &header)?,
     };
-    let bars = Bars::new(arguments.quiet);
+    let bars = Bars::new(arguments.run.quiet);
     let on_event = |event| bars.show(event);
     let scope = Scope {
         part: Some(part),
@@ -125,14 +93,14 @@ pub(super) fn render(
         let n_tiles = counted(checkpoint.n_kept() as u64, "finished tile");
         let message = format!("stopped: kept {n_tiles} of part {part}");
         let help = "run the same command again: it goes on with the others";
-        (!arguments.quiet).then(|| Diagnostic::new(message).with_help(help))
+        (!arguments.run.quiet).then(|| Diagnostic::new(message).with_help(help))
     };
     let rendering = session.render_within(&arguments.options(&on_event), &scope);
     let rendering = rendering.map_err(|error| Failure::from(error).or_kept(kept))?;
     if let Some(partial) = rendering.partial() {
         return Ok(PartDone::Partial(partial));
     }
-    checkpoint.finish(&path, arguments.sync)?;
+    checkpoint.finish(&path, arguments.run.sync)?;
     let n_tiles = rendering.schedule().rendered().count() as u64;
     Ok(PartDone::Rendered(
         n_tiles,

@@ -12,7 +12,7 @@ use base::folder::Written;
 use base::stop;
 use output::summary::Partial;
 use render::instruments::Profiler;
-use render::ranks::Team;
+use render::ranks::{Team, n_launched};
 
 /// A picture whose files are written.
 pub(super) struct FinishedPicture<'a> {
@@ -30,9 +30,7 @@ pub(super) struct Until<'a> {
     pub(super) deadline: Option<Instant>,
     pub(super) profiler: Option<&'a Profiler>,
     /// The ranks that render, if there are several.
-    pub(super) team: Option<&'a Team>,
-    /// True if a launcher has started this process as the only rank.
-    pub(super) is_only_rank: bool,
+    pub(super) team: Option<&'a Team<'a>>,
 }
 
 impl<'a> FinishedPicture<'a> {
@@ -43,18 +41,18 @@ impl<'a> FinishedPicture<'a> {
         out: &Path,
         until: Until,
     ) -> Result<Self, Failure> {
-        let folder = session.folder(out)?.synced(arguments.sync);
+        let folder = session.folder(out)?.synced(arguments.run.sync);
         stop::check()?;
         let tiles = Tiles::of(arguments, session, out, until.deadline)?;
-        let bars = Bars::new(arguments.quiet);
+        let bars = Bars::new(arguments.run.quiet);
         let on_event = |event| bars.show(event);
         let options = Options {
             // For an animation, all frames share one file each for cloud and frame.
-            vtkhdf: arguments.format.is_some() && !session.is_frame(),
+            vtkhdf: arguments.run.format.is_some() && !session.is_frame(),
             ..arguments.options(&on_event)
         };
         let scope = Scope {
-            is_only_rank: until.is_only_rank,
+            is_only_rank: !arguments.merges && n_launched() == Some(1),
             ..tiles.scope(until.team)
         };
         let or_kept = |error| Failure::from(error).or_kept(|| tiles.kept(arguments));

@@ -1,16 +1,15 @@
-//! `mpirun raycost render`: one picture by several processes.
+//! `mpirun raycost render`: each picture by several processes.
 
 use super::RenderArguments;
+use super::hierarchies::{FrameHierarchies, FrameInput};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, thread_pool};
 use crate::session::this_build;
 use crate::session::{Options, RenderError, Session};
-use base::files::{self, SharedFiles};
 use base::stop;
-use base::text::Diagnostic;
 use output::memory::Memory;
 use render::instruments::{HardwareCounters, Stages};
-use render::ranks::{Hello, RankFailure, Ranks, SceneText, Team};
+use render::ranks::{Hello, Order, RankFailure, Ranks, SceneText, Team};
 use scene::yaml::Source;
 
 /// Renders the tiles that rank 0 deals to this rank. It writes no file and prints nothing: rank 0
@@ -25,28 +24,46 @@ pub(super) fn help(arguments: &RenderArguments, ranks: Ranks) -> Result<(), Fail
     done
 }
 
+/// Renders tiles of each picture that rank 0 orders, until it dismisses this rank.
 fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     ranks.introduce(&hello(arguments, ranks)?);
     let Some(SceneText { name, text }) = ranks.receive_scene() else {
         return Ok(stop::check()?);
     };
-    let files = files::share(ranks.broadcast());
     let scene = OpenScene::of(&arguments.scene, Source::new(name, text))?;
-    let input = scene.load(None, Memory::of_part)?;
-    files.end();
-    let stages = Stages::start(HardwareCounters::none());
-    let session = Session::new(input, stages)?;
-    ranks.report(&session.header_of_rank(arguments.scene.all_flags())?);
     let options = Options {
-        threads: arguments.threads,
+        threads: arguments.run.threads,
         simd: arguments.simd,
         traversal: arguments.traversal.unwrap_or_default(),
         ..Options::default()
     };
-    Ok(session.work(&options, ranks)?)
+    let flags = arguments.scene.all_flags();
+    let work_on = |session: &Session| -> Result<(), Failure> {
+        ranks.report(&session.header(flags.clone(), None)?);
+        Ok(session.work(&options, ranks)?)
+    };
+    let mut hierarchies = FrameHierarchies::new(&scene)?;
+    loop {
+        let stages = Stages::start(HardwareCounters::none());
+        match (ranks.receive_order(), &scene.frames) {
+            (Some(Order::Still(frame)), _) => {
+                let input = scene.load(frame, Memory::of_part)?;
+                work_on(&Session::new(input, stages)?)?;
+            }
+            (Some(Order::Frame(number)), Some(frames)) => {
+                let input = FrameInput::read(&scene, frames, number, "")?;
+                let frame = hierarchies.open(input, Memory::of_part, stages, &options)?;
+                work_on(&frame.session)?;
+                hierarchies.take_from(&frame)?;
+            }
+            // Dismissed: a still has no frames.
+            (Some(Order::Leave | Order::Frame(_)), _) => return Ok(()),
+            (None, _) => return Ok(stop::check()?),
+        }
+    }
 }
 
-/// The other ranks, which rank 0 leads, before they have read the scene.
+/// The other ranks, which rank 0 leads.
 pub(super) struct Crew {
     ranks: Ranks,
     hellos: Vec<Hello>,
@@ -59,23 +76,33 @@ impl Crew {
         Ok(Self { ranks, hellos })
     }
 
-    /// Sends the text of the scene to the ranks, and from now on its files.
-    pub(super) fn send(&self, scene: &Source) -> SharedFiles {
+    /// Sends the text of the scene to the ranks.
+    pub(super) fn send_scene(&self, scene: &Source) {
         self.ranks.send_scene(&SceneText {
             name: scene.name().to_owned(),
             text: scene.text().to_owned(),
         });
-        files::share(self.ranks.broadcast())
     }
 
-    /// Waits until the ranks have read the scene.
+    /// Lets the ranks read the files of a picture.
+    pub(super) fn begin(&self, picture: Order) {
+        self.ranks.send_order(picture);
+    }
+
+    /// Waits until the ranks have read the files of the picture, and compares them with a session.
     pub(super) fn gather(
-        self,
+        &self,
         arguments: &RenderArguments,
         session: &Session,
-    ) -> Result<Team, Failure> {
-        let header = session.header_of_rank(arguments.scene.all_flags())?;
-        Ok(Team::gather(self.ranks, self.hellos, &header).map_err(of_rank)?)
+    ) -> Result<Team<'_>, Failure> {
+        let header = session.header(arguments.scene.all_flags(), None)?;
+        Ok(Team::gather(&self.ranks, &self.hellos, &header).map_err(of_rank)?)
+    }
+
+    /// Dismisses the ranks.
+    pub(super) fn leave(self) {
+        self.ranks.send_order(Order::Leave);
+        self.ranks.leave();
     }
 }
 
@@ -85,7 +112,7 @@ fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
 
 /// Returns the introduction of a rank before it renders.
 fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
-    let n_threads = thread_pool(arguments.threads)?.current_num_threads();
+    let n_threads = thread_pool(arguments.run.threads)?.current_num_threads();
     Ok(Hello {
         host: ranks.host(),
         n_threads: n_threads as u32,
@@ -108,29 +135,5 @@ pub(in crate::cli) fn fail_on_a_rank(failure: &Failure) {
     let ranks = Ranks::join().ok().flatten();
     if let Some(ranks) = ranks.filter(|ranks| ranks.rank() > 0) {
         ranks.fail(&failure_of(failure));
-    }
-}
-
-impl RenderArguments {
-    /// Checks that several ranks can render what is requested.
-    ///
-    /// # Errors
-    /// The first flag that is not allowed.
-    pub(super) fn check_ranks(&self, is_animation: bool) -> Result<(), Diagnostic> {
-        let alone = "start one process without `mpirun`";
-        let refused = [
-            (self.measure_overhead, "`--measure-overhead`", alone),
-            (
-                self.frames.is_some() || is_animation,
-                "an animation",
-                "render its frames as an array of jobs: `--frames 10..19` without `mpirun`",
-            ),
-        ];
-        let found = refused.into_iter().find(|(is_given, ..)| *is_given);
-        let Some((_, what, help)) = found else {
-            return Ok(());
-        };
-        let message = format!("several ranks render one picture, and not {what}");
-        Err(Diagnostic::new(message).with_help(help))
     }
 }

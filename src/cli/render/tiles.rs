@@ -63,7 +63,7 @@ impl Tiles {
     }
 
     /// Returns the scope of a rendering by this process, or by all ranks of a team.
-    pub(super) fn scope<'a>(&'a self, team: Option<&'a Team>) -> Scope<'a> {
+    pub(super) fn scope<'a>(&'a self, team: Option<&'a Team<'a>>) -> Scope<'a> {
         Scope {
             limits: Limits {
                 checkpoint: self.checkpoint.as_ref(),
@@ -83,7 +83,7 @@ impl Tiles {
     /// Returns what a stopped rendering keeps, and how to continue; `None` if there is nothing to
     /// say.
     pub(super) fn kept(&self, arguments: &RenderArguments) -> Option<Diagnostic> {
-        if arguments.quiet || arguments.merges {
+        if arguments.run.quiet || arguments.merges {
             return None;
         }
         let Some(checkpoint) = self.checkpoint.as_ref() else {

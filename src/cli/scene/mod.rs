@@ -22,7 +22,7 @@ use vtk::Codec;
 const STANDARD_INPUT: &str = "-";
 
 /// The scene file and the settings that override the file's.
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub(in crate::cli) struct SceneArguments {
     /// The scene's YAML file; `-` for standard input; or a mesh, for a scene around it
     pub(in crate::cli) scene: PathBuf,

@@ -119,7 +119,7 @@ fn other_program(
 
 /// Copies the picture of a run, if there is one, over that of an earlier run.
 fn keep_picture(from: &Path, to: &Path) -> Result<(), Failure> {
-    if files::is_file(from) {
+    if from.is_file() {
         let failed = |error| super::cannot_write(to, &error);
         let image = files::read(from, MAX_IMAGE).map_err(failed)?;
         write_file(to, Replace::Known, |file| {

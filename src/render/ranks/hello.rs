@@ -14,6 +14,17 @@ pub struct SceneText {
     pub text: String,
 }
 
+/// The task that rank 0 gives to all others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Order {
+    /// Render a picture without others: a still, or this frame of an animation.
+    Still(Option<u32>),
+    /// Render this frame of an animation, of which others may follow.
+    Frame(u32),
+    /// Leave: there are no further pictures.
+    Leave,
+}
+
 /// Identity of a rank and of its rendering, before the scene is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Hello {

@@ -9,7 +9,9 @@ pub enum MessageKind {
     Hello,
     /// From rank 0: the text of the scene.
     Scene,
-    /// From a worker: what it renders, now that it has read the scene.
+    /// From rank 0: the next picture, or the end.
+    Order,
+    /// From a worker: what it renders, now that it has read the files of the scene.
     Header,
     /// From rank 0: a request for the time on the worker's clock.
     Clock,
@@ -23,9 +25,9 @@ pub enum MessageKind {
     Records,
     /// From a worker: it cannot render.
     Failure,
-    /// From rank 0: there are no further tiles.
+    /// From rank 0: the picture has no further tiles.
     End,
-    /// From a worker: its work; its last message.
+    /// From a worker: its work on the picture.
     Work,
 }
 
@@ -60,9 +62,10 @@ impl RankFailure {
 }
 
 impl MessageKind {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Hello,
         Self::Scene,
+        Self::Order,
         Self::Header,
         Self::Clock,
         Self::Time,

@@ -1,8 +1,9 @@
 //! The processes that render one picture together: the ranks of MPI.
 //!
 //! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker answers
-//! it. Rank 0 compares versions and flags before it reads the scene, whose text and files it
-//! broadcasts. The other messages are handled in [`crate::tiles`]. MPI is the system's library,
+//! it. Rank 0 compares versions and flags before it reads the scene, whose text it sends. Then it
+//! gives [`Order`]s: for each picture, all ranks read the files of the scene and compare their
+//! contents. The messages of tiles are handled in [`crate::tiles`]. MPI is the system's library,
 //! behind the cargo feature `mpi`; without it, no process can join, and several processes of one
 //! launch are refused.
 //!
@@ -27,12 +28,11 @@ use no_world::NoMpiWorld as MpiWorld;
 use world::MpiWorld;
 
 use crate::checkpoint::Header;
-use base::files::Broadcast;
 use base::stop;
 use base::text::Diagnostic;
 use pauses::Pauses;
 
-pub use hello::{Hello, SceneText};
+pub use hello::{Hello, Order, SceneText};
 pub use launch::n_launched;
 pub use message::{Message, MessageKind, RankFailure};
 #[cfg(not(feature = "mpi"))]
@@ -128,11 +128,6 @@ impl Ranks {
         while self.wait().is_some() {}
     }
 
-    /// Returns the broadcast of the scene's files from rank 0 to all others.
-    pub fn broadcast(&self) -> Box<dyn Broadcast> {
-        self.world.broadcast()
-    }
-
     /// Waits until all others have introduced themselves. Returns them, after rank 0 itself.
     ///
     /// # Errors
@@ -158,7 +153,19 @@ impl Ranks {
         (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Scene, &bytes));
     }
 
-    /// Reports this worker's work to rank 0: its last message.
+    /// Waits for the next order of rank 0. Returns `None` if the program is asked to end.
+    pub fn receive_order(&self) -> Option<Order> {
+        let message = self.wait()?;
+        serde_json::from_slice(&message.bytes).ok()
+    }
+
+    /// Sends an order to all others.
+    pub fn send_order(&self, order: Order) {
+        let bytes = message::to_json(&order);
+        (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Order, &bytes));
+    }
+
+    /// Reports this worker's work on a picture to rank 0.
     pub fn send_work(&self, work: &RankWork) {
         self.send(0, MessageKind::Work, &message::to_json(work));
     }

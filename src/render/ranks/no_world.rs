@@ -1,6 +1,5 @@
 //! In place of MPI where the program was built without it: no process can join.
 
-use base::files::Broadcast;
 use base::text::Diagnostic;
 
 /// No processes: no value exists.
@@ -34,10 +33,6 @@ impl NoMpiWorld {
     }
 
     pub(super) fn receive(&self, _: &mut Vec<u8>) -> Option<(u32, i32)> {
-        match *self {}
-    }
-
-    pub(super) fn broadcast(&self) -> Box<dyn Broadcast> {
         match *self {}
     }
 

@@ -14,11 +14,11 @@ use base::stop;
 /// is the most accurate one.
 pub(super) const N_CLOCK_READINGS: usize = 16;
 
-/// All ranks of a rendering, as rank 0 leads them.
+/// All ranks of one picture, as rank 0 leads them.
 #[derive(Debug)]
-pub struct Team {
+pub struct Team<'a> {
     /// The connection to the other ranks.
-    pub ranks: Ranks,
+    pub ranks: &'a Ranks,
     /// All ranks by their numbers.
     pub members: Vec<Member>,
     /// The sizes of the tiles that workers send.
@@ -54,21 +54,22 @@ pub struct RankWork {
     pub communication_ns: u64,
 }
 
-impl Team {
-    /// Waits until all others have read the scene, and compares their renderings with rank 0's.
+impl<'a> Team<'a> {
+    /// Waits until all others have read the files of the scene, and compares their renderings with
+    /// rank 0's.
     ///
     /// # Errors
     /// The first rank that fails or differs, with its number and its machine.
     pub fn gather(
-        ranks: Ranks,
-        hellos: Vec<Hello>,
+        ranks: &'a Ranks,
+        hellos: &[Hello],
         header: &Header,
     ) -> Result<Self, (String, RankFailure)> {
-        compare(&ranks, &hellos, header)?;
+        compare(ranks, hellos, header)?;
         let mut first_thread = 0;
-        let members = hellos.into_iter().map(|hello| {
+        let members = hellos.iter().map(|hello| {
             let member = Member {
-                host: hello.host,
+                host: hello.host.clone(),
                 n_threads: hello.n_threads,
                 first_thread,
                 clock_ns: 0,
@@ -188,7 +189,7 @@ pub(super) fn meet(ranks: &Ranks, leader: Hello) -> Result<Vec<Hello>, (String, 
     Ok([leader].into_iter().chain(others).collect())
 }
 
-/// Waits until all others have read the scene, and compares their renderings.
+/// Waits until all others have read the files of the scene, and compares their renderings.
 fn compare(ranks: &Ranks, hellos: &[Hello], header: &Header) -> Result<(), (String, RankFailure)> {
     let fault = |other: &Header| {
         let message = "the files of the scene differ from those of rank 0";

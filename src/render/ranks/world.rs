@@ -4,7 +4,6 @@ use std::mem::ManuallyDrop;
 use std::time::Duration;
 
 use mpi::Threading;
-use mpi::collective::Root;
 use mpi::datatype::Equivalence;
 use mpi::environment::{self, Universe};
 use mpi::point_to_point::{Destination, Source};
@@ -12,11 +11,7 @@ use mpi::request::{Request, Scope};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
 use super::pauses::Pauses;
-use base::files::Broadcast;
 use base::text::Diagnostic;
-
-/// Number of bytes from which a broadcast waits within the library.
-const LONG: usize = 1 << 16;
 
 /// Time in which the launcher forwards a message.
 const FORWARDED_AFTER: Duration = Duration::from_millis(100);
@@ -77,12 +72,6 @@ impl MpiWorld {
         Some((status.source_rank() as u32, status.tag()))
     }
 
-    /// Returns the broadcast of bytes from rank 0 to all others.
-    pub(super) fn broadcast(&self) -> Box<dyn Broadcast> {
-        let is_leader = self.rank() == 0;
-        Box::new(WorldBroadcast { is_leader })
-    }
-
     pub(super) fn leave(self) {
         drop(ManuallyDrop::into_inner(self.universe));
     }
@@ -94,29 +83,6 @@ fn finish<'a, D: ?Sized, S: Scope<'a>>(mut request: Request<'a, D, S>) {
     while let Err(pending) = request.test() {
         request = pending;
         pauses.sleep();
-    }
-}
-
-/// Broadcast from rank 0 to all others.
-struct WorldBroadcast {
-    is_leader: bool,
-}
-
-impl Broadcast for WorldBroadcast {
-    fn is_leader(&self) -> bool {
-        self.is_leader
-    }
-
-    fn broadcast(&self, bytes: &mut [u8]) {
-        let world = SimpleCommunicator::world();
-        let root = world.process_at_rank(0);
-        // Rank 0 may have yet to read what short bytes announce; long ones follow at once, and the
-        // library is fastest when it does the waiting.
-        if bytes.len() > LONG {
-            root.broadcast_into(bytes);
-        } else {
-            mpi::request::scope(|scope| finish(root.immediate_broadcast_into(scope, bytes)));
-        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::schedule::{Tile, TileRun, WorkerShare, pause};
 
 /// Deals tiles and receives them, until none is left.
 struct Dealer<'a, 'f, F> {
-    team: &'a Team,
+    team: &'a Team<'a>,
     queue: &'a TileQueue<'a, 'f, F>,
     shares: Vec<WorkerShare>,
     runs: TileRuns,

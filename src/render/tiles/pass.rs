@@ -21,7 +21,7 @@ pub struct Limits<'a> {
     /// The moment after which no further tile is started.
     pub deadline: Option<Instant>,
     /// The other ranks that render, if this is rank 0 of several.
-    pub team: Option<&'a Team>,
+    pub team: Option<&'a Team<'a>>,
     /// True if pixels are kept only in the files of the checkpoint: the film has none.
     pub is_stored: bool,
 }

@@ -26,12 +26,13 @@ mod vtk;
 mod pieces;
 mod series;
 
+use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use glam::Vec3;
 
-use base::files::{self, InputFile};
+use base::files;
 use base::stop;
 
 use budget::Budget;
@@ -54,7 +55,7 @@ type GeometryFileReader = BufReader<Stoppable>;
 
 /// A file whose reads fail once the program is asked to end.
 #[derive(Debug)]
-struct Stoppable(InputFile);
+struct Stoppable(File);
 
 impl Seek for Stoppable {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
@@ -65,7 +66,7 @@ impl Seek for Stoppable {
 impl Stoppable {
     /// Returns the length of the file in bytes.
     fn length(&self) -> io::Result<u64> {
-        self.0.length()
+        Ok(self.0.metadata()?.len())
     }
 }
 
@@ -376,12 +377,6 @@ pub fn is_vtk(path: &Path) -> bool {
     vtk::EXTENSIONS.contains(&extension(path).as_str())
 }
 
-/// Returns true if each of several ranks reads the file from its own disk: HDF5 opens it by its
-/// path.
-pub fn is_read_by_each_rank(path: &Path) -> bool {
-    vtk::is_hdf(path)
-}
-
 /// Returns an upper bound of the memory needed to read a geometry file, whatever it contains, in
 /// bytes. The arrays of a VTK file, which may be compressed, are excluded: their memory is checked
 /// as they are read.
@@ -390,29 +385,32 @@ pub fn is_read_by_each_rank(path: &Path) -> bool {
 /// The path is not a regular file, or its metadata cannot be read.
 pub fn max_bytes(path: &Path) -> Result<u64> {
     let per_byte = if is_vtk(path) { 1 } else { MAX_BYTES_PER_BYTE };
-    let length = files::length_of(path).map_err(FileFault::from);
-    let n_bytes = length.and_then(|length| match length {
-        Some(length) => Ok(length.saturating_mul(per_byte)),
-        None => Err(FileFault::new("it is not a file", "a file")),
-    });
-    n_bytes.map_err(|fault| fault.in_file(path))
+    let length = length_of(path).map_err(|fault| fault.in_file(path))?;
+    Ok(length.saturating_mul(per_byte))
+}
+
+/// Returns the length of a regular file in bytes.
+fn length_of(path: &Path) -> Result<u64> {
+    let metadata = path.metadata()?;
+    if metadata.is_file() {
+        Ok(metadata.len())
+    } else {
+        Err(FileFault::new("it is not a file", "a file"))
+    }
 }
 
 fn open(path: &Path) -> Result<GeometryFileReader> {
-    let file = Stoppable(InputFile::open(path)?);
+    let file = Stoppable(files::open(path)?);
     Ok(BufReader::with_capacity(1 << 18, file))
 }
 
 /// Returns all bytes of a file that has not been read yet, if the budget has room for them.
 fn read_whole(file: GeometryFileReader, budget: &mut Budget) -> Result<Vec<u8>> {
-    let Stoppable(file) = file.into_inner();
+    let file = file.into_inner();
     let length = file.length()?;
     budget.take(length)?;
-    if let InputFile::InMemory(bytes) = file {
-        return Ok(bytes.into_inner());
-    }
     let mut bytes = Vec::with_capacity(length as usize);
-    Stoppable(file).take(length).read_to_end(&mut bytes)?;
+    file.take(length).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

@@ -15,10 +15,9 @@ use image::codecs::openexr::OpenExrDecoder;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
 
-use super::{FileFault, Result, open};
+use super::{FileFault, Result, length_of, open};
 use crate::color::Transfer;
 use crate::picture::{Picture, Texels};
-use base::files;
 use base::text::numbers::memory_sizes;
 
 /// Reads a picture, to be shared by materials. Its numbers are decoded by `transfer`; by default
@@ -57,9 +56,7 @@ impl<T: BufRead + Seek> SeekableBytes for T {}
 /// # Errors
 /// The file cannot be opened, or is not a regular file.
 pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
-    if files::length_of(path)?.is_none() {
-        return Err(FileFault::new("it is not a file", "a file"));
-    }
+    length_of(path)?;
     Ok(Box::new(open(path)?))
 }
 

@@ -11,7 +11,6 @@ use super::field_path::{FieldPath, Step};
 use super::origins::{Merging, Origins, ValuePlace};
 use super::source::{MAX_BYTES, Source};
 use super::tree::Tree;
-use base::files;
 use base::text::Diagnostic;
 
 /// The key of the section.
@@ -28,7 +27,7 @@ pub(super) fn compose(
     sources: &mut Vec<Source>,
     merging: Merging,
 ) -> Result<(Tree, Origins), Diagnostic> {
-    let canonical = files::canonical(Path::new(sources[0].name())).ok();
+    let canonical = Path::new(sources[0].name()).canonicalize().ok();
     let mut files = Files {
         n_bytes: sources[0].text().len() as u64,
         sources,
@@ -110,9 +109,9 @@ impl Files<'_> {
             let message = format!("`{name}` is not a YAML file");
             return Err(fault(message, "expected a file that ends in .yaml or .yml"));
         }
-        let canonical = files::canonical(file);
+        let canonical = file.canonicalize();
         let reason = match &canonical {
-            Ok(found) if files::is_file(found) => None,
+            Ok(found) if found.is_file() => None,
             Ok(_) => Some("it is not a file".to_owned()),
             Err(error) => Some(error.to_string()),
         };

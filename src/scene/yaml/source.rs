@@ -16,7 +16,7 @@ use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
 use super::translate;
 use super::tree::Tree;
-use base::files::InputFile;
+use base::files;
 use base::host::{advice, available_memory};
 use base::text::Diagnostic;
 
@@ -102,9 +102,7 @@ impl Source {
     /// allows, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         Self::read_from(&path.display().to_string(), |bytes| {
-            InputFile::open(path)?
-                .take(MAX_BYTES + 1)
-                .read_to_end(bytes)
+            files::open(path)?.take(MAX_BYTES + 1).read_to_end(bytes)
         })
     }
 

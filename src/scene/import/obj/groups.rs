@@ -6,7 +6,6 @@ use super::mtl;
 use crate::import::fault::cut;
 use crate::import::materials::{MAX_MATERIALS, MeshMaterial, PictureShelf, of_reference, path_in};
 use crate::import::{FileFault, FileLocation, Result, Surroundings};
-use base::files;
 use base::text::did_you_mean;
 
 /// The statements about materials so far.
@@ -98,14 +97,14 @@ fn read_library(
     found: &mut Vec<MeshMaterial>,
 ) -> Result<()> {
     let whole = path_in(folder, names);
-    let files = if files::is_file(&whole) {
+    let files = if whole.is_file() {
         vec![whole]
     } else {
         let names = names.split_ascii_whitespace();
         names.map(|name| path_in(folder, name)).collect()
     };
     for file in files {
-        if !files::is_file(&file) {
+        if !file.is_file() {
             let fault = FileFault::new("there is no such file", "the file of materials");
             return Err(of_reference(&file, fault));
         }

@@ -1,4 +1,5 @@
-//! Opens regular files only: opening a FIFO would wait for its writer, and a device may be endless.
+//! Reads files: path → bytes. Every file of a scene and of an output folder is opened here, and only
+//! regular files are: opening a FIFO would wait for its writer, and a device may be endless.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};

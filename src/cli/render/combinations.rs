@@ -1,0 +1,86 @@
+//! The flags that exclude each other: all that a part, a deadline or a picture that is larger than
+//! memory cannot have.
+
+use super::RenderArguments;
+use crate::session::Session;
+use base::text::Diagnostic;
+
+impl RenderArguments {
+    /// Checks the flags, before the scene is read.
+    ///
+    /// # Errors
+    /// The first two flags that exclude each other.
+    pub(super) fn check_flags(&self) -> Result<(), Diagnostic> {
+        let no_files = "a part writes none of the output files: leave the flag out";
+        let to_merge = "give it to `raycost merge`, which writes the files";
+        let endless = "the overhead takes many whole renderings: measure it in another run";
+        let pairs = [
+            (
+                "part",
+                self.part.is_some(),
+                "profile",
+                self.profile,
+                no_files,
+            ),
+            (
+                "part",
+                self.part.is_some(),
+                "measure-overhead",
+                self.measure_overhead,
+                no_files,
+            ),
+            (
+                "part",
+                self.part.is_some(),
+                "hardware-counters",
+                self.hardware_counters,
+                no_files,
+            ),
+            (
+                "part",
+                self.part.is_some(),
+                "format",
+                self.run.format.is_some(),
+                to_merge,
+            ),
+            (
+                "timeout",
+                self.timeout.is_some(),
+                "measure-overhead",
+                self.measure_overhead,
+                endless,
+            ),
+        ];
+        let both = pairs.into_iter().find(|pair| pair.1 && pair.3);
+        if let Some((first, _, second, _, help)) = both {
+            let message = format!("`--{first}` and `--{second}` exclude each other");
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+        if self.part.is_some() && self.scene.is_standard_input() {
+            let message = "`--part` needs a scene in a file: `raycost merge` reads it again";
+            return Err(Diagnostic::new(message).with_help("write the scene to a file"));
+        }
+        Ok(())
+    }
+
+    /// Checks that a picture that is larger than memory has no flag that needs all of it.
+    ///
+    /// # Errors
+    /// The first such flag.
+    pub(super) fn check_bands(&self, session: &Session) -> Result<(), Diagnostic> {
+        let flags = [
+            ("picture", self.picture.is_some()),
+            ("format", self.run.format.is_some()),
+            ("measure-overhead", self.measure_overhead),
+        ];
+        let given = flags.into_iter().find(|(_, is_given)| *is_given);
+        match (given, session.bands()) {
+            (Some((flag, _)), Some(_)) => {
+                let message = format!("`--{flag}` needs a picture that fits into memory");
+                let help = "choose a smaller `width` or `height`, or leave the flag out";
+                Err(Diagnostic::new(message).with_help(help))
+            }
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The settings that `raycost render` and `raycost merge` share.
+
+use base::text::Diagnostic;
+use base::text::numbers::parse_bytes;
+use output::memory;
+use vtk::hdf;
+
+/// How to run, and what to write beside the usual files.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(super) struct RunArguments {
+    /// Number of threads [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
+    /// available]. A picture that needs more is written in pieces, by way of a file of tiles
+    #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
+    memory: Option<u64>,
+
+    /// Also write cloud and frame in this format; an animation has one file each for all frames.
+    /// Needs a build with `--features hdf5`
+    #[arg(long, value_name = "FORMAT")]
+    pub(super) format: Option<ExtraFormat>,
+
+    /// Flush the files to the disk before they replace older ones, so that they survive
+    /// a power cut
+    #[arg(long)]
+    pub(super) sync: bool,
+
+    /// Print only errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+}
+
+/// A format of cloud and frame besides VTK's XML files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum ExtraFormat {
+    /// VTK's format in HDF5
+    Vtkhdf,
+}
+
+impl RunArguments {
+    /// Limits the memory, and checks that this program can write the requested format.
+    ///
+    /// # Errors
+    /// A format that this program was built without.
+    pub(super) fn prepare(&self) -> Result<(), Diagnostic> {
+        if let Some(limit) = self.memory {
+            memory::set_limit(limit);
+        }
+        if self.format.is_none() || hdf::IS_BUILT {
+            return Ok(());
+        }
+        let message = "this raycost was built without HDF5, which `--format vtkhdf` needs";
+        let help = "install libhdf5 with its headers (on Debian, `apt-get install libhdf5-dev`), \
+                    then `cargo install --path . --features hdf5`";
+        Err(Diagnostic::new(message).with_help(help))
+    }
+}
