@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use scene::config::Config;
 use scene::geometry::{Ray, RenderSpace};
 use scene::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
+use scene::material::MaterialKind;
 use scene::world::{Geometries, Scene};
 use serde_json::{Value, json};
 use tracer::accel::Accel;
@@ -259,9 +260,11 @@ fn a_file_has_its_pictures_colors_and_finish() {
         let [_, panel, painted] = &scene.materials[..] else {
             unreachable!()
         };
-        let principled = panel
-            .principled
-            .map(|of| (of.metallic, of.roughness, of.index));
+        let principled = match panel.kind {
+            MaterialKind::Principled { surface, .. } => Some(surface),
+            _ => None,
+        };
+        let principled = principled.map(|of| (of.metallic, of.roughness, of.index));
         assert_eq!(principled, (model == "path").then_some((0.25, 0.5, 1.5)));
         let emission = if model == "seed" { 0.0 } else { 0.3 };
         assert!((painted.emission - Vec3::new(emission, 0.0, 0.0)).length() < 1e-6);

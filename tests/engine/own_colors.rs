@@ -135,7 +135,7 @@ fn a_mesh_without_a_material_has_those_of_its_file() {
             unreachable!()
         };
         assert_eq!((seat.specular, seat.exponent), (0.3, 90.0));
-        let index = leg.dielectric.map(|medium| medium.index);
+        let index = leg.kind.medium().map(|medium| medium.index);
         assert_eq!(index, (model != "seed").then_some(1.4), "{model}");
     }
     let own = "materials: { red: { color: [1, 0, 0] } }\n";

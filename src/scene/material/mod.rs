@@ -7,6 +7,7 @@ mod conductor;
 mod cutout;
 mod dielectric;
 mod image;
+mod kind;
 mod normal_map;
 mod of_mesh;
 mod picture_factors;
@@ -28,6 +29,7 @@ pub use conductor::Conductor;
 pub use cutout::Cutout;
 pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical, Triplanar};
+pub use kind::MaterialKind;
 pub use normal_map::NormalMap;
 pub use of_mesh::MaterialDetail;
 pub use picture_factors::{FactorPictures, PictureFactors};
@@ -62,38 +64,26 @@ use math::simd::{Real, Vector};
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
-    /// The color of the diffuse reflection; white by default for a medium or a metal.
+    /// The color of the diffuse reflection.
     pub color: Texture,
-    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a
-    /// metal.
+    /// Fraction of the scene's ambient light, 0 to 1.
     pub ambient: f32,
-    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
+    /// Fraction of the diffuse light, 0 to 1.
     pub diffuse: f32,
-    /// Strength of the highlight, 0 to 1; 0 by default.
+    /// Strength of the highlight, 0 to 1.
     pub specular: f32,
-    /// Exponent of the highlight, at least 0; 50 by default.
+    /// Exponent of the highlight, at least 0.
     pub exponent: f32,
-    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
-    /// metal, which reflect light by Fresnel's equations.
-    pub reflection: f32,
-    /// The medium inside of the surface, if light enters it.
-    pub dielectric: Option<Dielectric>,
-    /// The metal, for a conductor.
-    pub conductor: Option<Conductor>,
-    /// The principled surface, if it is one.
-    pub principled: Option<Principled>,
-    /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
-    pub roughness: f32,
-    /// If true, light that microscopic facets reflect onto each other counts, in path tracing; true
-    /// by default.
+    /// The way in which it scatters light besides.
+    pub kind: MaterialKind,
+    /// True if light that microscopic facets reflect onto each other counts, in path tracing.
     pub multiple_scattering: bool,
-    /// The microscopic facets in path tracing; `None` for a smooth surface, and before
-    /// [`roughen`](Self::roughen).
+    /// The microscopic facets in path tracing; `None` for a smooth surface, and in a scene file.
     pub rough: Option<Arc<RoughSurface>>,
-    /// The radiance that the surface emits, the same in all directions; none by default.
+    /// The radiance that the surface emits, the same in all directions.
     pub emission: Vec3,
-    /// If true, both sides reflect and emit light; otherwise only the outer one, on the side of the
-    /// shape's own normal. True by default.
+    /// True if both sides reflect and emit light, and not only the outer one, on the side of the
+    /// shape's own normal.
     pub two_sided: bool,
     /// The bumps and dents of the surface, if there are any.
     pub normal_map: Option<NormalMap>,
@@ -101,8 +91,6 @@ pub struct Material {
     pub cutout: Option<Cutout>,
     /// The pictures of roughness, metallicness and emission from a mesh file.
     pub factors: FactorPictures,
-    /// The phase function of the particles, for fog instead of a surface.
-    pub particles: Option<HenyeyGreenstein>,
 }
 
 impl Material {
@@ -112,7 +100,7 @@ impl Material {
             ambient: 0.0,
             exponent: 0.0,
             multiple_scattering: false,
-            particles: Some(phase),
+            kind: MaterialKind::Particles(phase),
             ..Self::matte(Texture::Color(color))
         }
     }
@@ -125,11 +113,7 @@ impl Material {
             diffuse: 1.0,
             specular: 0.0,
             exponent: 50.0,
-            reflection: 0.0,
-            dielectric: None,
-            conductor: None,
-            principled: None,
-            roughness: 0.0,
+            kind: MaterialKind::MATTE,
             multiple_scattering: true,
             rough: None,
             emission: Vec3::ZERO,
@@ -137,20 +121,21 @@ impl Material {
             normal_map: None,
             cutout: None,
             factors: FactorPictures::default(),
-            particles: None,
         }
     }
 
-    /// Converts the material's lengths from world space to render space.
-    pub fn in_space(mut self, space: &RenderSpace) -> Self {
+    /// Converts the material of a scene file to one that rays meet: its lengths to render space, and
+    /// its surface to microscopic facets with this masking, for path tracing.
+    pub fn in_scene(mut self, space: &RenderSpace, masking: Option<Masking>) -> Self {
         if let Texture::Checker(checker) = &mut self.color {
             checker.in_space(space);
         }
         self.images_mut().for_each(|image| image.in_space(space));
-        if let Some(medium) = &mut self.dielectric {
+        if let Some(medium) = self.kind.medium_mut() {
             let absorption = medium.absorption.to_array();
             medium.absorption = absorption.map(|per| space.times_length(-1, per)).into();
         }
+        self.rough = masking.and_then(|masking| self.rough_surface(masking));
         self
     }
 
@@ -160,44 +145,38 @@ impl Material {
         self.emission != Vec3::ZERO
     }
 
-    /// Returns true if it mirrors.
-    #[inline]
-    pub fn mirrors(&self) -> bool {
-        self.reflection > 0.0 || self.conductor.is_some()
-    }
-
     /// Returns true if it reflects or refracts anything.
     #[inline]
     pub fn scatters(&self) -> bool {
-        self.is_lit() || self.mirrors() || self.dielectric.is_some()
+        self.is_lit() || self.kind.mirrors() || self.kind.medium().is_some()
     }
 
-    /// Prepares it for path tracing.
-    pub fn roughen(&mut self, masking: Masking) {
-        let facets = if let Some(principled) = &self.principled {
-            Some(principled.facets(masking))
-        } else if self.dielectric.is_some() || self.conductor.is_some() {
-            Ggx::of_roughness(self.roughness, masking)
-        } else {
-            // As wide as the highlight: Walter et al., EGSR 2007.
-            let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
-            (self.specular > 0.0).then_some(Ggx {
-                alpha: alpha.max(Ggx::MIN_ALPHA),
-                masking,
-            })
+    /// Returns the microscopic facets; `None` for a smooth surface.
+    fn rough_surface(&self, masking: Masking) -> Option<Arc<RoughSurface>> {
+        let facets = match &self.kind {
+            MaterialKind::Principled { surface, .. } => surface.facets(masking),
+            MaterialKind::Dielectric { roughness, .. }
+            | MaterialKind::Conductor { roughness, .. } => Ggx::of_roughness(*roughness, masking)?,
+            MaterialKind::Opaque { .. } | MaterialKind::Particles(_) if self.specular > 0.0 => {
+                // As wide as the highlight: Walter et al., EGSR 2007.
+                let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
+                Ggx {
+                    alpha: alpha.max(Ggx::MIN_ALPHA),
+                    masking,
+                }
+            }
+            MaterialKind::Opaque { .. } | MaterialKind::Particles(_) => return None,
         };
-        let index = self.dielectric.map(|medium| medium.index);
-        self.rough = facets.map(|facets| {
-            Arc::new(
-                if self.multiple_scattering && self.factors.facets.is_some() {
-                    RoughSurface::varying(facets)
-                } else if self.multiple_scattering {
-                    RoughSurface::new(facets, index)
-                } else {
-                    RoughSurface::losing(facets)
-                },
-            )
-        });
+        let index = self.kind.medium().map(|medium| medium.index);
+        Some(Arc::new(
+            if self.multiple_scattering && self.factors.facets.is_some() {
+                RoughSurface::varying(facets)
+            } else if self.multiple_scattering {
+                RoughSurface::new(facets, index)
+            } else {
+                RoughSurface::losing(facets)
+            },
+        ))
     }
 
     /// Returns the pictures, each with the keys that lead to it.
@@ -250,7 +229,8 @@ impl Material {
     /// Returns true if it reflects light that arrives directly from a light.
     #[inline]
     pub fn is_lit(&self) -> bool {
-        let is_special = self.dielectric.is_some() || self.conductor.is_some() || self.emits();
+        let is_metal = matches!(self.kind, MaterialKind::Conductor { .. });
+        let is_special = is_metal || self.kind.medium().is_some() || self.emits();
         !is_special || self.diffuse > 0.0 || self.specular > 0.0
     }
 }
@@ -261,34 +241,52 @@ impl Material {
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 struct MaterialKeys {
+    /// The color of the diffuse reflection; white by default for a medium or a metal.
     #[serde(default)]
     color: Option<Texture>,
+    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a metal.
     #[serde(default, deserialize_with = "fraction")]
     ambient: Option<f32>,
+    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
     #[serde(default, deserialize_with = "fraction")]
     diffuse: Option<f32>,
+    /// Strength of the highlight, 0 to 1; 0 by default.
     #[serde(default, deserialize_with = "fraction")]
     specular: Option<f32>,
+    /// Exponent of the highlight, at least 0; 50 by default.
     #[serde(default, deserialize_with = "exponent")]
     exponent: Option<f32>,
+    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
+    /// metal, which reflect light by Fresnel's equations.
     #[serde(default, deserialize_with = "fraction")]
     reflection: Option<f32>,
+    /// The medium inside of the surface, if light enters it.
     #[serde(default)]
     dielectric: Option<Dielectric>,
+    /// The metal, for a conductor.
     #[serde(default)]
     conductor: Option<Conductor>,
+    /// The bumps and dents of the surface, if there are any.
     #[serde(default)]
     normal_map: Option<NormalMap>,
+    /// The holes in the surface, if there are any.
     #[serde(default)]
     cutout: Option<Cutout>,
+    /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
     #[serde(default, deserialize_with = "fraction")]
     roughness: Option<f32>,
+    /// The principled surface, if it is one.
     #[serde(default)]
     principled: Option<Principled>,
+    /// If true, light that microscopic facets reflect onto each other counts, in path tracing; true
+    /// by default.
     #[serde(default = "by_default")]
     multiple_scattering: bool,
+    /// The radiance that the surface emits, the same in all directions; none by default.
     #[serde(default, deserialize_with = "yaml::radiance")]
     emission: Vec3,
+    /// If true, both sides reflect and emit light; otherwise only the outer one, on the side of the
+    /// shape's own normal. True by default.
     #[serde(default = "by_default")]
     two_sided: bool,
 }
@@ -324,17 +322,24 @@ impl TryFrom<MaterialKeys> for Material {
             return Err("cannot be `principled` and `diffuse` or `specular`, \
                  expected `principled` without them");
         }
-        let medium_of_principled = keys.principled.and_then(|principled| principled.medium());
-        let dielectric = keys.dielectric.or(medium_of_principled);
-        let is_cut_body = dielectric.is_some() || keys.emission != Vec3::ZERO;
-        if keys.cutout.is_some() && is_cut_body {
-            return Err("cannot have holes, \
-                 expected a `cutout` without `dielectric` and `emission`");
-        }
         let is_fresnel = keys.dielectric.is_some() || keys.conductor.is_some();
         if keys.roughness.is_some() && !is_fresnel {
             return Err("cannot have a `roughness` of its own, \
                  expected it beside `dielectric` or `conductor` (or `specular` and `exponent`)");
+        }
+        let roughness = keys.roughness.unwrap_or(0.0);
+        let kind = match (keys.dielectric, keys.conductor, keys.principled) {
+            (Some(medium), ..) => MaterialKind::Dielectric { medium, roughness },
+            (_, Some(metal), _) => MaterialKind::Conductor { metal, roughness },
+            (.., Some(principled)) => principled.into(),
+            _ => MaterialKind::Opaque {
+                reflection: keys.reflection.unwrap_or(0.0),
+            },
+        };
+        let is_cut_body = kind.medium().is_some() || keys.emission != Vec3::ZERO;
+        if keys.cutout.is_some() && is_cut_body {
+            return Err("cannot have holes, \
+                 expected a `cutout` without `dielectric` and `emission`");
         }
         let is_lamp = keys.emission != Vec3::ZERO && keys.color.is_none();
         let is_special = is_fresnel || is_lamp;
@@ -346,11 +351,7 @@ impl TryFrom<MaterialKeys> for Material {
             diffuse: keys.diffuse.unwrap_or(by_default),
             specular: keys.specular.unwrap_or(0.0),
             exponent: keys.exponent.unwrap_or(50.0),
-            reflection: keys.reflection.unwrap_or(0.0),
-            dielectric,
-            conductor: keys.conductor,
-            principled: keys.principled,
-            roughness: keys.roughness.unwrap_or(0.0),
+            kind,
             multiple_scattering: keys.multiple_scattering,
             rough: None,
             emission: keys.emission,
@@ -358,7 +359,6 @@ impl TryFrom<MaterialKeys> for Material {
             normal_map: keys.normal_map,
             cutout: keys.cutout,
             factors: FactorPictures::default(),
-            particles: None,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Materials of mesh files as materials of scenes.
 
-use super::Material;
+use super::{Material, MaterialKind};
 use glam::Vec3;
 
 use super::cutout::Cutout;
@@ -58,12 +58,15 @@ impl Material {
                 index: of.index,
             });
         } else if of.transmission > MOSTLY {
-            (made.ambient, made.diffuse, made.reflection) = (0.0, 0.0, 0.0);
-            made.dielectric = Some(Dielectric {
-                index: of.index,
-                absorption: Vec3::ZERO,
-                priority: 0,
-            });
+            (made.ambient, made.diffuse) = (0.0, 0.0);
+            made.kind = MaterialKind::Dielectric {
+                medium: Dielectric {
+                    index: of.index,
+                    absorption: Vec3::ZERO,
+                    priority: 0,
+                },
+                roughness: 0.0,
+            };
         }
         made
     }
@@ -75,7 +78,8 @@ impl Material {
                 exponent,
                 reflection,
             } => {
-                (self.specular, self.exponent, self.reflection) = (specular, exponent, reflection);
+                (self.specular, self.exponent) = (specular, exponent);
+                self.kind = MaterialKind::Opaque { reflection };
             }
             Finish::Facets {
                 metallic,
@@ -102,16 +106,16 @@ impl Material {
                 let alpha = (roughness * roughness).max(0.05);
                 self.exponent = 2.0 / (alpha * alpha) - 2.0;
                 self.specular = (0.2 + 0.5 * metallic) * (1.0 - roughness);
-                self.reflection = metallic * (1.0 - roughness);
-                self.diffuse = 1.0 - self.reflection;
+                let reflection = metallic * (1.0 - roughness);
+                self.diffuse = 1.0 - reflection;
+                self.kind = MaterialKind::Opaque { reflection };
             }
         }
     }
 
     fn take_principled(&mut self, principled: Principled) {
-        self.dielectric = principled.medium();
-        self.principled = Some(principled);
-        (self.specular, self.reflection) = (0.0, 0.0);
+        self.kind = principled.into();
+        self.specular = 0.0;
     }
 }
 

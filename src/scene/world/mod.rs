@@ -31,7 +31,7 @@ use crate::background::Background;
 use crate::config::{Config, Geometry, GeometryFile, Object, Shading, ShadingModel};
 use crate::fog::FogSphere;
 use crate::geometry::RenderSpace;
-use crate::material::{ArrayTexture, FactorPictures, Material, TexturePoint};
+use crate::material::{ArrayTexture, FactorPictures, Material, MaterialKind, TexturePoint};
 use crate::yaml::{Fault, FieldPath};
 use base::text::{did_you_mean, keyword_name};
 use math::simd::Vector;
@@ -149,6 +149,8 @@ impl Scene {
     /// Returns the scene with its settings and materials, but neither objects nor lights.
     fn without_objects(config: &Config, geometries: &Geometries, space: RenderSpace) -> Self {
         let has = |is_such: fn(&Material) -> bool| config.materials.values().any(is_such);
+        let is_path = config.shading.model == ShadingModel::Path;
+        let masking = is_path.then_some(config.shading.masking);
         let materials = config.materials.values().cloned();
         Self {
             space,
@@ -157,9 +159,9 @@ impl Scene {
             fog: None,
             lights: Lights::default(),
             materials: materials
-                .map(|material| material.in_space(&space))
+                .map(|material| material.in_scene(&space, masking))
                 .collect(),
-            has_media: has(|material| material.dielectric.is_some()),
+            has_media: has(|material| material.kind.medium().is_some()),
             has_cutouts: has(|material| material.cutout.is_some()),
             has_images: has(Material::has_images),
             has_factors: has(|material| material.factors != FactorPictures::default()),
@@ -172,7 +174,7 @@ impl Scene {
         }
     }
 
-    /// Gives the materials their pictures, microscopic facets and colors of arrays.
+    /// Gives the materials their pictures and the colors of arrays.
     fn complete_materials(
         &mut self,
         config: &Config,
@@ -180,9 +182,6 @@ impl Scene {
     ) -> Result<(), Fault> {
         for (name, material) in config.materials.keys().zip(&mut self.materials) {
             geometries.pictures.give_to(name, material);
-            if config.shading.model == ShadingModel::Path {
-                material.roughen(config.shading.masking);
-            }
         }
         let numbers_of =
             |object: usize, texture: &ArrayTexture| geometries.objects[object].numbers_for(texture);
@@ -462,7 +461,8 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
     let is_seed = model == ShadingModel::Seed;
     let is_path = model == ShadingModel::Path;
     for (name, material) in &config.materials {
-        let (key, what, help) = if is_seed && material.dielectric.is_some() {
+        let is_principled = matches!(material.kind, MaterialKind::Principled { .. });
+        let (key, what, help) = if is_seed && material.kind.medium().is_some() {
             ("dielectric", "refraction", NOT_SEED)
         } else if is_seed && material.emits() {
             ("emission", "surfaces that emit light", NOT_SEED)
@@ -470,9 +470,9 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
             ("cutout", "holes in surfaces", NOT_SEED)
         } else if is_seed && !material.two_sided {
             ("two_sided", "sides", NOT_SEED)
-        } else if !is_path && material.roughness > 0.0 {
+        } else if !is_path && material.kind.roughness() > 0.0 {
             ("roughness", "rough media and metals", PATH)
-        } else if !is_path && material.principled.is_some() {
+        } else if !is_path && is_principled {
             ("principled", "principled surfaces", PATH)
         } else {
             continue;

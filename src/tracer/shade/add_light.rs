@@ -82,7 +82,8 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                 let light = self.light.at(set, at.first, point.position);
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
                 let to_viewer = self.model.to_viewer(&point, eye, direction);
-                let boundary = if M::BOUNCE == Bounce::Scattered && material.dielectric.is_some() {
+                let boundary = if M::BOUNCE == Bounce::Scattered && material.kind.medium().is_some()
+                {
                     let (rays, flipped) = (self.points.rays(at), point.side.signs());
                     Interfaces::met(self.scene, self.wave, group.material, rays, flipped)
                         .boundary(set)

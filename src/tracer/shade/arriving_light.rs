@@ -134,7 +134,7 @@ impl SampleLights<'_> {
     ) -> [Media; N_LANES] {
         let rays = self.points.rays(at);
         let mut media = self.wave.media(rays);
-        if behind != 0 && self.scene.material(material).dielectric.is_some() {
+        if behind != 0 && self.scene.material(material).kind.medium().is_some() {
             let met = Interfaces::met(self.scene, self.wave, material, rays, flipped);
             for (lane, (media, of_other_side)) in media.iter_mut().zip(met.behind).enumerate() {
                 if behind >> lane & 1 != 0 {

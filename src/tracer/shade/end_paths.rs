@@ -37,7 +37,7 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
             && self.wave.depth < u32::from(self.scene.shading.max_depth);
         for group in self.points.groups() {
             let material = self.scene.material(group.material);
-            let reflects = may_bounce && material.mirrors();
+            let reflects = may_bounce && material.kind.mirrors();
             for at in group.lanes() {
                 // Add the radiance to the colors of the paths.
                 let mut ended = at.bits();
@@ -47,7 +47,7 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
                 self.add(set, at, ended);
                 // Continue the paths: a mirror reflects, the surface of a medium splits.
                 ended &= self.points.scattering_sides(set, at, material);
-                match material.dielectric {
+                match material.kind.medium() {
                     None if reflects => self.reflect(set, material, at, ended),
                     Some(_) if may_bounce => self.split(set, group.material, at, ended),
                     _ => {}

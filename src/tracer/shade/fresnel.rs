@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::trace::ShadingPoint;
 use math::optics::{Split, reflectance_of_metal, split};
 use math::simd::{Real, Vector};
-use scene::material::Material;
+use scene::material::{Material, MaterialKind};
 
 /// Returns the share of light that a material mirrors, for a ray in `direction`.
 #[inline(always)]
@@ -15,13 +15,17 @@ pub(super) fn mirrored_share<R: Real>(
     direction: Vector<R>,
 ) -> Vector<R> {
     let zero = direction.x.splat(0.0);
-    let Some(conductor) = &material.conductor else {
-        return Vector::splat(zero, Vec3::splat(material.reflection));
+    let metal = match &material.kind {
+        MaterialKind::Conductor { metal, .. } => metal,
+        MaterialKind::Opaque { reflection } => {
+            return Vector::splat(zero, Vec3::splat(*reflection));
+        }
+        _ => return Vector::splat(zero, Vec3::ZERO),
     };
     let cos = (-direction.dot(point.normal))
         .max(zero)
         .min(zero.splat(1.0));
-    reflectance_of_metal(conductor.index, conductor.extinction, cos)
+    reflectance_of_metal(metal.index, metal.extinction, cos)
 }
 
 /// Splits a ray in `direction` at a point; where the surface is not visible, the ray goes straight

@@ -141,7 +141,7 @@ impl Media {
 #[inline(always)]
 fn dielectric(medium: MediumId, all: &[Material]) -> (MaterialId, &Dielectric) {
     let material = medium.material();
-    let dielectric = all[material.0 as usize].dielectric.as_ref();
+    let dielectric = all[material.0 as usize].kind.medium();
     (material, dielectric.expect("media have dielectrics"))
 }
 

@@ -273,7 +273,7 @@ impl<'a> Shader<'a> {
     fn interface(&self, path: &PathRay, point: &SurfacePoint) -> Option<Interface> {
         let (all, enters) = (&self.scene.materials, !point.is_flipped);
         let material = self.scene.material(point.material);
-        let is_medium = material.dielectric.is_some();
+        let is_medium = material.kind.medium().is_some();
         is_medium.then(|| path.media.cross(point.material, enters, all))
     }
 
@@ -355,7 +355,7 @@ impl<'a> Shader<'a> {
             path.continued(RayKind::Reflection, ray, share)
         };
         let Some(interface) = self.interface(path, point) else {
-            if material.mirrors() {
+            if material.kind.mirrors() {
                 next.push(reflected(mirrored_share(material, &at, direction).into()));
             }
             return;

@@ -44,7 +44,7 @@ impl<S: Scatters> ScatterPaths<'_, S> {
         let material = self.group.material;
         let point = self.points.shading(set, at);
         let rays = self.points.rays(at);
-        let is_medium = self.scene.material(material).dielectric.is_some();
+        let is_medium = self.scene.material(material).kind.medium().is_some();
         let interfaces = if is_medium {
             let flipped = point.side.signs();
             let met = Interfaces::met(self.scene, self.wave, material, rays, flipped);

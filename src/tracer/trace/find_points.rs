@@ -12,7 +12,7 @@ use math::simd::{
 };
 use scene::camera::RayCone;
 use scene::geometry::{InstanceTransform, RayStream};
-use scene::material::{PictureFactors, TexturePoint};
+use scene::material::{MaterialKind, PictureFactors, TexturePoint};
 use scene::world::{
     AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
     interpolated_normal, interpolated_scalar, scalar_along, with_uv,
@@ -56,7 +56,10 @@ impl SimdKernel for FindPoints<'_> {
         self.collect_hits();
         for i in 0..self.points.groups.len() {
             let group = self.points.groups[i];
-            let is_fog = self.scene.material(group.material).particles.is_some();
+            let is_fog = matches!(
+                self.scene.material(group.material).kind,
+                MaterialKind::Particles(_)
+            );
             for at in group.lanes() {
                 if is_fog {
                     self.find_particles(set, &group, at);

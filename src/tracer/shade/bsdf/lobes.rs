@@ -31,21 +31,21 @@ struct Choice {
 }
 
 impl<'a> Lobes<'a> {
-    /// Reads the fractions `diffuse`, `specular` and `reflection`; all are scaled down where they
+    /// Reads the fractions `diffuse` and `specular`, and takes that of the mirror; all are scaled down where they
     /// sum to more than 1.
-    pub(super) fn new(material: &'a Material) -> Self {
-        let sum = material.diffuse + material.specular + material.reflection;
+    pub(super) fn new(material: &'a Material, reflection: f32) -> Self {
+        let sum = material.diffuse + material.specular + reflection;
         let scale = 1.0 / sum.max(1.0);
         let chosen = 1.0 / sum.max(f32::MIN_POSITIVE);
         Self {
             diffuse: scale * material.diffuse,
             glossy: scale * material.specular,
             rough: material.rough.as_deref(),
-            mirror: scale * material.reflection,
+            mirror: scale * reflection,
             choice: Choice {
                 diffuse: chosen * material.diffuse,
                 glossy: chosen * material.specular,
-                mirror: chosen * material.reflection,
+                mirror: chosen * reflection,
             },
         }
     }

@@ -20,12 +20,12 @@ use medium::Medium;
 use metal::Metal;
 use particle::Particle;
 use principled::PrincipledBsdf;
-use scene::material::Material;
+use scene::material::{Material, MaterialKind};
 
 /// Scattering of light at the surfaces of a material.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Bsdf<'a> {
-    /// All other materials.
+    /// Opaque surfaces.
     Lobes(Lobes<'a>),
     Metal(Metal<'a>),
     Medium(Medium<'a>),
@@ -132,16 +132,19 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub(super) fn of(material: &'a Material) -> Self {
         let rough = material.rough.as_deref();
-        if let Some(phase) = material.particles {
-            Self::Particle(Particle { phase })
-        } else if let (Some(keys), Some(rough)) = (&material.principled, rough) {
-            Self::Principled(PrincipledBsdf::new(keys, rough))
-        } else if material.dielectric.is_some() {
-            Self::Medium(Medium::new(rough))
-        } else if let Some(conductor) = &material.conductor {
-            Self::Metal(Metal::new(conductor, rough))
-        } else {
-            Self::Lobes(Lobes::new(material))
+        match (&material.kind, rough) {
+            (MaterialKind::Opaque { reflection }, _) => {
+                Self::Lobes(Lobes::new(material, *reflection))
+            }
+            (MaterialKind::Dielectric { .. }, _) => Self::Medium(Medium::new(rough)),
+            (MaterialKind::Conductor { metal, .. }, _) => Self::Metal(Metal::new(metal, rough)),
+            (MaterialKind::Principled { surface, .. }, Some(rough)) => {
+                Self::Principled(PrincipledBsdf::new(surface, rough))
+            }
+            (MaterialKind::Principled { .. }, None) => {
+                unreachable!("principled surfaces have facets in path tracing")
+            }
+            (&MaterialKind::Particles(phase), _) => Self::Particle(Particle { phase }),
         }
     }
 }

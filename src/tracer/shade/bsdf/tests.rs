@@ -4,6 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use super::*;
 use math::optics::Masking;
+use scene::geometry::RenderSpace;
 use scene::material::PictureFactors;
 use scene::yaml;
 
@@ -11,9 +12,8 @@ use scene::yaml;
 const N: u32 = 160;
 
 fn material(text: &str) -> Material {
-    let mut material: Material = yaml::from_str(text).unwrap();
-    material.roughen(Masking::default());
-    material
+    let material: Material = yaml::from_str(text).unwrap();
+    material.in_scene(&RenderSpace::default(), Some(Masking::default()))
 }
 
 /// Returns rough materials for which light samples contribute.
@@ -59,7 +59,7 @@ fn leaving(to_viewer: Vector<f32>, tilt_deg: f32) -> Leaving<f32> {
 
 /// Returns the surface of the material's medium, from outside or from inside.
 fn boundary(material: &Material, is_inside: bool) -> Boundary<f32> {
-    let index = material.dielectric.map_or(1.0, |medium| medium.index);
+    let index = material.kind.medium().map_or(1.0, |medium| medium.index);
     Boundary {
         eta: if is_inside { index } else { 1.0 / index },
         is_visible: true,
