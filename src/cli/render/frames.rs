@@ -6,13 +6,14 @@ use std::time::{Duration, Instant};
 
 use super::hierarchies::{self, FrameHierarchies, FrameInput};
 use super::part::{self, PartDone};
-use super::picture::{FinishedPicture, Until};
+use super::picture::FinishedPicture;
+use super::picture_run::PictureRun;
 use super::ranks::Crew;
 use super::tiles;
 use super::{RenderArguments, start_profiler};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, json, shell_word, shown};
-use crate::session::{Frames, Session};
+use crate::session::Frames;
 use base::stop;
 use base::text::numbers::{counted, duration};
 use base::text::{self, Diagnostic};
@@ -150,14 +151,9 @@ impl FrameRender {
     }
 }
 
-/// Renders a whole frame into its folder.
-fn whole(
-    arguments: &RenderArguments,
-    session: &Session,
-    folder: &Path,
-    until: Until,
-) -> Result<FrameRender, Failure> {
-    let picture = FinishedPicture::render(arguments, session, folder, until)?;
+/// Renders a whole frame.
+fn whole(run: PictureRun) -> Result<FrameRender, Failure> {
+    let picture = FinishedPicture::render(run)?;
     let stages = picture.rendering.stages().ended.iter();
     let times = stages.map(|stage| {
         let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
@@ -216,21 +212,19 @@ impl FrameJob<'_> {
         let options = arguments.options(&silent);
         let frame = self.hierarchies.open(frame, needed, stages, &options)?;
         let session = &frame.session;
+        let team = self.crew.map(|crew| crew.gather(arguments, session));
+        let team = team.transpose()?;
+        let run = PictureRun {
+            arguments,
+            session,
+            out: folder,
+            deadline: self.deadline,
+            profiler: profiler.as_ref(),
+            team: team.as_ref(),
+        };
         let done = match arguments.part {
-            Some(part) => {
-                let part_until = (part, self.deadline);
-                FrameRender::Part(part, part::render(arguments, session, folder, part_until)?)
-            }
-            None => {
-                let team = self.crew.map(|crew| crew.gather(arguments, session));
-                let team = team.transpose()?;
-                let until = Until {
-                    deadline: self.deadline,
-                    profiler: profiler.as_ref(),
-                    team: team.as_ref(),
-                };
-                whole(arguments, session, folder, until)?
-            }
+            Some(part) => FrameRender::Part(part, part::render(run, part)?),
+            None => whole(run)?,
         };
         self.hierarchies.take_from(&frame)?;
         if !arguments.run.quiet && !arguments.json {

@@ -7,17 +7,18 @@ mod merge;
 mod only_picture;
 mod part;
 mod picture;
+mod picture_run;
 mod ranks;
 mod run_arguments;
 mod tiles;
 
 use std::io;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use only_picture::PictureFile;
 use part::PartDone;
-use picture::{FinishedPicture, Until};
+use picture::FinishedPicture;
+use picture_run::PictureRun;
 use ranks::Crew;
 use run_arguments::RunArguments;
 
@@ -191,21 +192,24 @@ fn still(
     }
     let session = Session::new(scene.load(frame, arguments.needed())?, stages)?;
     arguments.check_bands(&session)?;
-    let out = arguments.scene.out();
-    if let Some(part) = arguments.part {
-        return still_part(arguments, &session, &out, (part, deadline));
-    }
     let team = crew.map(|crew| crew.gather(arguments, &session));
     let team = team.transpose()?;
     if let Some(file) = &arguments.picture {
         return only_picture::render(arguments, &session, file, team.as_ref());
     }
-    let until = Until {
+    let out = arguments.scene.out();
+    let run = PictureRun {
+        arguments,
+        session: &session,
+        out: &out,
         deadline,
         profiler: profiler.as_ref(),
         team: team.as_ref(),
     };
-    let picture = FinishedPicture::render(arguments, &session, &out, until)?;
+    if let Some(part) = arguments.part {
+        return still_part(run, part);
+    }
+    let picture = FinishedPicture::render(run)?;
     if arguments.json {
         json::print_summary(&out)?;
     } else if !arguments.run.quiet {
@@ -235,15 +239,11 @@ fn still_lines(
 }
 
 /// Renders a part of a still, and prints the next step.
-fn still_part(
-    arguments: &RenderArguments,
-    session: &Session,
-    out: &Path,
-    (part, deadline): (PicturePart, Option<Instant>),
-) -> Result<(), Failure> {
-    let done = part::render(arguments, session, out, (part, deadline))?;
-    if !arguments.run.quiet {
-        text::print(&format!("{}{}", done.line(part, out), part::next_line(out)))?;
+fn still_part(run: PictureRun, part: PicturePart) -> Result<(), Failure> {
+    let done = part::render(run, part)?;
+    if !run.arguments.run.quiet {
+        let (line, next) = (done.line(part, run.out), part::next_line(run.out));
+        text::print(&format!("{line}{next}"))?;
     }
     match done {
         PartDone::Partial(_) => Err(Failure::Partial),

@@ -2,18 +2,16 @@
 
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::{RenderArguments, tiles};
+use super::picture_run::PictureRun;
+use super::tiles::{self, Tiles};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
-use crate::session::{Scope, Session};
 use base::folder::WriteError;
-use base::text::Diagnostic;
 use base::text::numbers::{count, counted, duration};
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
-use render::tiles::Limits;
 
 /// The extension of a file that is not complete.
 const UNFINISHED: &str = "unfinished";
@@ -53,16 +51,14 @@ pub(super) fn next_line(out: &Path) -> String {
     format!("next    raycost merge {out}, when all parts are there\n")
 }
 
-/// Renders a part of the picture of a session into the folder of parts of an output folder, unless
-/// it is there. Continues where an interrupted run of the same part ended.
-pub(super) fn render(
-    arguments: &RenderArguments,
-    session: &Session,
-    out: &Path,
-    (part, deadline): (PicturePart, Option<Instant>),
-) -> Result<PartDone, Failure> {
-    let header = session.header(arguments.scene.all_flags(), Some(part))?;
-    let folder = out.join(PARTS);
+/// Renders a part of a picture into the folder of parts of its output folder, unless it is there.
+/// Continues where an interrupted run of the same part ended.
+pub(super) fn render(run: PictureRun, part: PicturePart) -> Result<PartDone, Failure> {
+    let arguments = run.arguments;
+    let header = run
+        .session
+        .header(arguments.scene.all_flags(), Some(part))?;
+    let folder = run.out.join(PARTS);
     fs::create_dir_all(&folder).map_err(|error| WriteError::new(&folder, error))?;
     let path = folder.join(part.file_name());
     let is_same = |file: &CheckpointFile| {
@@ -77,30 +73,14 @@ pub(super) fn render(
         Some(file) if !file.is_complete => Checkpoint::resume(file)?,
         _ => Checkpoint::create(&unfinished, &header)?,
     };
+    let tiles = Tiles::of_part(part, checkpoint);
     let bars = Bars::new(arguments.run.quiet);
     let on_event = |event| bars.show(event);
-    let scope = Scope {
-        part: Some(part),
-        limits: Limits {
-            checkpoint: Some(&checkpoint),
-            deadline,
-            team: None,
-            is_stored: true,
-        },
-        ..Scope::default()
-    };
-    let kept = || {
-        let n_tiles = counted(checkpoint.n_kept() as u64, "finished tile");
-        let message = format!("stopped: kept {n_tiles} of part {part}");
-        let help = "run the same command again: it goes on with the others";
-        (!arguments.run.quiet).then(|| Diagnostic::new(message).with_help(help))
-    };
-    let rendering = session.render_within(&arguments.options(&on_event), &scope);
-    let rendering = rendering.map_err(|error| Failure::from(error).or_kept(kept))?;
+    let rendering = tiles.render(&run, &arguments.options(&on_event))?;
     if let Some(partial) = rendering.partial() {
         return Ok(PartDone::Partial(partial));
     }
-    checkpoint.finish(&path, arguments.run.sync)?;
+    tiles.finish(&path, arguments.run.sync)?;
     let n_tiles = rendering.schedule().rendered().count() as u64;
     Ok(PartDone::Rendered(
         n_tiles,

@@ -3,49 +3,48 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
+use super::picture_run::PictureRun;
 use super::{RenderArguments, merge};
 use crate::cli::{Failure, shell_word, shown};
-use crate::session::{Scope, Session};
+use crate::session::{Options, Rendering, Scope, Session};
 use base::folder::{WriteError, lock_folder, refuse_file};
 use base::text::Diagnostic;
 use base::text::numbers::{count, counted};
 use output::summary::Partial;
-use render::checkpoint::{Checkpoint, CheckpointFile, Damage};
-use render::ranks::Team;
+use render::checkpoint::{Checkpoint, CheckpointFile, Damage, PicturePart};
+use render::ranks::n_launched;
 use render::tiles::Limits;
 
 /// Name of the file of finished tiles, in the output folder until the output is complete.
 const UNFINISHED: &str = "unfinished.tiles";
 
-/// The tiles of a whole picture.
+/// The source of the tiles of a picture that are finished, and the sink of new ones.
 #[derive(Debug, Default)]
 pub(super) struct Tiles {
+    /// The part of the picture; `None` for the whole.
+    part: Option<PicturePart>,
     checkpoint: Option<Checkpoint>,
-    deadline: Option<Instant>,
     /// The file of an interrupted run that this one does not continue.
     left: Option<PathBuf>,
-    /// True if the picture is larger than memory: its pixels are only in the files.
+    /// True if the pixels are only in the files of tiles: those of a part, and of a picture that is
+    /// larger than memory.
     is_stored: bool,
 }
 
 impl Tiles {
-    /// Opens the tiles that a session's rendering takes over from files in its output folder. It
-    /// ends at the deadline.
+    /// Opens the tiles that a whole picture takes over: of all its parts, or of an interrupted run.
     ///
     /// # Errors
-    /// If a file does not belong to the rendering, or cannot be written.
-    pub(super) fn of(
-        arguments: &RenderArguments,
-        session: &Session,
-        out: &Path,
-        deadline: Option<Instant>,
-    ) -> Result<Self, Failure> {
-        let path = out.join(UNFINISHED);
+    /// If a file does not belong to the picture, or cannot be written.
+    pub(super) fn of_picture(run: &PictureRun) -> Result<Self, Failure> {
+        let PictureRun {
+            arguments, session, ..
+        } = *run;
+        let path = run.out.join(UNFINISHED);
         let is_stored = session.bands().is_some();
         let checkpoint = if arguments.merges {
-            merge::parts(arguments, session, out)?
+            merge::parts(arguments, session, run.out)?
         } else if arguments.resume || arguments.timeout.is_some() || is_stored {
             kept(arguments, session, &path)?
         } else {
@@ -56,22 +55,42 @@ impl Tiles {
         };
         Ok(Self {
             checkpoint: Some(checkpoint),
-            deadline,
-            left: None,
             is_stored,
+            ..Self::default()
         })
     }
 
+    /// Takes the tiles of a part of a picture from a checkpoint, which keeps new ones.
+    pub(super) fn of_part(part: PicturePart, checkpoint: Checkpoint) -> Self {
+        Self {
+            part: Some(part),
+            checkpoint: Some(checkpoint),
+            left: None,
+            is_stored: true,
+        }
+    }
+
+    /// Renders the tiles that are not finished.
+    pub(super) fn render<'a>(
+        &self,
+        run: &PictureRun<'a>,
+        options: &Options,
+    ) -> Result<Rendering<'a>, Failure> {
+        let rendering = run.session.render_within(options, &self.scope(run));
+        rendering.map_err(|error| Failure::from(error).or_kept(|| self.kept(run.arguments)))
+    }
+
     /// Returns the scope of a rendering by this process, or by all ranks of a team.
-    pub(super) fn scope<'a>(&'a self, team: Option<&'a Team<'a>>) -> Scope<'a> {
+    fn scope<'a>(&'a self, run: &PictureRun<'a>) -> Scope<'a> {
         Scope {
+            part: self.part,
             limits: Limits {
                 checkpoint: self.checkpoint.as_ref(),
-                deadline: self.deadline,
-                team,
+                deadline: run.deadline,
+                team: run.team,
                 is_stored: self.is_stored,
             },
-            ..Scope::default()
+            is_only_rank: !run.arguments.merges && n_launched() == Some(1),
         }
     }
 
@@ -93,9 +112,23 @@ impl Tiles {
             );
         };
         let n_tiles = counted(checkpoint.n_kept() as u64, "finished tile");
+        if let Some(part) = self.part {
+            let message = format!("stopped: kept {n_tiles} of part {part}");
+            let help = "run the same command again: it goes on with the others";
+            return Some(Diagnostic::new(message).with_help(help));
+        }
         let file = shown(&arguments.scene.out().join(UNFINISHED));
         let message = format!("stopped: kept {n_tiles} in `{file}`");
         Some(Diagnostic::new(message).with_help(go_on(arguments)))
+    }
+
+    /// Gives the complete file of a part its final name, flushed to the disk if `sync`.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(super) fn finish(self, path: &Path, sync: bool) -> Result<(), WriteError> {
+        self.checkpoint
+            .map_or(Ok(()), |checkpoint| checkpoint.finish(path, sync))
     }
 
     /// Removes the file of finished tiles if the output, which was written, is complete. Returns

@@ -1,4 +1,4 @@
-//! The processes that render one picture together: the ranks of MPI.
+//! The processes that render pictures together: the ranks of MPI.
 //!
 //! [`Ranks`] sends and receives bytes; rank 0 leads a [`Team`] of all others, and a worker answers
 //! it. Rank 0 compares versions and flags before it reads the scene, whose text it sends. Then it
