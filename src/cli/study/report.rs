@@ -92,10 +92,10 @@ fn fits_of(plot: &PlotSpec, figure: &Figure) -> impl Iterator<Item = Value> {
 pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<(), Failure> {
     let path_of = |ending| out.join(format!("{name}.{ending}"));
     write_file(&path_of("svg"), Replace::Known, |file| {
-        file.write_all(figure.to_svg()?.as_bytes())
+        file.write_all(figure.to_svg().as_bytes())
     })?;
     write_file(&path_of("png"), Replace::Known, |file| {
-        file.write_all(&figure.to_png()?)
+        figure.write_png(file)
     })?;
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! The footer: the kind of scale, and the number of pixels outside of it.
 
 use super::label::Unit;
-use super::range::{Range, Scale};
+use super::range::Range;
+use super::ticks::Scale;
 
 /// Returns a line such as "Logarithmic scale; 2 pixels above 9.81 µs, up to 412 µs".
 pub fn line(unit_name: &str, range: &Range) -> String {
@@ -15,25 +16,17 @@ pub fn line(unit_name: &str, range: &Range) -> String {
         "ns" => scale.to_owned(),
         other => format!("{scale} of {other}"),
     }];
-    if range.n_above > 0 {
-        let (end, extreme) = (label(range.high), label(range.max.into()));
-        parts.push(format!(
-            "{} above {end}, up to {extreme}",
-            pixels(range.n_above)
-        ));
-    }
-    if range.n_below > 0 {
-        let (end, extreme) = (label(range.low), label(range.min.into()));
-        parts.push(format!(
-            "{} below {end}, down to {extreme}",
-            pixels(range.n_below)
-        ));
+    let above = (range.n_above, range.high, range.max, "above", "up");
+    let below = (range.n_below, range.low, range.min, "below", "down");
+    for (n, end, extreme, side, direction) in [above, below] {
+        if n > 0 {
+            let (n, end, extreme) = (pixels(n), label(end), label(extreme.into()));
+            parts.push(format!("{n} {side} {end}, {direction} to {extreme}"));
+        }
     }
     if range.n_undrawable > 0 {
-        parts.push(format!(
-            "gray: {} without a value",
-            pixels(range.n_undrawable)
-        ));
+        let n = pixels(range.n_undrawable);
+        parts.push(format!("gray: {n} without a value"));
     }
     parts.join("; ")
 }

@@ -6,6 +6,11 @@ pub fn short_number(value: f64) -> String {
     COUNT.label_within(value, 6, 3)
 }
 
+/// Formats a number with three digits and an SI prefix: "0.05", "65.5 k".
+pub fn rounded_number(value: f64) -> String {
+    COUNT.label(value, 3)
+}
+
 /// The suffixes of a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {

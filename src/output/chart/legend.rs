@@ -3,12 +3,14 @@
 use image::{Rgb, RgbImage};
 
 use super::bar::Bar;
-use super::canvas::{self, Rect, px};
 use super::colors::Colors;
+use super::entries::LegendEntries;
 use super::label::Unit;
-use super::range::{Range, Scale};
-use super::swatches::{Swatch, Swatches};
+use super::pixels;
+use super::range::Range;
+use super::surface::{Anchor, DrawingSurface, INK, LINE, PAPER, PixelPosition, Rect, line_px, px};
 use super::text::{CAP_HEIGHT_EM, Style};
+use super::ticks::Scale;
 use scene::color::Palette;
 
 /// A color bar with a title.
@@ -39,8 +41,17 @@ pub enum LegendKey {
     Categories(Vec<Swatch>),
 }
 
+/// A category in a legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Swatch {
+    /// The name of the category.
+    pub label: String,
+    /// Red, green and blue in sRGB.
+    pub color: [u8; 3],
+}
+
 /// Pictures with a shorter side have no room for a color bar.
-const MIN_SIDE_PX: u32 = 96;
+const MIN_SIDE_PX: f32 = 96.0;
 /// The length of a bar as a fraction of the picture's height.
 const LENGTH: f32 = 0.5;
 /// Maximum length of a list of categories, as a fraction of the picture's height.
@@ -52,79 +63,77 @@ const OPACITY: f32 = 0.75;
 
 /// Draws color bars along the right edge of a picture, unless it is too small.
 pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
-    let (width, height) = picture.dimensions();
+    let [width, height] = [picture.width() as f32, picture.height() as f32];
     if width.min(height) < MIN_SIDE_PX {
         return;
     }
-    let em_px = (width.max(height) as f32 / 55.0).min(height as f32 / MIN_HEIGHT_EM);
+    let em_px = (width.max(height) / 55.0).min(height / MIN_HEIGHT_EM);
     let margin = px(em_px);
     let mut right = width;
     for legend in legends {
-        let room = [right.saturating_sub(4 * margin), height];
+        let room = [(right - 4.0 * margin).max(0.0), height];
         // Measure the key and its title.
-        let drawing = Drawing::of(&legend.key, room, em_px);
-        let [inner, length] = drawing.size();
-        let style = Style::new(em_px, canvas::INK);
+        let ([inner, length], draw_key) = laid_out(&legend.key, room, em_px);
+        let style = Style::new(em_px, INK);
         let title = style.fitted(&legend.title, room[0]);
         let inner = inner.max(px(style.width(&title).ceil()));
-        let Some(left) = right.checked_sub(inner + 3 * margin) else {
+        let left = right - inner - 3.0 * margin;
+        if left < 0.0 {
             return;
-        };
+        }
         // Paint the paper, the title and the key, centered vertically.
         let title_px = px(em_px * (CAP_HEIGHT_EM + 1.0));
-        let paper = Rect {
-            x: left,
-            y: ((height - length).saturating_sub(title_px) / 2).saturating_sub(margin),
-            width: inner + 2 * margin,
-            height: length + title_px + 2 * margin,
-        };
+        let y = ((height - length - title_px) / 2.0).max(0.0).floor() - margin;
+        let size = [inner, length + title_px].map(|side| side + 2.0 * margin);
+        let paper = Rect::at([left, y.max(0.0)], size);
         pale(picture, paper);
-        let baseline = paper.y + margin + px(em_px * CAP_HEIGHT_EM);
-        style.paint(picture, &title, left + margin, baseline);
-        drawing.paint(picture, [left + margin, paper.y + margin + title_px]);
+        let corner = [left + margin, paper.y + margin];
+        let baseline = corner[1] + px(em_px * CAP_HEIGHT_EM);
+        picture.text(&title, [corner[0], baseline], Anchor::Start, &style);
+        draw_key(picture, [corner[0], corner[1] + title_px]);
         right = left;
     }
 }
 
-/// A key laid out for a picture.
-enum Drawing {
-    Bar(Bar, Colors),
-    Swatches(Swatches),
-}
+/// Draws a key with its upper left corner at a position.
+type DrawKey = Box<dyn Fn(&mut RgbImage, PixelPosition)>;
 
-impl Drawing {
-    /// Lays out a key for a picture of this height, within this width.
-    fn of(key: &LegendKey, [width, height]: [u32; 2], em_px: f32) -> Self {
-        match key {
-            LegendKey::Range {
-                map,
-                ends,
-                scale,
-                clips,
-            } => {
-                let range = range(*ends, *scale, *clips);
-                let length = px(LENGTH * height as f32);
-                let bar = Bar::beside([1, length], &range, Unit::named(""), em_px);
-                Self::Bar(bar, Colors::of_map(&range, map))
-            }
-            LegendKey::Categories(all) => {
-                let height = px(MAX_LENGTH * height as f32);
-                Self::Swatches(Swatches::within(all, [width, height], em_px))
-            }
+/// Returns the size of a key for a picture of this height, within this width, and how to draw it.
+fn laid_out(key: &LegendKey, [width, height]: [f32; 2], em_px: f32) -> ([f32; 2], DrawKey) {
+    match key {
+        LegendKey::Range {
+            map,
+            ends,
+            scale,
+            clips,
+        } => {
+            let range = range(*ends, *scale, *clips);
+            let size = [1.0, px(LENGTH * height)];
+            let bar = Bar::beside(size, &range, Unit::named(""), em_px);
+            let colors = Colors::of_map(&range, map);
+            let size = bar.size();
+            (
+                size,
+                Box::new(move |to, corner| bar.draw(to, corner, &colors)),
+            )
         }
-    }
-
-    fn size(&self) -> [u32; 2] {
-        match self {
-            Self::Bar(bar, _) => bar.size(),
-            Self::Swatches(swatches) => swatches.size(),
-        }
-    }
-
-    fn paint(&self, picture: &mut RgbImage, corner: [u32; 2]) {
-        match self {
-            Self::Bar(bar, colors) => bar.paint(picture, corner, colors),
-            Self::Swatches(swatches) => swatches.paint(picture, corner),
+        LegendKey::Categories(all) => {
+            let room = [width, px(MAX_LENGTH * height)];
+            let all = all.iter();
+            let all = all.map(|swatch| (Some(Rgb(swatch.color)), swatch.label.clone()));
+            let entries = LegendEntries::within(room, em_px, all, None);
+            let draw_swatch =
+                move |to: &mut dyn DrawingSurface, color: &Option<_>, square: Rect| {
+                    if let Some(color) = color {
+                        to.rect(square.grown(line_px(em_px)), LINE);
+                        to.rect(square, *color);
+                    }
+                };
+            let size = entries.size();
+            (
+                size,
+                Box::new(move |to, corner| entries.draw(to, corner, draw_swatch)),
+            )
         }
     }
 }
@@ -135,24 +144,17 @@ fn range([low, high]: [f32; 2], scale: Scale, clips: [bool; 2]) -> Range {
         scale,
         low: low.into(),
         high: high.into(),
-        min: low,
-        max: high,
         n_below,
         n_above,
-        n_undrawable: 0,
+        ..Range::of(&[])
     }
 }
 
+/// Covers a rectangle with translucent paper.
 fn pale(picture: &mut RgbImage, rect: Rect) {
-    for y in rect.y..rect.bottom() {
-        for x in rect.x..rect.right() {
-            canvas::blend(
-                picture,
-                x.into(),
-                y.into(),
-                Rgb([canvas::PAPER; 3]),
-                OPACITY,
-            );
+    for y in rect.y as i64..rect.bottom() as i64 {
+        for x in rect.x as i64..rect.right() as i64 {
+            pixels::blend(picture, [x, y], Rgb([PAPER; 3]), OPACITY);
         }
     }
 }

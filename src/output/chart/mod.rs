@@ -7,17 +7,20 @@
 
 // In the order of the data flow; each module uses only those above it.
 pub mod png;
-mod canvas;
+mod text;
+mod surface;
+mod pixels;
+mod svg;
 mod histogram;
+mod ticks;
 mod range;
 mod colors;
-mod ticks;
 mod label;
 mod footer;
-mod text;
+mod axis;
 mod bar;
 mod layout;
-mod swatches;
+mod entries;
 mod legend;
 
 use std::io::{self, Write};
@@ -25,16 +28,23 @@ use std::io::{self, Write};
 use image::RgbImage;
 use rayon::prelude::*;
 
+pub use axis::{AxisEdge, LabeledAxis};
 use base::provenance::{self, RunId};
-use canvas::{LINE, PAPER};
 use colors::Colors;
+pub use entries::LegendEntries;
 pub use histogram::Histogram;
-pub use label::short_number;
+pub use label::{rounded_number, short_number};
 use layout::Layout;
-pub use legend::{ColorLegend, LegendKey, draw_legends};
-pub use range::{Range, Scale};
-pub use swatches::Swatch;
-pub use ticks::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
+pub(crate) use layout::magnification;
+pub use legend::{ColorLegend, LegendKey, Swatch, draw_legends};
+pub use range::Range;
+use surface::line_px;
+pub use surface::{
+    Anchor, DrawingSurface, INK, LINE, LINE_EM, PAPER, PixelPosition, Rect, faded, px,
+};
+pub use svg::SvgPicture;
+pub use text::Style;
+pub use ticks::{Scale, Ticks};
 
 /// Rows of values that a thread paints at a time.
 const ROWS: usize = 32;
@@ -61,31 +71,16 @@ pub struct CostMap<'a> {
     pub subtitle: &'a str,
 }
 
-/// Returns the side of a value's square in pixels of the picture, for a map of this size.
-pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
-    layout::magnification([width, height])
-}
-
-/// Writes the picture of `map` as a PNG with the run's ID.
+/// Writes the picture of `map` as a PNG, with the run's ID if it has one.
 ///
 /// # Errors
 /// An error of `out`.
-pub fn write(map: &CostMap, run: RunId, out: &mut impl Write) -> io::Result<()> {
-    write_with(&[(provenance::KEY, &*run.to_string())], map, out)
-}
-
-/// Writes the picture of `map` as a PNG without an ID.
-///
-/// # Errors
-/// An error of `out`.
-pub(crate) fn write_bare(map: &CostMap, out: &mut impl Write) -> io::Result<()> {
-    write_with(&[], map, out)
-}
-
-fn write_with(texts: &[(&str, &str)], map: &CostMap, out: &mut impl Write) -> io::Result<()> {
+pub fn write(map: &CostMap, run: Option<RunId>, out: &mut impl Write) -> io::Result<()> {
     let picture = draw(map);
+    let run = run.map(|run| run.to_string());
+    let texts: Vec<_> = run.iter().map(|run| (provenance::KEY, &**run)).collect();
     let size = picture.dimensions().into();
-    png::write(size, 3, texts, out, |rows| rows.write_all(&picture))
+    png::write(size, 3, &texts, out, |rows| rows.write_all(&picture))
 }
 
 /// Draws `map` with its title, color bar and footer.
@@ -98,24 +93,21 @@ fn draw(map: &CostMap) -> RgbImage {
     let colors = Colors::over(&map.range);
     let layout = Layout::of(map);
 
-    let mut picture = RgbImage::new(layout.width, layout.height);
+    let mut picture = RgbImage::new(layout.width as u32, layout.height as u32);
     picture.fill(PAPER);
     for text in &layout.texts {
-        for (line, baseline) in &text.lines {
-            text.style
-                .paint(&mut picture, line, layout.map.x, *baseline);
-        }
+        let at = [layout.map.x, text.baseline];
+        picture.lines(&text.lines, at, Anchor::Start, &text.style);
     }
     paint_map(&mut picture, map, &colors, &layout);
-    layout.bar.paint(&mut picture, layout.bar_corner, &colors);
+    layout.bar.draw(&mut picture, layout.bar_corner, &colors);
     picture
 }
 
 /// Paints the frame and the values, each magnified to a square.
 fn paint_map(picture: &mut RgbImage, map: &CostMap, colors: &Colors, layout: &Layout) {
     let at = layout.map;
-    let frame = at.grown(canvas::line_px(layout.em_px));
-    canvas::fill_rect(picture, frame, LINE);
+    picture.rect(at.grown(line_px(layout.em_px)), LINE);
 
     let (width, n_copies) = (map.width as usize, layout.magnification as usize);
     let picture_width = picture.width() as usize;

@@ -8,20 +8,12 @@
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::histogram::{Histogram, N_BINS, bin, is_drawable, lower_edge, upper_edge};
-
-/// The scale of the colors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Logarithmic; for positive values.
-    Logarithmic,
-    /// Linear; for changes, around zero, and for data.
-    Linear,
-}
+use super::ticks::Scale;
 
 /// The range of the colors, and the number of values outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The value of the first color; positive on a logarithmic scale.
+    /// The scale of the colors.
     pub scale: Scale,
     /// The value of the first color; positive on a logarithmic scale.
     pub low: f64,
@@ -103,11 +95,7 @@ impl Range {
     /// Returns the position of `value` between `low` (0) and `high` (1), beyond these outside of
     /// the range. Increases with `value`, which must be positive on a logarithmic scale.
     pub fn position(&self, value: f64) -> f64 {
-        let along = match self.scale {
-            Scale::Logarithmic => f64::log2,
-            Scale::Linear => |value| value,
-        };
-        (along(value) - along(self.low)) / (along(self.high) - along(self.low))
+        self.scale.position(value, [self.low, self.high])
     }
 
     /// Returns true if the scale can show `value`.

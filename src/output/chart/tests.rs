@@ -2,7 +2,6 @@
 
 use image::Rgb;
 
-use super::bar::Direction;
 use super::colors::NO_VALUE;
 use super::*;
 use scene::color::{ColorMap, rgb8};
@@ -28,9 +27,9 @@ fn drawn_colors(map: &CostMap) -> Vec<Rgb<u8>> {
         magnification,
         ..
     } = Layout::of(map);
-    let middle = |i: u32| i * magnification + magnification / 2;
+    let middle = |start: f32, i: u32| start as u32 + i * magnification + magnification / 2;
     (0..map.values.len() as u32)
-        .map(|i| *picture.get_pixel(at.x + middle(i % map.width), at.y + middle(i / map.width)))
+        .map(|i| *picture.get_pixel(middle(at.x, i % map.width), middle(at.y, i / map.width)))
         .collect()
 }
 
@@ -70,16 +69,22 @@ fn each_change_has_its_color() {
 fn each_value_is_a_square_within_the_frame() {
     let map = map(&[10.0, 1e5, 1e5, 1e5, 10.0, 1e5], 3);
     let (picture, at) = (draw(&map), Layout::of(&map).map);
-    let pixel = |x, y| *picture.get_pixel(x, y);
+    let pixel = |x: f32, y: f32| *picture.get_pixel(x as u32, y as u32);
     let [low, high] = [inferno(0.0), inferno(1.0)];
-    assert_eq!([at.width, at.height], [600, 400]);
-    assert_eq!([pixel(at.x, at.y), pixel(at.x + 199, at.y + 199)], [low; 2]);
+    assert_eq!([at.width, at.height], [600.0, 400.0]);
     assert_eq!(
-        [pixel(at.x + 200, at.y), pixel(at.x, at.y + 200)],
+        [pixel(at.x, at.y), pixel(at.x + 199.0, at.y + 199.0)],
+        [low; 2]
+    );
+    assert_eq!(
+        [pixel(at.x + 200.0, at.y), pixel(at.x, at.y + 200.0)],
         [high; 2]
     );
     assert_eq!(
-        [pixel(at.x - 1, at.y - 1), pixel(at.right(), at.bottom())],
+        [
+            pixel(at.x - 1.0, at.y - 1.0),
+            pixel(at.right(), at.bottom())
+        ],
         [LINE; 2]
     );
 }
@@ -121,11 +126,12 @@ fn the_bar_has_the_colors_of_the_values() {
             ..
         } = Layout::of(&map);
         for value in [101.0, 500.0, 1e4, 99e3] {
-            let along = |length: u32| (range.position(value) * f64::from(length)) as u32;
-            let pixel = match bar.direction() {
-                Direction::Up => picture.get_pixel(x + 2, y + at.height - 1 - along(at.height)),
-                Direction::Right => picture.get_pixel(x + along(at.width), y + 2),
+            let along = |length: f32| (range.position(value) as f32 * length).floor();
+            let [x, y] = match bar.edge {
+                AxisEdge::Bottom => [x + along(at.width), y + 2.0],
+                _ => [x + 2.0, y + at.height - 1.0 - along(at.height)],
             };
+            let pixel = picture.get_pixel(x as u32, y as u32);
             assert!(
                 is_close(*pixel, colors.of(value as f32)),
                 "{value}: {pixel:?}"
@@ -139,7 +145,7 @@ fn the_bar_has_the_colors_of_the_values() {
 fn ticks_at_the_ends_of_a_large_bar_stay_within_it() {
     let values: Vec<f32> = (0..40 * 4000).map(|i| 1.0 + (i % 10) as f32).collect();
     let map = map(&values, 40);
-    assert_eq!(Layout::of(&map).bar.direction(), Direction::Up);
+    assert_eq!(Layout::of(&map).bar.edge, AxisEdge::Right);
     draw(&map);
 }
 

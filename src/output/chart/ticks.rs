@@ -1,7 +1,43 @@
-//! Ticks at round values.
+//! Scales, and ticks at round values.
+
+use serde::Deserialize;
+
+/// The scale of colors or of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
+pub enum Scale {
+    /// Logarithmic; for positive values.
+    #[default]
+    #[serde(rename = "log")]
+    Logarithmic,
+    /// Linear; for changes, around zero, and for data.
+    Linear,
+}
+
+impl Scale {
+    /// Returns the position of `value` between `low` (0) and `high` (1), beyond these outside of
+    /// both. Increases with `value`; on a logarithmic scale all three are positive.
+    pub fn position(self, value: f64, [low, high]: [f64; 2]) -> f64 {
+        let along = match self {
+            Self::Logarithmic => f64::log2,
+            Self::Linear => |value| value,
+        };
+        (along(value) - along(low)) / (along(high) - along(low))
+    }
+
+    /// Returns the ticks from `low` to a greater `high`, on a logarithmic scale at least 1 % above:
+    /// labels at least the fraction `min_gap`, up to 0.14, of the scale's length apart.
+    pub fn ticks(self, [low, high]: [f64; 2], min_gap: f64) -> Ticks {
+        match self {
+            Self::Logarithmic => log_ticks(low, high, min_gap),
+            // Closer labels are hard to read.
+            Self::Linear => linear_ticks(low, high, (high - low) * min_gap.max(0.08)),
+        }
+    }
+}
 
 /// The ticks of a scale, in increasing order and within its ends.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ticks {
     /// Values with a label.
     pub major: Vec<f64>,
@@ -32,7 +68,7 @@ impl Ticks {
 ///
 /// Labels are at 1, 2 and 5 times a power of ten; on a narrow range, at multiples of such a number;
 /// on a wide one, at every power of ten, or every n-th.
-pub fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
+fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
     let min_gap_decades = min_gap * (high / low).log10();
     if min_gap_decades <= 2f64.log10() {
         let major = in_each_decade(&[1.0, 2.0, 5.0], low, high);
@@ -62,18 +98,11 @@ pub fn log_ticks(low: f64, high: f64, min_gap: f64) -> Ticks {
 /// Returns the ticks of a linear scale from `low` to a greater `high`: labels at the multiples of
 /// the least number of the form 1, 2 or 5 times a power of ten that is at least `min_step`, which
 /// is positive.
-pub fn linear_ticks(low: f64, high: f64, min_step: f64) -> Ticks {
+fn linear_ticks(low: f64, high: f64, min_step: f64) -> Ticks {
     let power = 10f64.powf(min_step.log10().floor());
     let is_large_enough = |step: &RoundStep| step.size * power >= min_step * (1.0 - TOLERANCE);
     let step = ROUND_STEPS[..4].iter().find(|step| is_large_enough(step));
     step.unwrap_or(&ROUND_STEPS[3]).ticks(power, low, high)
-}
-
-/// Returns the ticks of a linear scale from `-reach` to `reach`: zero and at least one label on
-/// each side, at least the fraction `min_gap`, up to 0.25, of the scale's length apart.
-pub fn ticks_around_zero(reach: f64, min_gap: f64) -> Ticks {
-    // Closer labels are hard to read.
-    linear_ticks(-reach, reach, 2.0 * reach * min_gap.max(0.08))
 }
 
 /// Relative tolerance of comparisons with a bound, for rounding.
@@ -157,43 +186,21 @@ mod tests {
 
     #[test]
     fn major_ticks_of_typical_ranges() {
-        let table: [(f64, f64, f64, &[f64]); 9] = [
-            (
-                100.0,
-                10_000.0,
-                0.04,
-                &[100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4],
-            ),
-            (130.0, 9_000.0, 0.04, &[200.0, 500.0, 1e3, 2e3, 5e3]),
-            (1.0, 10.0, 0.04, &[1.0, 2.0, 5.0, 10.0]),
-            (
-                210.0,
-                990.0,
-                0.04,
-                &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0],
-            ),
-            (
-                412.0 / 2f64.sqrt(),
-                412.0 * 2f64.sqrt(),
-                0.04,
-                &[300.0, 350.0, 400.0, 450.0, 500.0, 550.0],
-            ),
-            (100.0, 102.0, 0.04, &[100.0, 100.5, 101.0, 101.5, 102.0]),
-            (
-                1.0,
-                1e9,
-                0.04,
-                &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9],
-            ),
-            (
-                20.0,
-                3e3,
-                0.13,
-                &[20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3],
-            ),
-            (1.0, 1e9, 0.14, &[1.0, 100.0, 1e4, 1e6, 1e8]),
+        let narrow = [3e2, 3.5e2, 4e2, 4.5e2, 5e2, 5.5e2];
+        let (third, root) = ([3e2, 4e2, 5e2, 6e2, 7e2, 8e2, 9e2], 2f64.sqrt());
+        let decades: Vec<f64> = (0..10).map(|exponent| 10f64.powi(exponent)).collect();
+        let table: [([f64; 3], &[f64]); 9] = [
+            ([1e2, 1e4, 0.04], &[1e2, 2e2, 5e2, 1e3, 2e3, 5e3, 1e4]),
+            ([130.0, 9e3, 0.04], &[2e2, 5e2, 1e3, 2e3, 5e3]),
+            ([1.0, 10.0, 0.04], &[1.0, 2.0, 5.0, 10.0]),
+            ([210.0, 990.0, 0.04], &third),
+            ([412.0 / root, 412.0 * root, 0.04], &narrow),
+            ([1e2, 102.0, 0.04], &[1e2, 100.5, 101.0, 101.5, 102.0]),
+            ([1.0, 1e9, 0.04], &decades),
+            ([20.0, 3e3, 0.13], &[20.0, 50.0, 1e2, 2e2, 5e2, 1e3, 2e3]),
+            ([1.0, 1e9, 0.14], &[1.0, 1e2, 1e4, 1e6, 1e8]),
         ];
-        for (low, high, min_gap, expected) in table {
+        for ([low, high, min_gap], expected) in table {
             let got = log_ticks(low, high, min_gap).major;
             let is_equal = got.len() == expected.len()
                 && got
@@ -209,7 +216,7 @@ mod tests {
 
     #[test]
     fn ticks_around_zero_are_round_and_far_enough_apart() {
-        let ticks = |reach, min_gap| ticks_around_zero(reach, min_gap).major;
+        let ticks = |reach: f64, min_gap| Scale::Linear.ticks([-reach, reach], min_gap).major;
         assert_eq!(ticks(1.0, 0.14), [-1.0, -0.5, 0.0, 0.5, 1.0]);
         assert_eq!(
             ticks(700.0, 0.05),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::color_points::color_points;
 use super::template::StateValue;
-use crate::chart::{Ticks, linear_ticks, log_ticks, ticks_around_zero};
+use crate::chart::{Scale, Ticks};
 
 /// The scale of colors or of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -183,27 +183,23 @@ impl Axis {
         match self.scale {
             ColorScale::Logarithmic => self.log_ticks(),
             ColorScale::Linear => {
-                let min_step = (self.high - self.low) / (self.n_labels as f64 - 1.0);
                 // Values without a unit are counts.
-                let is_count = self.unit.is_none();
-                let min_step = if is_count {
-                    min_step.max(1.0)
-                } else {
-                    min_step
-                };
-                linear_ticks(self.low, self.high, min_step).major
+                let min_step = if self.unit.is_none() { 1.0 } else { 0.0 };
+                let min_gap =
+                    (min_step / (self.high - self.low)).max(1.0 / (self.n_labels as f64 - 1.0));
+                Scale::Linear.ticks([self.low, self.high], min_gap).major
             }
-            ColorScale::Diverging => ticks_around_zero(self.high, 0.17).major,
+            ColorScale::Diverging => Scale::Linear.ticks([-self.high, self.high], 0.17).major,
         }
     }
 
     /// Returns round values no denser than `n_labels` labels allow; possibly more than
-    /// [`log_ticks`] keeps.
+    /// [`Scale::ticks`] keeps.
     fn log_ticks(&self) -> Vec<f64> {
         let min_gap = 1.0 / (self.n_labels as f64 - 0.5);
-        let ticks = log_ticks(self.low, self.high, min_gap.min(0.14)).major;
-        let position = |value: f64| (value / self.low).ln() / (self.high / self.low).ln();
-        Ticks::spaced(&ticks, min_gap, position).major
+        let (scale, ends) = (Scale::Logarithmic, [self.low, self.high]);
+        let ticks = scale.ticks(ends, min_gap.min(0.14)).major;
+        Ticks::spaced(&ticks, min_gap, |value| scale.position(value, ends)).major
     }
 }
 

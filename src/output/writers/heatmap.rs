@@ -42,7 +42,7 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
         unit: metric.unit_label(),
         subtitle: &subtitle(rendering, metric),
     };
-    chart::write(&map, run, out)
+    chart::write(&map, Some(run), out)
 }
 
 /// Writes a map of a film's costs, or of none, with any labels: the means of blocks of pixels with
@@ -71,7 +71,7 @@ pub(crate) fn write_bare(
         unit: metric.unit_label(),
         subtitle: "720 × 480 pixels, 256 samples per pixel, 16 threads; median 412 ns, sum 1.27 s",
     };
-    chart::write_bare(&map, out)
+    chart::write(&map, None, out)
 }
 
 fn subtitle(rendering: &RenderingView, metric: Metric) -> String {

@@ -32,7 +32,7 @@ fn write(diff: &Diff, [a, b]: &[Side; 2], run: RunId, out: &mut impl Write) -> i
         unit: change.metric.unit_label(),
         subtitle: &subtitle(diff),
     };
-    chart::write(&map, run, out)
+    chart::write(&map, Some(run), out)
 }
 
 fn subtitle(diff: &Diff) -> String {

@@ -35,7 +35,7 @@ pub use limits_file::LimitsFile;
 pub use metric_list::{MetricNeed, StudyMetric};
 pub use plan::{PlannedRun, QuickPlan, StudyPlan};
 pub use plot::{Ceiling, Figure, PlotPoint, Series};
-pub use plot_spec::{AxisScale, PlotSpec};
+pub use plot_spec::PlotSpec;
 pub use point::{StudyPoint, label_of};
 pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_points};
 pub use run_log::{Run, RunLog};

@@ -6,6 +6,8 @@ use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
+use output::chart::Scale;
+
 /// A plot that a study file requests.
 ///
 /// ```
@@ -26,9 +28,10 @@ pub struct PlotSpec {
     /// have several points at one `x`.
     #[serde(default)]
     pub by: Option<Vec<String>>,
-    /// The scale of both axes; logarithmic if not given.
+    /// The scale of both axes: `log`, which is linear if a value is 0, or `linear`, from 0;
+    /// logarithmic if not given.
     #[serde(default)]
-    pub scale: AxisScale,
+    pub scale: Scale,
     /// If true, draws a horizontal bar for each median, one below the other, with the speedups of
     /// steps beside them.
     #[serde(default)]
@@ -36,17 +39,6 @@ pub struct PlotSpec {
     /// If true, fits a law of the cost, a + b n^k, to each series.
     #[serde(default)]
     pub fit: bool,
-}
-
-/// The scale of an axis.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
-pub enum AxisScale {
-    /// Logarithmic; linear if a value is 0.
-    #[default]
-    Log,
-    /// Linear, from 0.
-    Linear,
 }
 
 fn names<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<String>, D::Error> {

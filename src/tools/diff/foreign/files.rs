@@ -84,5 +84,5 @@ fn write_map(diff: &ForeignDiff, run: RunId, out: &mut impl Write) -> io::Result
         unit,
         subtitle: &subtitle,
     };
-    chart::write(&map, run, out)
+    chart::write(&map, Some(run), out)
 }

@@ -1,81 +1,58 @@
 //! Horizontal bars of medians, one category below the other.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
-
-use super::axis::PlotAxis;
+use super::axis::{axis_around, axis_of_names};
 use super::figure::{Figure, PlotPoint};
-use super::symbols::{Drawn, FONT, MARGIN, color_of, draw_text, text_width};
-use crate::study::AxisScale;
+use super::plane::PlotPlane;
+use super::symbols::{MARGIN, color_of, draw_text, text_width};
+use output::chart::{DrawingSurface, INK, PixelPosition, Rect, Scale, faded, px};
 
-const TEXT_SIZE: i32 = 21;
+/// Font size of all labels in pixels.
+const EM_PX: f32 = 18.0;
 /// Height of all bars of a category as a share of the distance between categories.
 const HEIGHT: f64 = 0.6;
 /// Distance in pixels from the end of an interval to the label.
-const GAP: i32 = 8;
+const GAP: f32 = 8.0;
 
-/// Draws the bars of a figure, the first category on top, with their intervals and labels.
-pub(super) fn draw<DB: DrawingBackend>(
-    figure: &Figure,
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
+/// Draws the bars of a figure, the first category on top, with their intervals and labels, in a
+/// plot of this width.
+pub(super) fn draw(figure: &Figure, width: f32, surface: &mut dyn DrawingSurface) {
     let names: Vec<String> = figure.categories.iter().rev().cloned().collect();
-    let width = |text: &String| text_width(area, text, TEXT_SIZE);
-    let labels = figure.points().map(|point| width(&point.label));
+    let labels = figure.points().map(|point| text_width(&point.label, EM_PX));
+    let right = width - MARGIN - labels.fold(0.0, f32::max);
     let values = figure
         .points()
         .flat_map(|point| point.interval.into_iter().chain([point.y]));
-    let x = PlotAxis::around(values, figure.scale);
-    let left = if figure.scale == AxisScale::Log {
-        x.low
-    } else {
-        0.0
+    let x = axis_around(values, figure.scale);
+    let left = match figure.scale {
+        Scale::Logarithmic => x.ends[0],
+        Scale::Linear => 0.0,
     };
-    let mut chart = ChartBuilder::on(area)
-        .caption(&figure.title, (FONT, 26))
-        .margin(MARGIN)
-        .margin_right(MARGIN + labels.max().unwrap_or(0))
-        .x_label_area_size(56)
-        .y_label_area_size(names.iter().map(width).max().unwrap_or(0) + GAP)
-        .build_cartesian_2d(x, PlotAxis::of_names(&names))?;
-    chart
-        .configure_mesh()
-        .disable_y_mesh()
-        .x_desc(&figure.y_title)
-        .label_style((FONT, TEXT_SIZE))
-        .axis_desc_style((FONT, 19))
-        .bold_line_style(BLACK.mix(0.18))
-        .light_line_style(BLACK.mix(0.06))
-        .draw()?;
-    let plain = area.strip_coord_spec();
+    let titles = [&*figure.title, &figure.y_title, ""];
+    let axes = [x, axis_of_names(&names)];
+    let plane = PlotPlane::draw(surface, titles, axes, [width, right], EM_PX);
     let height = HEIGHT / figure.series.len() as f64;
     for (number, series) in figure.series.iter().enumerate() {
         for point in &series.points {
             let top = names.len() as f64 - 1.0 - point.x + HEIGHT / 2.0 - number as f64 * height;
-            let at = |x: f64, y: f64| chart.backend_coord(&(x, y));
-            let bar = [at(left, top), at(point.y, top - height)];
-            plain.draw(&Rectangle::new(bar, color_of(number).mix(0.85).filled()))?;
-            let [low, high] = point.interval.map(|x| at(x, top - height / 2.0));
-            draw_interval(point, (low, high), &plain)?;
+            let bar = Rect::between(plane.at(left, top), plane.at(point.y, top - height));
+            surface.rect(bar, faded(color_of(number), 0.15));
+            let ends = point
+                .interval
+                .map(|x| plane.at(x, top - height / 2.0).map(px));
+            draw_interval(point, ends, surface);
         }
     }
-    Ok(())
 }
 
 /// Draws an interval from its lower to its upper end, and the label behind it.
-fn draw_interval<DB: DrawingBackend>(
+fn draw_interval(
     point: &PlotPoint,
-    (low, high): ((i32, i32), (i32, i32)),
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
-    area.draw(&PathElement::new([low, high], BLACK.stroke_width(2)))?;
-    for (x, y) in [low, high] {
-        area.draw(&PathElement::new(
-            [(x, y - 5), (x, y + 5)],
-            BLACK.stroke_width(2),
-        ))?;
+    [low, high]: [PixelPosition; 2],
+    surface: &mut dyn DrawingSurface,
+) {
+    surface.line(&[low, high], 2.0, INK);
+    for [x, y] in [low, high] {
+        surface.line(&[[x, y - 5.0], [x, y + 5.0]], 2.0, INK);
     }
-    let corner = (high.0 + GAP, high.1 - TEXT_SIZE / 2);
-    draw_text(area, &point.label, corner, TEXT_SIZE, HPos::Left)
+    draw_text(surface, &point.label, [high[0] + GAP, high[1]], EM_PX);
 }

@@ -1,25 +1,22 @@
 //! The ceilings of a plot: straight lines on logarithmic axes, each with a label at its right end
 //! or, if it rises, at its left end.
 
-use plotters::coord::Shift;
-use plotters::element::PathElement;
-use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
-
-use super::axis::PlotAxis;
 use super::figure::{Ceiling, Figure, PlotPoint};
-use super::symbols::{Drawn, draw_text, text_width};
+use super::plane::PlotPlane;
+use super::symbols::{draw_text, text_width};
 use crate::study::PowerLaw;
+use output::chart::{DrawingSurface, INK, LabeledAxis, PixelPosition, faded};
 
 /// Minimum vertical distance between labels in pixels.
-const LINE_HEIGHT: i32 = 19;
-const TEXT_SIZE: i32 = 16;
+const LINE_HEIGHT: f32 = 19.0;
+/// Font size in pixels.
+const EM_PX: f32 = 13.5;
 /// Distance between a line's end and its label in pixels.
-const LABEL_GAP: i32 = 6;
+const LABEL_GAP: f32 = 6.0;
 
 /// Returns the heights that the vertical axis has to include: the labeled ends of the ceilings, and
 /// the visible limits of points.
-pub(super) fn heights(figure: &Figure, x: &PlotAxis) -> Vec<f64> {
+pub(super) fn heights(figure: &Figure, x: &LabeledAxis) -> Vec<f64> {
     let ceilings = figure.ceilings.iter();
     let ends = ceilings.map(|ceiling| ceiling.law.at(labeled_end(&ceiling.law, x)));
     let limits = figure
@@ -40,54 +37,44 @@ pub(super) fn visible_limit(figure: &Figure, point: &PlotPoint) -> Option<f64> {
 }
 
 /// Returns the width in pixels of the labels on the right of the axes.
-pub(super) fn labels_width<DB: DrawingBackend>(
-    ceilings: &[Ceiling],
-    area: &DrawingArea<DB, Shift>,
-) -> i32 {
+pub(super) fn labels_width(ceilings: &[Ceiling]) -> f32 {
     let on_right = ceilings.iter().filter(|ceiling| !is_rising(ceiling));
-    let widths = on_right.map(|ceiling| LABEL_GAP + text_width(area, &ceiling.label, TEXT_SIZE));
-    widths.max().unwrap_or(0)
+    let widths = on_right.map(|ceiling| LABEL_GAP + text_width(&ceiling.label, EM_PX));
+    widths.fold(0.0, f32::max)
 }
 
-/// Draws lines and labels; `to_pixels` maps a point of the axes to its pixel.
-pub(super) fn draw<DB: DrawingBackend>(
-    ceilings: &[Ceiling],
-    (x, y): (&PlotAxis, &PlotAxis),
-    to_pixels: impl Fn(f64, f64) -> (i32, i32),
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
+/// Draws lines and labels.
+pub(super) fn draw(ceilings: &[Ceiling], plane: &PlotPlane, surface: &mut dyn DrawingSurface) {
     let (mut on_left, mut on_right) = (Vec::new(), Vec::new());
     for ceiling in ceilings {
-        let Some([left, right]) = visible_range(&ceiling.law, x, y) else {
+        let Some(ends) = visible_range(&ceiling.law, &plane.x, &plane.y) else {
             continue;
         };
-        let ends = [left, right].map(|x| to_pixels(x, ceiling.law.at(x)));
-        area.draw(&PathElement::new(ends, BLACK.mix(0.6).stroke_width(1)))?;
+        let ends = ends.map(|x| plane.at(x, ceiling.law.at(x)));
+        surface.line(&ends, 1.5, faded(INK, 0.4));
+        let [[left_x, left_y], [right_x, right_y]] = ends;
         if is_rising(ceiling) {
-            let (x, y) = ends[0];
-            on_left.push(((x + LABEL_GAP, y + 3), ceiling));
+            on_left.push((
+                [left_x + LABEL_GAP, left_y + LINE_HEIGHT / 2.0 + 3.0],
+                ceiling,
+            ));
         } else {
-            let (x, y) = ends[1];
-            on_right.push(((x + LABEL_GAP, y - LINE_HEIGHT / 2), ceiling));
+            on_right.push(([right_x + LABEL_GAP, right_y], ceiling));
         }
     }
-    draw_labels(on_left, area)?;
-    draw_labels(on_right, area)
+    draw_labels(on_left, surface);
+    draw_labels(on_right, surface);
 }
 
 /// Draws labels from top to bottom; a label that would cover the previous one moves down.
-fn draw_labels<DB: DrawingBackend>(
-    mut labels: Vec<((i32, i32), &Ceiling)>,
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
-    labels.sort_by_key(|((_, y), _)| *y);
-    let mut lowest = i32::MIN;
-    for ((x, y), ceiling) in labels {
-        let top = y.max(lowest);
-        lowest = top + LINE_HEIGHT;
-        draw_text(area, &ceiling.label, (x, top), TEXT_SIZE, HPos::Left)?;
+fn draw_labels(mut labels: Vec<(PixelPosition, &Ceiling)>, surface: &mut dyn DrawingSurface) {
+    labels.sort_by(|([_, a], _), ([_, b], _)| a.total_cmp(b));
+    let mut free = f32::NEG_INFINITY;
+    for ([x, y], ceiling) in labels {
+        let middle = y.max(free);
+        free = middle + LINE_HEIGHT;
+        draw_text(surface, &ceiling.label, [x.round(), middle], EM_PX);
     }
-    Ok(())
 }
 
 fn is_rising(ceiling: &Ceiling) -> bool {
@@ -95,33 +82,37 @@ fn is_rising(ceiling: &Ceiling) -> bool {
 }
 
 /// Returns the `x` of the labeled end, where the lines are far from each other.
-fn labeled_end(law: &PowerLaw, x: &PlotAxis) -> f64 {
-    if law.exponent > 0.0 { x.low } else { x.high }
+fn labeled_end(law: &PowerLaw, x: &LabeledAxis) -> f64 {
+    if law.exponent > 0.0 {
+        x.ends[0]
+    } else {
+        x.ends[1]
+    }
 }
 
 /// Returns the range of `x` where the line is within both axes.
-fn visible_range(law: &PowerLaw, x: &PlotAxis, y: &PlotAxis) -> Option<[f64; 2]> {
+fn visible_range(law: &PowerLaw, x: &LabeledAxis, y: &LabeledAxis) -> Option<[f64; 2]> {
     if law.exponent == 0.0 {
-        let is_within = (y.low..=y.high).contains(&law.factor);
-        return is_within.then_some([x.low, x.high]);
+        let is_within = (y.ends[0]..=y.ends[1]).contains(&law.factor);
+        return is_within.then_some(x.ends);
     }
-    let mut crossings = [y.low, y.high].map(|y| (y / law.factor).powf(1.0 / law.exponent));
+    let mut crossings = y.ends.map(|y| (y / law.factor).powf(1.0 / law.exponent));
     crossings.sort_by(f64::total_cmp);
-    let [left, right] = [crossings[0].max(x.low), crossings[1].min(x.high)];
+    let [left, right] = [crossings[0].max(x.ends[0]), crossings[1].min(x.ends[1])];
     (left < right).then_some([left, right])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::AxisScale;
+    use output::chart::{Scale, Ticks};
 
     #[test]
     fn lines_end_where_the_axes_do() {
-        let axis = |ends: [f64; 2]| {
-            let mut axis = PlotAxis::around(ends.into_iter(), AxisScale::Log);
-            [axis.low, axis.high] = ends;
-            axis
+        let axis = |ends| {
+            LabeledAxis::new(Scale::Logarithmic, ends, Ticks::default(), |_| {
+                String::new()
+            })
         };
         let (x, y) = (axis([1.0, 100.0]), axis([10.0, 1000.0]));
         let law = |factor, exponent| PowerLaw { factor, exponent };

@@ -1,142 +1,104 @@
 //! Figures → SVG and PNG.
 
-use std::io::{self, Cursor};
+use std::io::{self, Write};
 
-use image::{ImageFormat, RgbImage};
-use plotters::coord::Shift;
-use plotters::element::PathElement;
-use plotters::prelude::*;
+use image::{Rgb, RgbImage};
 
-use super::bars;
 use super::ceilings::{self, visible_limit};
-use super::coordinates::{Chart, axes, pixel_at};
 use super::figure::{Figure, PlotPoint, Series};
 use super::labels::draw_labels;
-use super::legend::Legend;
-use super::symbols::{Drawn, FONT, MARGIN, color_of, draw_ring, draw_symbol, load_font};
+use super::plane::{PlotPlane, SIZE, axes};
+use super::symbols::{MARGIN, color_of, draw_bar, draw_ring, draw_symbol};
+use super::{bars, legend};
+use output::chart::{DrawingSurface, PAPER, Rect, SvgPicture, faded, png};
 
-/// Width and height in pixels.
-const SIZE: (u32, u32) = (960, 640);
+/// Font size of tick labels in pixels.
+const LABEL_PX: f32 = 14.5;
 /// Number of line segments of a law.
 const N_STEPS: u32 = 64;
 
 impl Figure {
     /// Draws the figure as SVG.
-    ///
-    /// # Errors
-    /// If it cannot be drawn.
-    pub fn to_svg(&self) -> io::Result<String> {
-        let mut svg = String::new();
-        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        draw(self, &area).map_err(failed)?;
-        area.present().map_err(failed)?;
-        drop(area);
-        Ok(svg)
+    pub fn to_svg(&self) -> String {
+        let mut svg = SvgPicture::new(SIZE);
+        draw(self, &mut svg);
+        svg.finish()
     }
 
     /// Draws the figure as PNG.
     ///
     /// # Errors
-    /// If it cannot be drawn.
-    pub fn to_png(&self) -> io::Result<Vec<u8>> {
-        let (width, height) = SIZE;
-        let mut rgb = vec![0; 3 * width as usize * height as usize];
-        let area = BitMapBackend::with_buffer(&mut rgb, SIZE).into_drawing_area();
-        draw(self, &area).map_err(failed)?;
-        area.present().map_err(failed)?;
-        drop(area);
-        let image = RgbImage::from_raw(width, height, rgb);
-        let image = image.ok_or_else(|| io::Error::other("a picture of the wrong size"))?;
-        let mut png = Cursor::new(Vec::new());
-        image.write_to(&mut png, ImageFormat::Png).map_err(failed)?;
-        Ok(png.into_inner())
+    /// An error of `out`.
+    pub fn write_png(&self, out: &mut impl Write) -> io::Result<()> {
+        let mut picture = RgbImage::new(SIZE[0], SIZE[1]);
+        draw(self, &mut picture);
+        png::write(SIZE, 3, &[], out, |rows| rows.write_all(&picture))
     }
 }
 
-fn draw<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-    load_font();
-    area.fill(&WHITE)?;
-    let legend = Legend::of(figure, area);
-    let (chart, right) = area.split_horizontally(SIZE.0 - legend.width());
+fn draw(figure: &Figure, surface: &mut dyn DrawingSurface) {
+    let all = Rect::between([0.0; 2], SIZE.map(|n| n as f32));
+    surface.rect(all, Rgb([PAPER; 3]));
+    let entries = legend::entries(figure);
+    let width = legend::left(&entries);
     if figure.has_bars {
-        bars::draw(figure, &chart)?;
+        bars::draw(figure, width, surface);
     } else {
-        draw_chart(figure, &chart)?;
+        draw_points(figure, width, surface);
     }
-    legend.draw(&right)
+    legend::draw(&entries, surface);
 }
 
-fn draw_chart<DB: DrawingBackend>(figure: &Figure, area: &DrawingArea<DB, Shift>) -> Drawn<DB> {
-    let (x, y) = axes(figure);
-    let mut chart = ChartBuilder::on(area)
-        .caption(&figure.title, (FONT, 26))
-        .margin(MARGIN)
-        .margin_right(MARGIN + ceilings::labels_width(&figure.ceilings, area))
-        .x_label_area_size(56)
-        .y_label_area_size(84)
-        .build_cartesian_2d(x, y)?;
-    chart
-        .configure_mesh()
-        .x_desc(&figure.x_title)
-        .y_desc(&figure.y_title)
-        .label_style((FONT, 17))
-        .axis_desc_style((FONT, 19))
-        .bold_line_style(BLACK.mix(0.18))
-        .light_line_style(BLACK.mix(0.06))
-        .draw()?;
-    let (x, y) = axes(figure);
-    let to_pixels = |x, y| chart.backend_coord(&(x, y));
-    let plain = area.strip_coord_spec();
-    ceilings::draw(&figure.ceilings, (&x, &y), to_pixels, &plain)?;
+/// Draws lines and points in a plot of this width.
+fn draw_points(figure: &Figure, width: f32, surface: &mut dyn DrawingSurface) {
+    let titles = [&*figure.title, &figure.x_title, &figure.y_title];
+    let right = width - MARGIN - ceilings::labels_width(&figure.ceilings);
+    let plane = PlotPlane::draw(surface, titles, axes(figure), [width, right], LABEL_PX);
+    ceilings::draw(&figure.ceilings, &plane, surface);
     for (number, series) in figure.series.iter().enumerate() {
-        draw_line(figure, number, &mut chart)?;
+        draw_line(figure, number, &plane, surface);
         for point in &series.points {
-            draw_point(figure, (number, point), &chart, &plain)?;
+            draw_point(figure, (number, point), &plane, surface);
         }
     }
-    draw_labels(figure, &chart, &plain)
+    draw_labels(figure, &plane, surface);
 }
 
 /// Draws the law of a series, or the line that joins its points.
-fn draw_line<DB: DrawingBackend>(
-    figure: &Figure,
-    number: usize,
-    chart: &mut Chart<DB>,
-) -> Drawn<DB> {
+fn draw_line(figure: &Figure, number: usize, plane: &PlotPlane, surface: &mut dyn DrawingSurface) {
     let (series, color) = (&figure.series[number], color_of(number));
     if let Some(law) = series.law {
-        let line = law_positions(series).map(|x| (x, law.at(x)));
-        chart.draw_series(LineSeries::new(line, color.mix(0.8).stroke_width(2)))?;
+        let line: Vec<_> = law_positions(series)
+            .map(|x| plane.at(x, law.at(x)))
+            .collect();
+        surface.line(&line, 2.0, faded(color, 0.2));
     } else if figure.is_joined {
-        let line = series.points.iter().map(|point| (point.x, point.y));
-        chart.draw_series(LineSeries::new(line, color.mix(0.5).stroke_width(1)))?;
+        let points = series.points.iter();
+        let line: Vec<_> = points.map(|point| plane.at(point.x, point.y)).collect();
+        surface.line(&line, 1.0, faded(color, 0.4));
     }
-    Ok(())
 }
 
 /// Draws a point with its interval and its limit.
-fn draw_point<DB: DrawingBackend>(
+fn draw_point(
     figure: &Figure,
     (number, point): (usize, &PlotPoint),
-    chart: &Chart<DB>,
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
+    plane: &PlotPlane,
+    surface: &mut dyn DrawingSurface,
+) {
     let color = color_of(number);
-    let at = |y| pixel_at(figure, number, (point.x, y), chart);
-    let bar = |(x, y): (i32, i32), reach| {
-        PathElement::new([(x - reach, y), (x + reach, y)], color.stroke_width(2))
-    };
-    let [low, high] = point.interval.map(at);
-    area.draw(&PathElement::new([low, high], color.stroke_width(2)))?;
-    area.draw(&bar(low, 5))?;
-    area.draw(&bar(high, 5))?;
-    if point.oversubscribed {
-        draw_ring(area, at(point.y))?;
+    let at = |y| plane.pixel_at(figure, number, point.x, y);
+    let ends = point.interval.map(at);
+    surface.line(&ends, 2.0, color);
+    for end in ends {
+        draw_bar(surface, end, 5.0, color);
     }
-    draw_symbol(area, number, at(point.y))?;
-    match visible_limit(figure, point) {
-        Some(limit) => area.draw(&bar(at(limit), 8)),
-        None => Ok(()),
+    if point.oversubscribed {
+        draw_ring(surface, at(point.y));
+    }
+    draw_symbol(surface, number, at(point.y));
+    if let Some(limit) = visible_limit(figure, point) {
+        draw_bar(surface, at(limit), 8.0, color);
     }
 }
 
@@ -149,23 +111,16 @@ fn law_positions(series: &Series) -> impl Iterator<Item = f64> {
     (0..=N_STEPS).map(move |i| first * (last / first).powf(f64::from(i) / f64::from(N_STEPS)))
 }
 
-fn failed(error: impl std::fmt::Display) -> io::Error {
-    io::Error::other(format!("cannot draw a plot: {error}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::AxisScale;
 
     fn figure(labels: &[&str]) -> Figure {
         let point = |x: f64| PlotPoint {
             x,
             y: 2.0 * x,
             interval: [1.9 * x, 2.1 * x],
-            label: String::new(),
-            limit: None,
-            oversubscribed: false,
+            ..Default::default()
         };
         let series = |label: &&str| Series {
             label: (*label).to_owned(),
@@ -176,13 +131,10 @@ mod tests {
             title: "title".to_owned(),
             x_title: "x".to_owned(),
             y_title: "y".to_owned(),
-            scale: AxisScale::Log,
-            categories: Vec::new(),
-            has_bars: false,
             series: labels.iter().map(series).collect(),
             is_joined: true,
             has_levels: true,
-            ceilings: Vec::new(),
+            ..Default::default()
         }
     }
 
@@ -200,21 +152,22 @@ mod tests {
 
     #[test]
     fn a_single_series_has_no_legend() {
-        let svg = figure(&[""]).to_svg().unwrap();
+        let svg = figure(&[""]).to_svg();
         let circles = values(&svg, "circle", "cx");
         assert_eq!(circles.len(), 3, "{svg}");
-        assert!(circles.iter().all(|x| *x < f64::from(SIZE.0) - 10.0));
+        assert!(circles.iter().all(|x| *x < f64::from(SIZE[0]) - 10.0));
     }
 
     #[test]
     fn long_labels_of_series_are_wrapped() {
         let long = "a scene of many words, tile order scanline, image size 7680x4320";
-        let svg = figure(&[long, "short"]).to_svg().unwrap();
+        let svg = figure(&[long, "short"]).to_svg();
         assert!(!svg.contains(long) && svg.contains("image size"), "{svg}");
         let left = values(&svg, "text", "x").into_iter().fold(0.0, f64::max);
         // The legend leaves most of the picture to the plot.
         assert!(left > 600.0 && left < 760.0, "{left}");
-        let png = figure(&[long, "short"]).to_png().unwrap();
+        let mut png = Vec::new();
+        figure(&[long, "short"]).write_png(&mut png).unwrap();
         assert!(image::load_from_memory(&png).is_ok());
     }
 }

@@ -5,11 +5,11 @@ use serde_json::Value;
 use super::series_factors::series_factors;
 use crate::study::point::text_of;
 use crate::study::step_rows::STEP_TIME;
-use crate::study::{AxisScale, CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
-use output::chart::short_number;
+use crate::study::{CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
+use output::chart::{Scale, rounded_number};
 
 /// The content of a plot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Figure {
     /// Title above the axes.
     pub title: String,
@@ -18,7 +18,7 @@ pub struct Figure {
     /// Title of the vertical axis.
     pub y_title: String,
     /// Scale of both axes.
-    pub scale: AxisScale,
+    pub scale: Scale,
     /// Names of the horizontal positions 0, 1, …; empty for a numeric axis.
     pub categories: Vec<String>,
     /// True if the categories stand below each other, each with a horizontal bar.
@@ -55,7 +55,7 @@ pub struct Series {
 }
 
 /// A median with its confidence interval.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlotPoint {
     /// Horizontal position.
     pub x: f64,
@@ -80,12 +80,9 @@ impl Figure {
             x_title: axis_title(&plot.x),
             y_title: y_titles.join(", "),
             scale: plot.scale,
-            categories: Vec::new(),
             has_bars: plot.bars,
-            series: Vec::new(),
-            is_joined: false,
             has_levels: rows.iter().any(|row| row.point.contains_key(&plot.x)),
-            ceilings: Vec::new(),
+            ..Self::default()
         };
         let metric = plot.y.first()?;
         let by = plot.by.clone();
@@ -104,8 +101,8 @@ impl Figure {
                 } else {
                     String::new()
                 },
-                limit: None,
                 oversubscribed: row.oversubscribed,
+                limit: None,
             };
             figure.series_of(label_of_row(row, &by)).points.push(point);
         }
@@ -125,25 +122,20 @@ impl Figure {
             x,
             y,
             interval: [y; 2],
-            label: String::new(),
-            limit: None,
-            oversubscribed: false,
+            ..PlotPoint::default()
         };
         Self {
             title: title.to_owned(),
             x_title: x_title.to_owned(),
             y_title: y_title.to_owned(),
-            scale: AxisScale::Linear,
-            categories: Vec::new(),
-            has_bars: false,
+            scale: Scale::Linear,
             series: vec![Series {
                 label: String::new(),
                 points: points.map(point).collect(),
                 law: None,
             }],
             is_joined: true,
-            has_levels: false,
-            ceilings: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -161,7 +153,7 @@ impl Figure {
         let is_positive =
             |point: &PlotPoint| (has_categories || point.x > 0.0) && point.interval[0] > 0.0;
         if !self.points().all(is_positive) {
-            self.scale = AxisScale::Linear;
+            self.scale = Scale::Linear;
         }
     }
 
@@ -266,28 +258,15 @@ fn bar_label(row: &StatisticsRow, rows: &[StatisticsRow]) -> String {
     let speedup = |metric: &str| {
         let is_it = |other: &&StatisticsRow| other.metric == metric && other.point == row.point;
         let found = rows.iter().find(is_it)?;
-        Some(format!(
-            "{} x",
-            short_number(rounded(found.statistics.median))
-        ))
+        Some(format!("{} x", rounded_number(found.statistics.median)))
     };
     if row.metric != STEP_TIME {
-        return short_number(rounded(row.statistics.median));
+        return rounded_number(row.statistics.median);
     }
     let both = speedup("speedup_over_step").zip(speedup("speedup_over_start"));
     both.map_or(String::new(), |(step, start)| {
         format!("{step}, {start} in all")
     })
-}
-
-/// Rounds to three significant digits.
-fn rounded(value: f64) -> f64 {
-    let unit = 10_f64.powf(value.abs().log10().floor() - 2.0);
-    if unit > 0.0 {
-        (value / unit).round() * unit
-    } else {
-        value
-    }
 }
 
 /// Returns the title of an axis: "render wall (ms)" for `render_wall_ms`.

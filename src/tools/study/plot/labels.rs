@@ -1,116 +1,58 @@
 //! Labels beside points, placed such that they cover neither each other nor points.
 
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::HPos;
-
 use super::ceilings::visible_limit;
-use super::coordinates::{Chart, pixel_at};
 use super::figure::Figure;
-use super::symbols::{Drawn, draw_text, text_width};
+use super::plane::PlotPlane;
+use super::symbols::{draw_text, text_width};
+use output::chart::{DrawingSurface, PixelPosition, Rect};
 
-const TEXT_SIZE: i32 = 14;
+/// Font size in pixels.
+const EM_PX: f32 = 12.0;
 
 /// Draws the labels of all points, after the points themselves.
-pub(super) fn draw_labels<DB: DrawingBackend>(
-    figure: &Figure,
-    chart: &Chart<DB>,
-    area: &DrawingArea<DB, Shift>,
-) -> Drawn<DB> {
-    let (x, y) = chart.plotting_area().get_pixel_range();
-    let mut placement = LabelPlacement::new(PixelRect {
-        left: x.start,
-        top: y.start,
-        right: x.end,
-        bottom: y.end,
-    });
+pub(super) fn draw_labels(figure: &Figure, plane: &PlotPlane, surface: &mut dyn DrawingSurface) {
+    let mut placement = LabelPlacement {
+        bounds: plane.area,
+        occupied: Vec::new(),
+    };
     let numbered = || {
         let series = figure.series.iter().enumerate();
         series.flat_map(|(number, series)| series.points.iter().map(move |point| (number, point)))
     };
     for (number, point) in numbered() {
-        let at = |y| pixel_at(figure, number, (point.x, y), chart);
-        placement.occupy(PixelRect::around(at(point.y), 7));
-        let [(left, bottom), (_, top)] = point.interval.map(at);
-        placement.occupy(PixelRect {
-            left: left - 5,
-            top,
-            right: left + 5,
-            bottom,
-        });
+        let at = |y| plane.pixel_at(figure, number, point.x, y);
+        placement.occupied.push(Rect::around(at(point.y), 7.0));
+        let [low, high] = point.interval.map(at);
+        let bar = Rect::between([low[0] - 5.0, low[1]], [high[0] + 5.0, high[1]]);
+        placement.occupied.push(bar);
         if let Some(limit) = visible_limit(figure, point) {
-            placement.occupy(PixelRect::around(at(limit), 6));
+            placement.occupied.push(Rect::around(at(limit), 6.0));
         }
     }
     for (number, point) in numbered().filter(|(_, point)| !point.label.is_empty()) {
-        let size = (text_width(area, &point.label, TEXT_SIZE), TEXT_SIZE + 2);
-        let label = placement.place(pixel_at(figure, number, (point.x, point.y), chart), size);
-        let corner = (label.left, label.top);
-        draw_text(area, &point.label, corner, TEXT_SIZE, HPos::Left)?;
-    }
-    Ok(())
-}
-
-/// A rectangle of pixels, `top` above `bottom`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct PixelRect {
-    left: i32,
-    top: i32,
-    right: i32,
-    bottom: i32,
-}
-
-impl PixelRect {
-    /// Returns the square around a pixel.
-    fn around((x, y): (i32, i32), radius: i32) -> Self {
-        Self {
-            left: x - radius,
-            top: y - radius,
-            right: x + radius,
-            bottom: y + radius,
-        }
-    }
-
-    /// Returns the number of pixels in both rectangles.
-    fn overlap(self, other: Self) -> i64 {
-        let width = self.right.min(other.right) - self.left.max(other.left);
-        let height = self.bottom.min(other.bottom) - self.top.max(other.top);
-        i64::from(width.max(0)) * i64::from(height.max(0))
-    }
-
-    fn is_within(self, other: Self) -> bool {
-        let is_beside = self.left >= other.left && self.right <= other.right;
-        is_beside && self.top >= other.top && self.bottom <= other.bottom
+        let size = [text_width(&point.label, EM_PX), EM_PX + 2.0];
+        let label = placement.place(plane.pixel_at(figure, number, point.x, point.y), size);
+        let at = [label.x, label.y + label.height / 2.0];
+        draw_text(surface, &point.label, at, EM_PX);
     }
 }
 
 /// The occupied parts of a plot.
 struct LabelPlacement {
-    bounds: PixelRect,
-    occupied: Vec<PixelRect>,
+    bounds: Rect,
+    occupied: Vec<Rect>,
 }
 
 impl LabelPlacement {
-    /// Creates an empty plot within `bounds`.
-    fn new(bounds: PixelRect) -> Self {
-        let occupied = Vec::new();
-        Self { bounds, occupied }
-    }
-
-    /// Marks a rectangle as occupied.
-    fn occupy(&mut self, rect: PixelRect) {
-        self.occupied.push(rect);
-    }
-
-    /// Occupies the best place for a label of this width and height beside the pixel `(x, y)`:
-    /// within the bounds and where it covers least; among equals on the right.
-    fn place(&mut self, (x, y): (i32, i32), (width, height): (i32, i32)) -> PixelRect {
-        let (near, far, farthest) = (9, 16, 27);
-        let lefts = [x + near, x - near - width, x - width / 2];
+    /// Occupies the best place for a label of this width and height beside a position: within the
+    /// bounds and where it covers least; among equals on the right.
+    fn place(&mut self, [x, y]: PixelPosition, [width, height]: [f32; 2]) -> Rect {
+        let (near, far, farthest) = (9.0, 16.0, 27.0);
+        let lefts = [x + near, x - near - width, x - width / 2.0];
         let tops = [
-            y + 2,
-            y - 2 - height,
-            y - height / 2,
+            y + 2.0,
+            y - 2.0 - height,
+            y - height / 2.0,
             y + near,
             y - near - height,
             y + far,
@@ -118,22 +60,15 @@ impl LabelPlacement {
             y + farthest,
             y - farthest - height,
         ];
-        let at = |left: i32, top: i32| PixelRect {
-            left,
-            top,
-            right: left + width,
-            bottom: top + height,
+        let places = tops.iter().flat_map(|&top| lefts.map(|left| [left, top]));
+        let places = places.map(|corner| Rect::at(corner, [width, height]));
+        let cost = |place: &Rect| {
+            let covered = self.occupied.iter().map(|rect| rect.overlap(place));
+            let outside = width * height - self.bounds.overlap(place);
+            covered.sum::<f32>() + if outside > 0.1 { 1e6 } else { 0.0 }
         };
-        let places = tops.iter().flat_map(|&top| lefts.map(|left| at(left, top)));
-        let cost = |place: &PixelRect| {
-            let covered = self
-                .occupied
-                .iter()
-                .map(|rect| rect.overlap(*place))
-                .sum::<i64>();
-            (!place.is_within(self.bounds), covered)
-        };
-        let best = places.min_by_key(cost).unwrap_or_else(|| at(x, y));
+        let best = places.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let best = best.unwrap_or_else(|| Rect::around([x, y], 0.0));
         self.occupied.push(best);
         best
     }
@@ -143,27 +78,36 @@ impl LabelPlacement {
 mod tests {
     use super::*;
 
+    fn placement(occupied: Vec<Rect>) -> LabelPlacement {
+        let bounds = Rect::around([100.0; 2], 100.0);
+        LabelPlacement { bounds, occupied }
+    }
+
     #[test]
     fn labels_of_close_points_do_not_cover_each_other() {
-        let bounds = PixelRect::around((100, 100), 100);
-        let mut placement = LabelPlacement::new(bounds);
-        let points = [(100, 100), (108, 104), (112, 98), (190, 100)];
-        for point in points {
-            placement.occupy(PixelRect::around(point, 6));
-        }
-        let labels = points.map(|point| placement.place(point, (40, 14)));
+        let points = [
+            [100.0, 100.0],
+            [108.0, 104.0],
+            [112.0, 98.0],
+            [190.0, 100.0],
+        ];
+        let symbols = points.map(|point| Rect::around(point, 6.0));
+        let mut placement = placement(symbols.into());
+        let labels = points.map(|point| placement.place(point, [40.0, 14.0]));
         for (i, label) in labels.iter().enumerate() {
-            assert!(label.is_within(bounds), "{label:?}");
-            assert!(labels[..i].iter().all(|other| label.overlap(*other) == 0));
-            let covered = points.map(|point| label.overlap(PixelRect::around(point, 6)));
-            assert_eq!(covered, [0; 4], "{label:?}");
+            assert_eq!(label.overlap(&placement.bounds), 40.0 * 14.0, "{label:?}");
+            let others = labels[..i].iter().chain(&symbols);
+            assert!(
+                others
+                    .map(|other| label.overlap(other))
+                    .all(|area| area == 0.0)
+            );
         }
     }
 
     #[test]
     fn a_single_label_is_on_the_right() {
-        let mut placement = LabelPlacement::new(PixelRect::around((100, 100), 100));
-        let label = placement.place((50, 50), (40, 14));
-        assert_eq!((label.left, label.top), (59, 52));
+        let label = placement(Vec::new()).place([50.0; 2], [40.0, 14.0]);
+        assert_eq!([label.x, label.y], [59.0, 52.0]);
     }
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::figure::{Ceiling, Figure, PlotPoint, factor_label};
 use crate::study::point::SETTINGS;
-use crate::study::{AxisScale, PowerLaw, RooflinePoint};
+use crate::study::{PowerLaw, RooflinePoint};
 use output::chart::short_number;
 use render::instruments::MachineLimits;
 
@@ -37,13 +37,9 @@ impl Figure {
             title: title.to_owned(),
             x_title,
             y_title,
-            scale: AxisScale::Log,
-            categories: Vec::new(),
-            has_bars: false,
-            series: Vec::new(),
             is_joined: points.iter().all(|point| point.point[label].is_number()),
-            has_levels: false,
             ceilings: ceilings(points, limits, peak),
+            ..Self::default()
         };
         for point in points {
             let mut plot_point = plot_point(point, label, peak.is_some());

@@ -1,92 +1,79 @@
 //! Colors, symbols and text of plots.
 
-use plotters::coord::Shift;
-use plotters::element::{Circle, Cross, Text, TriangleMarker};
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontStyle, register_font};
+use image::Rgb;
 
-/// The font family of all text.
-pub(super) const FONT: &str = "sans-serif";
+use output::chart::{Anchor, DrawingSurface, INK, PixelPosition, Style};
+
 /// Distance in pixels from a plot to the border of its picture.
-pub(super) const MARGIN: i32 = 16;
+pub(super) const MARGIN: f32 = 16.0;
 /// Safety factor of text widths: a browser may replace the font by a wider one.
-const WIDTH_FACTOR: f64 = 1.2;
+pub(super) const WIDTH_FACTOR: f32 = 1.2;
 /// Radius in pixels of the ring around an oversubscribed point.
-const RING_RADIUS: i32 = 10;
-
-/// The result of a drawing operation.
-pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+const RING_RADIUS: f32 = 10.0;
 
 /// Colors that readers with color blindness can distinguish: Okabe and Ito, "Color Universal
 /// Design", 2008, without yellow, which is too light for lines.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 0, 0),
+const COLORS: [[u8; 3]; 7] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 0, 0],
 ];
 
-/// Registers the font; call it before any text is measured or drawn.
-pub(super) fn load_font() {
-    // Fails only for an invalid font, and this one is embedded.
-    let _ = register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
-}
-
 /// Returns the color of the series with this index.
-pub(super) fn color_of(number: usize) -> RGBColor {
-    COLORS[number % COLORS.len()]
+pub(super) fn color_of(number: usize) -> Rgb<u8> {
+    Rgb(COLORS[number % COLORS.len()])
 }
 
-/// Returns an upper estimate of the width of a text in pixels.
-pub(super) fn text_width<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
+/// Returns an upper estimate of the width in pixels of a text with this font size.
+pub(super) fn text_width(text: &str, em_px: f32) -> f32 {
+    (Style::new(em_px, INK).width(text) * WIDTH_FACTOR).ceil()
+}
+
+/// Draws a line of text to the right of `at`, which is at the middle of its height.
+pub(super) fn draw_text(
+    surface: &mut dyn DrawingSurface,
     text: &str,
-    size: i32,
-) -> i32 {
-    let measured = area.estimate_text_size(text, &style(size, HPos::Left));
-    measured.map_or(0, |(width, _)| {
-        (f64::from(width) * WIDTH_FACTOR).ceil() as i32
-    })
-}
-
-/// Draws a line of text whose top is at `at`, where `side` selects which end of the line lies
-/// there.
-pub(super) fn draw_text<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    text: &str,
-    at: (i32, i32),
-    size: i32,
-    side: HPos,
-) -> Drawn<DB> {
-    area.draw(&Text::new(text.to_owned(), at, style(size, side)))
-}
-
-fn style(size: i32, side: HPos) -> TextStyle<'static> {
-    TextStyle::from((FONT, size).into_font()).pos(Pos::new(side, VPos::Top))
+    [x, y]: PixelPosition,
+    em_px: f32,
+) {
+    let style = Style::new(em_px, INK);
+    let at = [x, style.baseline_around(y).round()];
+    surface.text(text, at, Anchor::Start, &style);
 }
 
 /// Draws the symbol of the series with this index; series differ in shape and color.
-pub(super) fn draw_symbol<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    number: usize,
-    at: (i32, i32),
-) -> Drawn<DB> {
-    let color = color_of(number);
+pub(super) fn draw_symbol(surface: &mut dyn DrawingSurface, number: usize, at: PixelPosition) {
+    let (color, [x, y]) = (color_of(number), at);
     match number % 3 {
-        0 => area.draw(&Circle::new(at, 5, color.filled())),
-        1 => area.draw(&TriangleMarker::new(at, 7, color.filled())),
-        _ => area.draw(&Cross::new(at, 5, color.stroke_width(2))),
+        0 => surface.disk(at, 5.0, color),
+        1 => surface.triangle(
+            [[x, y - 7.0], [x - 6.0, y + 3.5], [x + 6.0, y + 3.5]],
+            color,
+        ),
+        _ => {
+            for rise in [-5.0, 5.0] {
+                let ends = [[x - 5.0, y - rise], [x + 5.0, y + rise]];
+                surface.line(&ends, 2.0, color);
+            }
+        }
     }
 }
 
 /// Draws the ring that marks an oversubscribed point.
-pub(super) fn draw_ring<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    at: (i32, i32),
-) -> Drawn<DB> {
-    area.draw(&Circle::new(at, RING_RADIUS, BLACK.stroke_width(1)))
+pub(super) fn draw_ring(surface: &mut dyn DrawingSurface, at: PixelPosition) {
+    surface.ring(at, RING_RADIUS, 1.0, INK);
+}
+
+/// Draws a bar across `at`, which extends horizontally by `reach` pixels to both sides.
+pub(super) fn draw_bar(
+    surface: &mut dyn DrawingSurface,
+    [x, y]: PixelPosition,
+    reach: f32,
+    color: Rgb<u8>,
+) {
+    surface.line(&[[x - reach, y], [x + reach, y]], 2.0, color);
 }
