@@ -4,73 +4,49 @@
 
 use image::Rgb;
 
-use super::range::{Range, Scale};
+use super::range::Range;
+use super::ticks::Scale;
 use scene::color::{ColorMap, Palette, rgb8};
 
 /// The color of pixels without a value on the scale: a gray that no color map contains.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);
 
 /// The color map of a range of values.
-///
-/// The bits of positive floats sort like the floats, so that a table over intervals of bits
-/// replaces one logarithm per pixel. An interval spans less than a fifth of a color step; a test
-/// compares the table with the logarithm.
 pub struct Colors {
     range: Range,
     /// Colors at equal steps of position from 0 to 1.
     by_position: Vec<Rgb<u8>>,
-    /// Colors by interval of bits; empty unless the scale is logarithmic.
-    by_interval: Vec<Rgb<u8>>,
-    low_bits: u32,
-    high_bits: u32,
-    /// Binary logarithm of the number of floats in an interval.
-    interval_log2: u32,
+    /// The place of the low end on the scale.
+    low: f32,
+    /// Positions per unit of the scale.
+    slope: f32,
 }
 
 impl Colors {
     /// Creates a map from the first color at `range.low` to the last color at `range.high`.
     pub fn over(range: &Range) -> Self {
-        let (low_bits, high_bits) = ((range.low as f32).to_bits(), (range.high as f32).to_bits());
-        let color_at = |position| match range.scale {
+        Self::sampled(range, |position| match range.scale {
             Scale::Logarithmic => ColorMap::Inferno.at(position),
             Scale::Linear => ColorMap::RedBlue.at(1.0 - position),
-        };
-        let mut colors = Self {
-            range: *range,
-            by_position: sampled(color_at),
-            by_interval: Vec::new(),
-            low_bits,
-            high_bits,
-            interval_log2: 0,
-        };
-        if range.scale == Scale::Logarithmic {
-            colors.fill_intervals();
-        }
-        colors
+        })
     }
 
-    /// Creates a color map for data, looked up only by position.
+    /// Creates a color map for data.
     pub fn of_map(range: &Range, map: &Palette) -> Self {
+        Self::sampled(range, |position| map.at(position))
+    }
+
+    /// Samples a color map in equal steps.
+    fn sampled(range: &Range, color_at: impl Fn(f64) -> [f64; 3]) -> Self {
+        let position = |i| i as f64 / (N_COLORS - 1) as f64;
+        let colors = (0..N_COLORS).map(|i| Rgb(rgb8(color_at(position(i)))));
+        let [low, high] = [range.low, range.high].map(|end| place(range.scale, end as f32));
         Self {
             range: *range,
-            by_position: sampled(|position| map.at(position)),
-            by_interval: Vec::new(),
-            low_bits: 0,
-            high_bits: 0,
-            interval_log2: 0,
+            by_position: colors.collect(),
+            low,
+            slope: 1.0 / (high - low),
         }
-    }
-
-    fn fill_intervals(&mut self) {
-        let (low_bits, high_bits) = (self.low_bits, self.high_bits);
-        let n_floats = high_bits - low_bits + 1;
-        self.interval_log2 = (n_floats / N_INTERVALS).checked_ilog2().unwrap_or(0);
-        let middle = (1 << self.interval_log2) / 2;
-        self.by_interval = (low_bits..=high_bits)
-            .step_by(1 << self.interval_log2)
-            .map(|bits| f32::from_bits((bits + middle).min(high_bits)))
-            .map(|value| self.at(self.range.position(value.into()) as f32))
-            .collect();
     }
 
     /// Returns the color of a value, or the color of the nearer end outside of the range.
@@ -78,11 +54,8 @@ impl Colors {
         if !self.range.can_show(value) {
             return NO_VALUE;
         }
-        if self.by_interval.is_empty() {
-            return self.at(self.range.position(value.into()) as f32);
-        }
-        let bits = value.to_bits().clamp(self.low_bits, self.high_bits);
-        self.by_interval[((bits - self.low_bits) >> self.interval_log2) as usize]
+        // One logarithm of single precision, instead of three of double.
+        self.at((place(self.range.scale, value) - self.low) * self.slope)
     }
 
     /// Returns the color at `position` between the low (0) and the high (1) end of the range.
@@ -93,17 +66,16 @@ impl Colors {
     }
 }
 
-/// Samples a color map in equal steps.
-fn sampled(color_at: impl Fn(f64) -> [f64; 3]) -> Vec<Rgb<u8>> {
-    let position = |i| i as f64 / (N_COLORS - 1) as f64;
-    let colors = (0..N_COLORS).map(|i| color_at(position(i)));
-    colors.map(|color| Rgb(rgb8(color))).collect()
+/// Returns the place of a value along a scale.
+fn place(scale: Scale, value: f32) -> f32 {
+    match scale {
+        Scale::Logarithmic => value.log2(),
+        Scale::Linear => value,
+    }
 }
 
 /// Finer than 8 bits per channel, so that interpolated colors show no bands.
 const N_COLORS: usize = 1024;
-/// At most twice as many intervals are used: 96 KiB of colors.
-const N_INTERVALS: u32 = 1 << 14;
 
 #[cfg(test)]
 mod tests {
