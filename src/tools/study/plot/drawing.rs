@@ -4,16 +4,19 @@ use std::io::{self, Write};
 
 use image::{Rgb, RgbImage};
 
+use super::axis::{axis_around, axis_of_levels, axis_of_names};
 use super::ceilings::{self, visible_limit};
 use super::figure::{Figure, PlotPoint, Series};
 use super::labels::draw_labels;
-use super::plane::{PlotPlane, SIZE, axes};
+use super::plane::{PlotPlane, SIZE};
 use super::symbols::{MARGIN, color_of, draw_bar, draw_ring, draw_symbol};
 use super::{bars, legend};
-use output::chart::{DrawingSurface, PAPER, Rect, SvgPicture, faded, png};
+use output::chart::{DrawingSurface, LabeledAxis, PAPER, Rect, Scale, SvgPicture, faded, png};
 
 /// Font size of tick labels in pixels.
 const LABEL_PX: f32 = 14.5;
+/// Ratio of the highest to the lowest level of a factor from which its axis is logarithmic.
+const MIN_LOG_RATIO: f64 = 8.0;
 /// Number of line segments of a law.
 const N_STEPS: u32 = 64;
 
@@ -100,6 +103,38 @@ fn draw_point(
     if let Some(limit) = visible_limit(figure, point) {
         draw_bar(surface, at(limit), 8.0, color);
     }
+}
+
+/// Returns the horizontal and the vertical axis of a figure.
+fn axes(figure: &Figure) -> [LabeledAxis; 2] {
+    let x = if figure.categories.is_empty() {
+        numeric_x_axis(figure)
+    } else {
+        axis_of_names(&figure.categories)
+    };
+    let heights = figure
+        .points()
+        .flat_map(|point| point.interval.into_iter().chain([point.y]));
+    let y = axis_around(heights.chain(ceilings::heights(figure, &x)), figure.scale);
+    [x, y]
+}
+
+/// Returns the horizontal axis of numbers. Levels of a factor that span a wide range have a
+/// logarithmic axis even if the metrics do not.
+fn numeric_x_axis(figure: &Figure) -> LabeledAxis {
+    let positions = || figure.points().map(|point| point.x);
+    if !figure.has_levels {
+        return axis_around(positions(), figure.scale);
+    }
+    let low = positions().fold(f64::INFINITY, f64::min);
+    let high = positions().fold(0.0, f64::max);
+    let is_wide = low > 0.0 && high >= MIN_LOG_RATIO * low;
+    let scale = if is_wide {
+        Scale::Logarithmic
+    } else {
+        figure.scale
+    };
+    axis_of_levels(positions().collect(), scale)
 }
 
 /// Returns the `x` where a law is drawn, from the first to the last point that it is fitted to,

@@ -1,18 +1,14 @@
 //! The axes of a figure, and the positions of its points in pixels.
 
-use super::axis::{axis_around, axis_of_levels, axis_of_names};
-use super::ceilings;
 use super::figure::Figure;
 use super::symbols::{MARGIN, WIDTH_FACTOR};
 use output::chart::{
-    Anchor, AxisEdge, DrawingSurface, INK, LINE, LINE_EM, LabeledAxis, PixelPosition, Rect, Scale,
-    Style, px,
+    Anchor, AxisEdge, DrawingSurface, INK, LINE, LINE_EM, LabeledAxis, PixelPosition, Rect, Style,
+    px,
 };
 
 /// Width and height of a picture in pixels.
 pub(super) const SIZE: [u32; 2] = [960, 640];
-/// Ratio of the highest to the lowest level of a factor from which its axis is logarithmic.
-const MIN_LOG_RATIO: f64 = 8.0;
 /// Horizontal distance in pixels between the points of two series at one category.
 const SERIES_GAP: f32 = 14.0;
 // Font sizes, and distances of texts from each other and from the axes, in pixels.
@@ -97,36 +93,4 @@ impl PlotPlane {
         let from_middle = series as f32 - (figure.series.len() as f32 - 1.0) / 2.0;
         [px(x + from_middle * SERIES_GAP), y]
     }
-}
-
-/// Returns the horizontal and the vertical axis of a figure.
-pub(super) fn axes(figure: &Figure) -> [LabeledAxis; 2] {
-    let x = if figure.categories.is_empty() {
-        numeric_x_axis(figure)
-    } else {
-        axis_of_names(&figure.categories)
-    };
-    let heights = figure
-        .points()
-        .flat_map(|point| point.interval.into_iter().chain([point.y]));
-    let y = axis_around(heights.chain(ceilings::heights(figure, &x)), figure.scale);
-    [x, y]
-}
-
-/// Returns the horizontal axis of numbers. Levels of a factor that span a wide range have a
-/// logarithmic axis even if the metrics do not.
-fn numeric_x_axis(figure: &Figure) -> LabeledAxis {
-    let positions = || figure.points().map(|point| point.x);
-    if !figure.has_levels {
-        return axis_around(positions(), figure.scale);
-    }
-    let low = positions().fold(f64::INFINITY, f64::min);
-    let high = positions().fold(0.0, f64::max);
-    let is_wide = low > 0.0 && high >= MIN_LOG_RATIO * low;
-    let scale = if is_wide {
-        Scale::Logarithmic
-    } else {
-        figure.scale
-    };
-    axis_of_levels(positions().collect(), scale)
 }
