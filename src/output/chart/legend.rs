@@ -10,7 +10,6 @@ use super::pixels;
 use super::range::Range;
 use super::surface::{Anchor, DrawingSurface, INK, LINE, PAPER, PixelPosition, Rect, line_px, px};
 use super::text::{CAP_HEIGHT_EM, Style};
-use super::ticks::Scale;
 use scene::color::Palette;
 
 /// A color bar with a title.
@@ -29,13 +28,8 @@ pub enum LegendKey {
     Range {
         /// The colors.
         map: Palette,
-        /// The numbers of the first and the last color, ascending; positive on a logarithmic
-        /// scale.
-        ends: [f32; 2],
-        /// The scale of the numbers.
-        scale: Scale,
-        /// True if there are numbers below the first color, and above the last.
-        clips: [bool; 2],
+        /// The numbers from the first to the last color.
+        range: Range,
     },
     /// Categories, the first on top.
     Categories(Vec<Swatch>),
@@ -101,16 +95,10 @@ type DrawKey = Box<dyn Fn(&mut RgbImage, PixelPosition)>;
 /// Returns the size of a key for a picture of this height, within this width, and how to draw it.
 fn laid_out(key: &LegendKey, [width, height]: [f32; 2], em_px: f32) -> ([f32; 2], DrawKey) {
     match key {
-        LegendKey::Range {
-            map,
-            ends,
-            scale,
-            clips,
-        } => {
-            let range = range(*ends, *scale, *clips);
+        LegendKey::Range { map, range } => {
             let size = [1.0, px(LENGTH * height)];
-            let bar = Bar::beside(size, &range, Unit::named(""), em_px);
-            let colors = Colors::of_map(&range, map);
+            let bar = Bar::beside(size, range, Unit::named(""), em_px);
+            let colors = Colors::of_map(range, map);
             let size = bar.size();
             (
                 size,
@@ -138,18 +126,6 @@ fn laid_out(key: &LegendKey, [width, height]: [f32; 2], em_px: f32) -> ([f32; 2]
     }
 }
 
-fn range([low, high]: [f32; 2], scale: Scale, clips: [bool; 2]) -> Range {
-    let [n_below, n_above] = clips.map(u64::from);
-    Range {
-        scale,
-        low: low.into(),
-        high: high.into(),
-        n_below,
-        n_above,
-        ..Range::of(&[])
-    }
-}
-
 /// Covers a rectangle with translucent paper.
 fn pale(picture: &mut RgbImage, rect: Rect) {
     for y in rect.y as i64..rect.bottom() as i64 {
@@ -161,6 +137,7 @@ fn pale(picture: &mut RgbImage, rect: Rect) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ticks::Scale;
     use super::*;
 
     /// Each category is in the list with its color, or the list says how many more there are.
@@ -192,9 +169,7 @@ mod tests {
             title: title.to_owned(),
             key: LegendKey::Range {
                 map: Palette::default(),
-                ends,
-                scale,
-                clips: [true, true],
+                range: Range::between(scale, ends, [true, true]),
             },
         };
         let swatches = |n: u8| ColorLegend {

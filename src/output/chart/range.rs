@@ -92,6 +92,20 @@ impl Range {
         }
     }
 
+    /// Returns a range between ascending ends, positive on a logarithmic scale; `clips` is true for
+    /// each end that has values beyond it.
+    pub fn between(scale: Scale, [low, high]: [f32; 2], clips: [bool; 2]) -> Self {
+        let [n_below, n_above] = clips.map(u64::from);
+        Self {
+            scale,
+            low: low.into(),
+            high: high.into(),
+            n_below,
+            n_above,
+            ..Self::of(&[])
+        }
+    }
+
     /// Returns the position of `value` between `low` (0) and `high` (1), beyond these outside of
     /// the range. Increases with `value`, which must be positive on a logarithmic scale.
     pub fn position(&self, value: f64) -> f64 {

@@ -13,8 +13,7 @@ use rayon::prelude::*;
 use super::RenderingView;
 use super::file::{FileContent, Job, OutputFile};
 use super::state_files::SHOWN_OF_CLOUD;
-use crate::chart::png;
-use crate::chart::{ColorLegend, LegendKey, Scale, Swatch, draw_legends};
+use crate::chart::{self, ColorLegend, LegendKey, Scale, Swatch, draw_legends, png};
 use base::folder::FileWriter;
 use base::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS, Strip};
@@ -185,14 +184,13 @@ fn legends(scene: &Scene) -> Vec<ColorLegend> {
 /// Returns the legend of an array's colors.
 fn key(array: &ArrayTexture) -> LegendKey {
     let Some(n_colors) = array.map.n_categories() else {
+        let scale = match array.scale {
+            ArrayScale::Linear => Scale::Linear,
+            ArrayScale::Log => Scale::Logarithmic,
+        };
         return LegendKey::Range {
             map: array.map.clone(),
-            ends: array.table.ends,
-            scale: match array.scale {
-                ArrayScale::Linear => Scale::Linear,
-                ArrayScale::Log => Scale::Logarithmic,
-            },
-            clips: array.table.clips,
+            range: chart::Range::between(scale, array.table.ends, array.table.clips),
         };
     };
     let labeled = 0..array.labels.len() as i64;
