@@ -124,7 +124,7 @@ fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()
         json!({
             "file": name, "codec": codec, "bytes": n_bytes,
             "write_s": statistics(writes), "read_s": statistics(reads),
-            "write_over_plain": Ratio::of(&plain, writes),
+            "write_over_plain": Ratio::estimate(&plain, writes),
         })
     };
     let rows = CODECS.iter().zip(&times).zip(n_bytes);
@@ -133,7 +133,7 @@ fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()
 }
 
 fn statistics(seconds: &[f64]) -> SampleStatistics {
-    SampleStatistics::of(seconds).expect("there are rounds")
+    SampleStatistics::from_values(seconds).expect("there are rounds")
 }
 
 fn seconds(work: impl FnOnce()) -> f64 {

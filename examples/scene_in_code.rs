@@ -35,7 +35,7 @@ fn scene(n_spheres: u32) -> Value {
 
 /// Renders the scene into `folder`.
 pub fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let session = Session::of("helix", &scene(60))?;
+    let session = Session::from_value("helix", &scene(60))?;
     let options = Options {
         on_event: Some(&|event| {
             if let Event::Begin { stage, .. } = event {

@@ -51,7 +51,7 @@ impl Speed {
     /// Computes the speed from the times for `n` rays or primitives, at least one, in seconds.
     fn of(n: usize, seconds: &[f64]) -> Self {
         let speed = |seconds: f64| n as f64 / seconds / 1e6;
-        let statistics = SampleStatistics::of(seconds).expect("each kernel runs");
+        let statistics = SampleStatistics::from_values(seconds).expect("each kernel runs");
         Self {
             median: speed(statistics.median),
             interval: [speed(statistics.high_95), speed(statistics.low_95)],
@@ -72,7 +72,7 @@ impl Outcome {
             discipline,
             ours: Speed::of(n, ours),
             embree: Speed::of(n, embree),
-            ratio: Ratio::of(ours, embree).expect("each kernel runs"),
+            ratio: Ratio::estimate(ours, embree).expect("each kernel runs"),
             isa,
             counters_cost: None,
         }

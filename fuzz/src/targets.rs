@@ -50,7 +50,7 @@ fn build(text: &str) -> Result<(), Diagnostic> {
     let mut config: Config = source.parse()?;
     let point_at = |fault| source.point_at(fault);
     let geometries = Geometries::read(&mut config, source.folder(), 0).map_err(point_at)?;
-    let memory = Memory::of(&config, &geometries);
+    let memory = Memory::estimate(&config, &geometries);
     memory.check(AVAILABLE).map_err(point_at)?;
     Scene::new(&config, geometries).map_err(point_at)?;
     Ok(())
@@ -166,11 +166,11 @@ pub fn output(input: &[u8]) {
         let Ok(results) = results::Results::open(ours.path()) else {
             return;
         };
-        if let Ok(view) = Page::of(&results) {
+        if let Ok(view) = Page::new(&results) {
             view.write(&mut std::io::sink()).expect("a sink takes all");
         }
         if let Ok(sides) = Side::open([ours.path(), other.path()]) {
-            let _ = Diff::of(&sides);
+            let _ = Diff::compare(&sides);
         }
     });
 }

@@ -77,11 +77,11 @@ fn compare_outputs(arguments: &DiffArguments) -> Result<(), Failure> {
     let folders: [&Path; 2] = [&arguments.a, &arguments.b];
     let (sides, diff) = read_unchanged(&folders, || {
         let sides = Side::open(folders)?;
-        let diff = Diff::of(&sides)?;
+        let diff = Diff::compare(&sides)?;
         Ok((sides, diff))
     })?;
     let gate = match arguments.fail_above {
-        Some(limit) => Some(Gate::of(&diff, limit)?),
+        Some(limit) => Some(Gate::new(&diff, limit)?),
         None => None,
     };
     let out = out(arguments, sides.each_ref().map(Side::label));
@@ -114,7 +114,7 @@ fn compare_with_file(
     let diff = read_unchanged(&[output], || {
         let output = Side::alone(output)?;
         let file = ForeignFile::read(file, output.size())?;
-        ForeignDiff::of(output, file, position, arguments.by)
+        ForeignDiff::compare(output, file, position, arguments.by)
     })?;
     let label = diff.file.label();
     let labels = foreign::in_order([diff.output.label(), &label], position);

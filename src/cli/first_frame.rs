@@ -63,7 +63,7 @@ impl OpenScene<'_> {
     /// The first fault of the scene, or if the hierarchy is too large.
     pub(super) fn first_frame(&self, options: &Options) -> Result<FirstFrame, Failure> {
         let session = Session::new(self.load(None, Memory::of_scene)?, Stages::default())?;
-        FirstFrame::of(&session, options, self.update())
+        FirstFrame::new(&session, options, self.update())
     }
 }
 
@@ -72,7 +72,7 @@ impl FirstFrame {
     ///
     /// # Errors
     /// If the hierarchy is too large, or a file cannot be read.
-    pub(super) fn of(
+    pub(super) fn new(
         session: &Session,
         options: &Options,
         update: HierarchyUpdate,

@@ -25,19 +25,19 @@ impl<'a> OpenScene<'a> {
     /// # Errors
     /// The first mistake in it, or in a data series.
     pub(super) fn read(arguments: &'a SceneArguments) -> Result<Self, Diagnostic> {
-        Self::of(arguments, arguments.source()?)
+        Self::parse(arguments, arguments.source()?)
     }
 
     /// Opens a scene whose text was read before.
     ///
     /// # Errors
     /// The errors of [`read`](Self::read).
-    pub(super) fn of(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
+    pub(super) fn parse(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
         let document = arguments.document(source)?;
         let config: Config = document.parse()?;
         Ok(Self {
             arguments,
-            frames: Frames::of(&document, &config)?,
+            frames: Frames::parse(&document, &config)?,
             document,
             config,
         })

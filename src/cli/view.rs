@@ -57,7 +57,7 @@ fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
         let results = Results::open(folder)?;
         match arguments.max_mb {
             Some(max_bytes) => Page::within(max_bytes, &results),
-            None => Page::of(&results),
+            None => Page::new(&results),
         }
     })?;
     let written = write_file(&path, Replace::Marked, |out| page.write(out))?;

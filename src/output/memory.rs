@@ -37,7 +37,7 @@ const PROGRAM: u64 = 32 << 20;
 impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound, except for a few MiB
     /// of program and buffers.
-    pub fn of(config: &Config, geometries: &Geometries) -> Self {
+    pub fn estimate(config: &Config, geometries: &Geometries) -> Self {
         let of_attribution =
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_scene(config, geometries);
@@ -55,7 +55,7 @@ impl Memory {
     /// quarters of the available memory, the picture is rendered into files and written in bands of
     /// rows, if its outputs allow it.
     pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
-        let whole = Self::of(config, geometries);
+        let whole = Self::estimate(config, geometries);
         let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
         let against_bands = against_bands(config);
         if whole.total() <= limit || against_bands.is_some() {

@@ -23,9 +23,9 @@ impl Frames {
     ///
     /// # Errors
     /// The first mistake in the section `animation`.
-    pub(crate) fn of(document: &Document, config: &Config) -> Result<Option<Self>, Diagnostic> {
+    pub(crate) fn parse(document: &Document, config: &Config) -> Result<Option<Self>, Diagnostic> {
         let point_at = |fault| document.point_at(fault);
-        let Some(mut timeline) = Timeline::of(config, document).map_err(point_at)? else {
+        let Some(mut timeline) = Timeline::parse(config, document).map_err(point_at)? else {
             return Ok(None);
         };
         let found = timeline.find_ranges(config, document, memory::available());
@@ -42,7 +42,7 @@ impl Frames {
     /// The first mistake in the scene.
     pub(crate) fn first(document: Document) -> Result<(Document, Config), Diagnostic> {
         let config: Config = document.parse()?;
-        match Self::of(&document, &config)? {
+        match Self::parse(&document, &config)? {
             None => Ok((document, config)),
             Some(frames) => frames.at(0),
         }

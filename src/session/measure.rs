@@ -65,7 +65,7 @@ impl Session {
         let ranks = match scope.limits.team {
             Some(team) => {
                 let work = team.dismiss();
-                Some(RanksSection::of(team, &schedule, &work))
+                Some(RanksSection::new(team, &schedule, &work))
             }
             None if scope.is_only_rank => {
                 let n_threads = rayon::current_num_threads() as u32;

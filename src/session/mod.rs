@@ -98,7 +98,7 @@ impl Session {
         let document = Document::new(Source::read(path.as_ref())?, Config::MERGING)?;
         let (document, mut config) = Frames::first(document)?;
         change(&mut config);
-        Self::new(Input::read(document, config, Memory::of)?, stages)
+        Self::new(Input::read(document, config, Memory::estimate)?, stages)
     }
 
     /// Checks a scene that a program describes: any value that serializes to the same keys and
@@ -107,14 +107,14 @@ impl Session {
     ///
     /// # Errors
     /// The errors of [`Self::open`], with a line of the scene as JSON.
-    pub fn of(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
+    pub fn from_value(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
         let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
         // JSON is YAML.
         let text = serde_json::to_string_pretty(scene).map_err(cannot)?;
         let document = Document::new(Source::new(name, text), Config::MERGING)?;
         let (document, config) = Frames::first(document)?;
-        Self::new(Input::read(document, config, Memory::of)?, stages)
+        Self::new(Input::read(document, config, Memory::estimate)?, stages)
     }
 
     /// Places a scene that was read. `stages` belong to the first rendering.
@@ -213,7 +213,7 @@ impl Session {
         let measured = pool.install(|| self.measure(options, scope, &mut stages))?;
         Ok(Rendering {
             session: self,
-            other_runs: scope.limits.checkpoint.and_then(OtherRuns::of),
+            other_runs: scope.limits.checkpoint.and_then(OtherRuns::from_checkpoint),
             stages,
             threads: Threads {
                 used: measured.schedule.n_threads as usize,
@@ -259,7 +259,7 @@ impl Session {
     ) -> Result<FrameBase, RenderError> {
         let pool = options.thread_pool()?;
         let accel = pool.install(|| self.accel(options, &mut Stages::default()))?;
-        Ok(FrameBase::of(&accel, update))
+        Ok(FrameBase::new(&accel, update))
     }
 
     /// Returns the size and expected cost of the hierarchy, once there is one.

@@ -181,12 +181,12 @@ impl Rendering<'_> {
         } = &self.measured;
         let n_rendered = schedule.rendered().count() as u32;
         let asked = least_repeats(self.session.config());
-        Partial::of([n_rendered, *n_tiles], [film.n_repeats, asked])
+        Partial::new([n_rendered, *n_tiles], [film.n_repeats, asked])
     }
 
     /// Returns statistics of all pixels together.
     fn survey(&self) -> &Survey {
-        let survey = || Survey::of(&self.measured.film);
+        let survey = || Survey::measure(&self.measured.film);
         self.survey.get_or_init(|| self.pool.install(survey))
     }
 

@@ -56,7 +56,7 @@ where
 
 impl<'a> Array<'a> {
     /// Creates an array of `n` entries; `entries` is called each time the array is written.
-    pub fn of<E: Entry, I: Iterator<Item = E>>(
+    pub fn new<E: Entry, I: Iterator<Item = E>>(
         name: &'a str,
         n: usize,
         entries: impl Fn() -> I + 'a,
@@ -191,7 +191,7 @@ pub fn separate_cells(n_corners: usize, n: usize) -> [Array<'static>; 2] {
 
 /// Returns the array `types` of `n` cells of one type.
 pub fn types_of(cell: CellType, n: usize) -> Array<'static> {
-    Array::of("types", n, move || std::iter::repeat_n(cell as u8, n))
+    Array::new("types", n, move || std::iter::repeat_n(cell as u8, n))
 }
 
 impl Array<'_> {
@@ -244,11 +244,11 @@ mod tests {
     #[test]
     fn entries_are_written_as_they_come() {
         let n = 2 * CHUNK + 1;
-        let pairs = Array::of("pairs", n, || (0..n as u32).map(|i| [i, i * i]));
+        let pairs = Array::new("pairs", n, || (0..n as u32).map(|i| [i, i * i]));
         assert_eq!(pairs.n_components, 2);
         let expected: Vec<u32> = (0..n as u32).flat_map(|i| [i, i * i]).collect();
         assert_eq!(bytes(&pairs), bytemuck::cast_slice::<u32, u8>(&expected));
-        let none = Array::of("none", 0, std::iter::empty::<f32>);
+        let none = Array::new("none", 0, std::iter::empty::<f32>);
         assert!(bytes(&none).is_empty());
     }
 

@@ -116,7 +116,7 @@ mod tests {
         let written = |compressor: &'static dyn Compressor, n_threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
             pool.build().unwrap().install(|| {
-                let numbers = Array::of("numbers", n, || (0..n as u32).map(|i| i / 3));
+                let numbers = Array::new("numbers", n, || (0..n as u32).map(|i| i / 3));
                 let mut out = Cursor::new(Vec::new());
                 out.write_all(b"_").unwrap();
                 write(&numbers, compressor, &mut out).unwrap();
@@ -147,7 +147,7 @@ mod tests {
     fn an_array_of_the_wrong_length_is_an_error() {
         let array = Array {
             n_bytes: 8,
-            ..Array::of("short", 1, || [1_u32].into_iter())
+            ..Array::new("short", 1, || [1_u32].into_iter())
         };
         let error = write(
             &array,

@@ -118,7 +118,7 @@ struct TextArray {
 
 impl FieldDataElement {
     /// Creates the element; `None` if it would be empty.
-    pub(super) fn of<'a>(
+    pub(super) fn new<'a>(
         numbers: &[Array],
         texts: impl Iterator<Item = &'a Field>,
     ) -> Option<Self> {

@@ -68,11 +68,11 @@ impl Field {
         match &self.values {
             FieldValues::Floats(numbers) => {
                 let n = numbers.len();
-                Some(Array::of(&self.name, n, || numbers.iter().copied()))
+                Some(Array::new(&self.name, n, || numbers.iter().copied()))
             }
             FieldValues::Integers(numbers) => {
                 let n = numbers.len();
-                Some(Array::of(&self.name, n, || numbers.iter().copied()))
+                Some(Array::new(&self.name, n, || numbers.iter().copied()))
             }
             FieldValues::Texts(_) => None,
         }

@@ -81,7 +81,7 @@ impl<'a> LabeledDataSet<'a> {
 
     fn field_data(&self) -> Option<FieldDataElement> {
         let texts = self.texts.iter().copied().chain(&self.units);
-        FieldDataElement::of(&self.numbers, texts)
+        FieldDataElement::new(&self.numbers, texts)
     }
 }
 

@@ -119,9 +119,9 @@ fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
     let mut check = || {
         config.check_arrays()?;
         config.check_metrics()?;
-        Timeline::of(&config, source.folder())?;
+        Timeline::parse(&config, source.folder())?;
         let geometries = Geometries::read(&mut config, source.folder(), available)?;
-        Memory::of(&config, &geometries).check(available)?;
+        Memory::estimate(&config, &geometries).check(available)?;
         Scene::new(&config, geometries).map(drop)
     };
     check().map_err(|fault| source.point_at(fault))

@@ -60,7 +60,7 @@ fn a_scene_in_code_is_rendered_and_written() {
 #[test]
 fn a_mistake_in_a_scene_in_code_is_shown_in_its_json() {
     let scene = json!({ "image": { "width": 0, "height": 10 } });
-    let error = Session::of("tiny", &scene).unwrap_err().to_string();
+    let error = Session::from_value("tiny", &scene).unwrap_err().to_string();
     assert!(error.contains("\"width\": 0"), "{error}");
     assert!(error.contains("tiny:"), "{error}");
 }

@@ -159,7 +159,7 @@ fn check(source: &Source) -> Result<(), Diagnostic> {
     let mut config: Config = source.parse()?;
     let mut check = || {
         let geometries = Geometries::read(&mut config, Path::new("configs"), MEMORY)?;
-        Memory::of(&config, &geometries).check(MEMORY)?;
+        Memory::estimate(&config, &geometries).check(MEMORY)?;
         Scene::new(&config, geometries).map(drop)
     };
     check().map_err(|fault| source.point_at(fault))

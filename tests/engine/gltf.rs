@@ -211,7 +211,7 @@ fn nodes_place_meshes_and_mirrored_ones_keep_their_outside() {
         );
     }
     for triangle in 0..3 {
-        let normals = mesh.normals.as_ref().unwrap().of(triangle);
+        let normals = mesh.normals.as_ref().unwrap().at(triangle);
         assert!(
             normals
                 .iter()

@@ -329,7 +329,7 @@ fn a_mesh_carries_a_picture_by_its_texture_coordinates() {
     let image = "{ file: ramp.exr, wrap: clamp, filter: bilinear }";
     let error = largest_error(image, &object, |point| {
         let (i, weights) = nearest_triangle(&mesh, point.position);
-        let corners = uvs.of(i).into_iter().zip(weights);
+        let corners = uvs.at(i).into_iter().zip(weights);
         corners.map(|(uv, weight)| uv * weight as f32).sum()
     });
     assert!(error < 1e-3, "{error}");
@@ -472,7 +472,7 @@ fn normals_of_a_mesh_tilt_along_its_texture_coordinates() {
     let error = largest_tilt_error("uv", &object, |point| {
         let (i, _) = nearest_triangle(&mesh, point.position);
         let [a, b, c] = mesh.triangle(mesh.triangles[i]).vertices;
-        let [p, q, r] = uvs.of(i);
+        let [p, q, r] = uvs.at(i);
         // The inverse of the map from edges in texture coordinates to edges in space.
         let edges = glam::Mat2::from_cols(q - p, r - p).inverse();
         let [along_u, along_v] =

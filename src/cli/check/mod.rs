@@ -124,14 +124,14 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         let study = study::checked(&source)?;
         return print(arguments, || study.lines(), || study.json());
     }
-    let scene = OpenScene::of(&arguments.scene, source)?;
+    let scene = OpenScene::parse(&arguments.scene, source)?;
     let n_frames = scene.frames.as_ref().map_or(1, Frames::n_frames);
     for number in 0..n_frames {
         scene.at(number)?;
         stop::check()?;
     }
     let (config, placed, memory) = placed(&scene, arguments.frame)?;
-    let expected = Prediction::of(&config, &placed, memory.band_rows)
+    let expected = Prediction::new(&config, &placed, memory.band_rows)
         .map_err(|error| scene.point_at(memory::too_large(error)))?;
     stop::check()?;
     let checked = CheckedScene {
@@ -197,7 +197,7 @@ fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memor
         ..
     } = match scene.frames {
         None => scene.load(frame, Memory::of_still)?,
-        Some(_) => scene.load(frame, Memory::of)?,
+        Some(_) => scene.load(frame, Memory::estimate)?,
     };
     let placed = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
     Ok((config, placed, memory))

@@ -206,7 +206,7 @@ impl FrameJob<'_> {
         let profiler = arguments.profile.then(start_profiler).transpose()?;
         let needed = match arguments.part {
             Some(_) => Memory::of_part,
-            None => Memory::of,
+            None => Memory::estimate,
         };
         let silent = |_| {};
         let options = arguments.options(&silent);

@@ -169,7 +169,7 @@ impl<'a> FrameHierarchies<'a> {
         };
         if self.first_geometry == Some(geometry) && self.first.is_none() {
             let (options, update) = (Options::default(), self.scene.update());
-            self.first = Some(FirstFrame::of(session, &options, update)?);
+            self.first = Some(FirstFrame::new(session, &options, update)?);
         }
         self.last = Some((geometry, index));
         Ok(())

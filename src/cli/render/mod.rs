@@ -165,7 +165,7 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     if let Some(crew) = &crew {
         crew.send_scene(&source);
     }
-    let scene = OpenScene::of(&arguments.scene, source)?;
+    let scene = OpenScene::parse(&arguments.scene, source)?;
     let done = match &scene.frames {
         Some(frames) if arguments.picture.is_none() => {
             frames::render(arguments, &scene, frames, (crew.as_ref(), deadline))

@@ -30,7 +30,7 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     let Some(SceneText { name, text }) = ranks.receive_scene() else {
         return Ok(stop::check()?);
     };
-    let scene = OpenScene::of(&arguments.scene, Source::new(name, text))?;
+    let scene = OpenScene::parse(&arguments.scene, Source::new(name, text))?;
     let options = Options {
         threads: arguments.run.threads,
         simd: arguments.simd,

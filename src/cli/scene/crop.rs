@@ -15,7 +15,7 @@ impl Crop {
     ///
     /// # Errors
     /// If it reaches beyond the image.
-    pub(super) fn of(self, image: &Image) -> Result<Image, Diagnostic> {
+    pub(super) fn apply(self, image: &Image) -> Result<Image, Diagnostic> {
         image.cropped(self.0).ok_or_else(|| {
             let message = format!("the window `--crop {self}` is not within the picture");
             let [width, height] = [image.width, image.height];

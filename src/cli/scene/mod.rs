@@ -135,7 +135,7 @@ impl SceneArguments {
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
         image.seed = self.seed.unwrap_or(image.seed);
         if let Some(crop) = self.crop {
-            *image = crop.of(image)?;
+            *image = crop.apply(image)?;
         }
         config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
         let film = &mut config.film;

@@ -34,10 +34,10 @@ pub(in crate::cli) struct CheckedStudy {
 pub(in crate::cli) fn checked(source: &Source) -> Result<CheckedStudy, Failure> {
     let stem = Path::new(source.name()).file_stem().unwrap_or_default();
     let out = Path::new("out/studies").join(stem);
-    let quick = Study::of(source, PathBuf::new(), true, true)?;
+    let quick = Study::parse(source, PathBuf::new(), true, true)?;
     Ok(CheckedStudy {
         name: source.name().to_owned(),
-        study: Study::of(source, out, false, true)?,
+        study: Study::parse(source, out, false, true)?,
         n_quick_runs: quick.plan.n_runs(),
     })
 }

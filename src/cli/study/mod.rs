@@ -108,7 +108,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let files = files::find(named, out, quick)?.into_iter();
     let read = files.map(|(file, out)| {
         let source = Source::read(&file)?;
-        Study::of(&source, out, quick, arguments.allow_commands)
+        Study::parse(&source, out, quick, arguments.allow_commands)
     });
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
     let made_by = made_by::of_tables();
@@ -148,7 +148,12 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
 impl Study {
     /// Checks a study, and that each of its points can be rendered. Unless `any_command`, its
     /// launcher has to be harmless.
-    fn of(source: &Source, out: PathBuf, quick: bool, any_command: bool) -> Result<Self, Failure> {
+    fn parse(
+        source: &Source,
+        out: PathBuf,
+        quick: bool,
+        any_command: bool,
+    ) -> Result<Self, Failure> {
         let mut plan: StudyPlan = source.parse()?;
         let point_at = |fault| source.point_at(fault);
         plan.check().map_err(point_at)?;

@@ -66,7 +66,7 @@ pub(super) fn render(
         return Ok(RunMetrics::of_output(&output, process_ms));
     }
     let summary = Summary::read(&of_run.join(summary::FILE)).map_err(Failure::Machine)?;
-    Ok(RunMetrics::of(&summary, process_ms))
+    Ok(RunMetrics::from_summary(&summary, process_ms))
 }
 
 /// Returns the command that renders a point into the folder `out`, through the launcher if it has

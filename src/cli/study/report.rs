@@ -40,7 +40,7 @@ pub(super) fn write_tables(
     })?;
     let (mut fits, mut empty, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
     for (number, plot) in plan.plots.iter().enumerate() {
-        let Some(figure) = Figure::of(plot, &plan.title, rows) else {
+        let Some(figure) = Figure::new(plot, &plan.title, rows) else {
             empty.push(number + 1);
             continue;
         };
@@ -214,7 +214,7 @@ mod tests {
         StatisticsRow {
             point: serde_json::Map::new(),
             metric: "render_wall_ms".to_owned(),
-            statistics: SampleStatistics::of(values).unwrap(),
+            statistics: SampleStatistics::from_values(values).unwrap(),
             first_is_slow,
             oversubscribed: false,
         }

@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let open = OpenScene::read(&arguments.scene)?;
     let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
         // The picture is rendered to find the pixels.
-        Some(metric) => Memory::of(&hottest::searched(config, metric), geometries),
+        Some(metric) => Memory::estimate(&hottest::searched(config, metric), geometries),
         None => Memory::of_scene(config, geometries),
     };
     let Input {
@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let tracer = Tracer::new(&scene, &accel);
-    let pixels = pool.install(|| TracedPixels::of(arguments, &config, tracer))?;
+    let pixels = pool.install(|| TracedPixels::choose(arguments, &config, tracer))?;
 
     // The cloud is a small picture of the scene, sharp without a lens.
     let mut small = scene.sensor_of(&config, small(&image));
@@ -175,7 +175,11 @@ enum TracedPixels<'a> {
 impl<'a> TracedPixels<'a> {
     /// Returns the pixels of the arguments; for `--hottest` renders the picture on the current
     /// rayon pool.
-    fn of(arguments: &'a TraceArguments, config: &Config, tracer: Tracer) -> Result<Self, Failure> {
+    fn choose(
+        arguments: &'a TraceArguments,
+        config: &Config,
+        tracer: Tracer,
+    ) -> Result<Self, Failure> {
         let Some((n, metric)) = arguments.hottest.zip(arguments.metric(config)) else {
             return Ok(Self::Named(&arguments.pixel));
         };

@@ -20,7 +20,7 @@ const MAX_EXACT: usize = 100;
 pub fn mann_whitney_p(a: &[f64], b: &[f64]) -> f64 {
     let ranks = doubled_ranks(a, b);
     let sum_b = ranks[a.len()..].iter().sum();
-    let rank_sums = RankSums::of(&ranks, b.len());
+    let rank_sums = RankSums::from_ranks(&ranks, b.len());
     let tails = [rank_sums.at_most(sum_b), rank_sums.at_least(sum_b)];
     (2.0 * tails[0].min(tails[1])).min(1.0)
 }
@@ -50,7 +50,7 @@ pub(super) enum RankSums {
 
 impl RankSums {
     /// Creates the distribution for `n` of the `doubled` ranks.
-    pub(super) fn of(doubled: &[usize], n: usize) -> Self {
+    pub(super) fn from_ranks(doubled: &[usize], n: usize) -> Self {
         match doubled.len() {
             0..=MAX_EXACT => Self::exact(doubled, n),
             _ => Self::normal(doubled, n),
@@ -60,7 +60,7 @@ impl RankSums {
     /// Creates the distribution for `n` of `n_a + n` values without ties.
     pub(super) fn untied(n_a: usize, n: usize) -> Self {
         let doubled: Vec<usize> = (1..=n_a + n).map(|rank| 2 * rank).collect();
-        Self::of(&doubled, n)
+        Self::from_ranks(&doubled, n)
     }
 
     /// Counts the choices of `n` ranks by their sum, rank by rank: choices that include a rank are

@@ -24,7 +24,7 @@ pub struct Ratio {
 
 impl Ratio {
     /// Estimates the ratio of two samples of positive numbers; `None` if one is empty.
-    pub fn of(a: &[f64], b: &[f64]) -> Option<Self> {
+    pub fn estimate(a: &[f64], b: &[f64]) -> Option<Self> {
         let pairs = a.iter().flat_map(|a| b.iter().map(move |b| b / a));
         let mut ratios: Vec<f64> = pairs.collect();
         ratios.sort_by(f64::total_cmp);
@@ -70,7 +70,7 @@ mod tests {
             b in prop::collection::vec(1.0..3.0, 4..9),
             tried in 0.2..5.0,
         ) {
-            let [low, high] = Ratio::of(&a, &b).unwrap().interval.unwrap();
+            let [low, high] = Ratio::estimate(&a, &b).unwrap().interval.unwrap();
             let scaled: Vec<f64> = a.iter().map(|a| a * tried).collect();
             let is_rejected = mann_whitney_p(&scaled, &b) <= 1.0 - CONFIDENCE;
             prop_assert_eq!(is_rejected, tried < low || tried > high);
@@ -81,7 +81,7 @@ mod tests {
             a in prop::collection::vec(0.1..9.0, 4..12),
             b in prop::collection::vec(0.1..9.0, 4..12),
         ) {
-            let ratio = Ratio::of(&a, &b).unwrap();
+            let ratio = Ratio::estimate(&a, &b).unwrap();
             let [low, high] = ratio.interval.unwrap();
             prop_assert!((low..=high).contains(&ratio.estimate), "{ratio:?}");
         }
@@ -92,7 +92,7 @@ mod tests {
             factor in 0.1..10.0_f64,
         ) {
             let b: Vec<f64> = a.iter().map(|a| a * factor).collect();
-            let ratio = Ratio::of(&a, &b).unwrap();
+            let ratio = Ratio::estimate(&a, &b).unwrap();
             prop_assert!((ratio.estimate / factor - 1.0).abs() < 1e-12, "{ratio:?}");
         }
     }
@@ -102,9 +102,9 @@ mod tests {
         let has_interval = |n_a, n_b| n_cut(n_a, n_b).is_some();
         assert!(has_interval(4, 4) && has_interval(3, 5) && has_interval(2, 8));
         assert!(!has_interval(3, 4) && !has_interval(2, 7) && !has_interval(1, 38));
-        assert_eq!(Ratio::of(&[], &[1.0]), None);
+        assert_eq!(Ratio::estimate(&[], &[1.0]), None);
         assert_eq!(
-            Ratio::of(&[2.0], &[3.0]),
+            Ratio::estimate(&[2.0], &[3.0]),
             Some(Ratio {
                 estimate: 1.5,
                 interval: None

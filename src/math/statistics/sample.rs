@@ -45,7 +45,7 @@ pub struct SampleStatistics {
 
 impl SampleStatistics {
     /// Computes the statistics of the values; `None` without values.
-    pub fn of(values: &[f64]) -> Option<Self> {
+    pub fn from_values(values: &[f64]) -> Option<Self> {
         let median = median(&mut values.to_vec())?;
         let n = values.len();
         let mean = values.iter().sum::<f64>() / n as f64;
@@ -108,19 +108,20 @@ mod tests {
 
     #[test]
     fn a_known_sample_has_its_statistics() {
-        let statistics = SampleStatistics::of(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
+        let statistics =
+            SampleStatistics::from_values(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0]).unwrap();
         assert_eq!((statistics.n, statistics.mean), (8, 5.0));
         assert!((statistics.standard_deviation - (32.0_f64 / 7.0).sqrt()).abs() < 1e-12);
         assert_eq!((statistics.min, statistics.max), (2.0, 9.0));
         assert_eq!((statistics.median, statistics.mad), (4.5, 0.5));
         assert!((2.0..=4.5).contains(&statistics.low_95));
         assert!((4.5..=9.0).contains(&statistics.high_95));
-        assert_eq!(SampleStatistics::of(&[]), None);
+        assert_eq!(SampleStatistics::from_values(&[]), None);
     }
 
     #[test]
     fn one_value_has_no_deviation() {
-        let one = SampleStatistics::of(&[3.0]).unwrap();
+        let one = SampleStatistics::from_values(&[3.0]).unwrap();
         assert_eq!((one.standard_deviation, one.mad), (0.0, 0.0));
         assert_eq!([one.low_95, one.median, one.high_95], [3.0; 3]);
     }
@@ -128,7 +129,7 @@ mod tests {
     #[test]
     fn outliers_are_counted_and_not_removed() {
         let values = [10.0, 10.1, 9.9, 10.0, 10.2, 30.0];
-        let statistics = SampleStatistics::of(&values).unwrap();
+        let statistics = SampleStatistics::from_values(&values).unwrap();
         assert_eq!((statistics.n, statistics.n_outliers), (6, 1));
         assert!(statistics.is_outlier(30.0) && !statistics.is_outlier(10.2));
         assert_eq!(statistics.max, 30.0);
@@ -147,7 +148,7 @@ mod tests {
         };
         let covers = |study: &u64| {
             let values: Vec<f64> = (0..15).map(|i| normal(*study, i)).collect();
-            let statistics = SampleStatistics::of(&values).unwrap();
+            let statistics = SampleStatistics::from_values(&values).unwrap();
             statistics.low_95 <= 0.0 && 0.0 <= statistics.high_95
         };
         let n_covering = (0..200).filter(covers).count();

@@ -50,7 +50,7 @@ impl Colors {
     }
 
     /// Returns the color of a value, or the color of the nearer end outside of the range.
-    pub fn of(&self, value: f32) -> Rgb<u8> {
+    pub fn color(&self, value: f32) -> Rgb<u8> {
         if !self.range.can_show(value) {
             return NO_VALUE;
         }
@@ -88,9 +88,9 @@ mod tests {
     #[test]
     fn the_ends_have_the_end_colors() {
         for (low, high) in [(1.0, 2.0), (100.0, 101.5), (37.0, 9.1e6), (2e-38, f32::MAX)] {
-            let colors = Colors::over(&Range::of(&[low, high]));
+            let colors = Colors::over(&Range::spanning(&[low, high]));
             assert_eq!(
-                [colors.of(low), colors.of(high)],
+                [colors.color(low), colors.color(high)],
                 [inferno(0.0), inferno(1.0)]
             );
             assert_eq!(
@@ -102,21 +102,21 @@ mod tests {
 
     #[test]
     fn values_and_positions_agree() {
-        let range = Range::of(&[20.0, 70_000.0]);
+        let range = Range::spanning(&[20.0, 70_000.0]);
         let colors = Colors::over(&range);
         for i in 0..=200 {
             let position = f64::from(i) / 200.0;
             let value = range.low * (range.high / range.low).powf(position);
             let apart = |a: Rgb<u8>, b: Rgb<u8>| (0..3).map(|c| a[c].abs_diff(b[c])).max();
-            assert!(apart(colors.of(value as f32), colors.at(position as f32)) <= Some(2));
-            assert!(apart(colors.of(value as f32), inferno(position)) <= Some(6));
+            assert!(apart(colors.color(value as f32), colors.at(position as f32)) <= Some(2));
+            assert!(apart(colors.color(value as f32), inferno(position)) <= Some(6));
         }
     }
 
     #[test]
     fn expensive_is_lighter() {
-        let colors = Colors::over(&Range::of(&[1.0, 1e6]));
-        let lightness = |v: f32| colors.of(v).0.into_iter().map(u32::from).sum::<u32>();
+        let colors = Colors::over(&Range::spanning(&[1.0, 1e6]));
+        let lightness = |v: f32| colors.color(v).0.into_iter().map(u32::from).sum::<u32>();
         let ladder: Vec<u32> = (0..20)
             .map(|i| lightness(10f32.powf(i as f32 * 0.3)))
             .collect();
@@ -126,21 +126,24 @@ mod tests {
     #[test]
     fn decreases_are_blue_and_increases_are_red() {
         let colors = Colors::over(&Range::around_zero(&[-50.0, 20.0]));
-        let [cheaper, same, costlier] = [-50.0, 0.0, 50.0].map(|change| colors.of(change).0);
+        let [cheaper, same, costlier] = [-50.0, 0.0, 50.0].map(|change| colors.color(change).0);
         assert!(cheaper[2] > 2 * cheaper[0] && costlier[0] > 2 * costlier[2]);
         assert!(same.iter().all(|&channel| channel > 230), "{same:?}");
-        assert_eq!([colors.of(-1e9).0, colors.of(1e9).0], [cheaper, costlier]);
-        assert_eq!(colors.of(f32::NAN), NO_VALUE);
+        assert_eq!(
+            [colors.color(-1e9).0, colors.color(1e9).0],
+            [cheaper, costlier]
+        );
+        assert_eq!(colors.color(f32::NAN), NO_VALUE);
     }
 
     #[test]
     fn outside_the_scale_is_gray() {
-        let colors = Colors::over(&Range::of(&[1.0, 10.0]));
+        let colors = Colors::over(&Range::spanning(&[1.0, 10.0]));
         for value in [f32::NAN, f32::INFINITY, -f32::INFINITY, 0.0, -1.0, 1e-40] {
-            assert_eq!(colors.of(value), NO_VALUE);
+            assert_eq!(colors.color(value), NO_VALUE);
         }
         assert_eq!(
-            [colors.of(0.5), colors.of(20.0)],
+            [colors.color(0.5), colors.color(20.0)],
             [inferno(0.0), inferno(1.0)]
         );
     }

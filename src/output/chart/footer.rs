@@ -43,7 +43,7 @@ mod tests {
     fn the_line_counts_the_clipped_pixels() {
         let mut range = Range {
             n_undrawable: 0,
-            ..Range::of(&[100.0, 2e4])
+            ..Range::spanning(&[100.0, 2e4])
         };
         assert_eq!(line("ns", &range), "Logarithmic scale");
         assert_eq!(line("rays", &range), "Logarithmic scale of rays");

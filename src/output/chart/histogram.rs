@@ -56,7 +56,7 @@ impl Default for Histogram {
 
 impl Histogram {
     /// Counts the values of a new histogram.
-    pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
+    pub fn count<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
         let mut this = Self::default();
         this.add(values);
         this

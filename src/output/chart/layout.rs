@@ -71,7 +71,7 @@ pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
 
 impl Layout {
     /// Computes the layout of `map`.
-    pub fn of(map: &CostMap) -> Self {
+    pub fn new(map: &CostMap) -> Self {
         let magnification = magnification([map.width, map.height]);
         let [width, height] = [map.width, map.height].map(|n| (n * magnification) as f32);
         let em_px = (width.max(height) / 50.0).clamp(14.0, 160.0);
@@ -139,9 +139,9 @@ mod tests {
     use super::*;
 
     fn layout(width: u32, height: u32, title: &str) -> Layout {
-        Layout::of(&CostMap {
+        Layout::new(&CostMap {
             values: &[],
-            range: Range::of(&[10.0, 1e5]),
+            range: Range::spanning(&[10.0, 1e5]),
             width,
             height,
             title,

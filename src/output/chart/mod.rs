@@ -91,7 +91,7 @@ pub fn write(map: &CostMap, run: Option<RunId>, out: &mut impl Write) -> io::Res
 fn draw(map: &CostMap) -> RgbImage {
     debug_assert_eq!(map.values.len(), map.width as usize * map.height as usize);
     let colors = Colors::over(&map.range);
-    let layout = Layout::of(map);
+    let layout = Layout::new(map);
 
     let mut picture = RgbImage::new(layout.width as u32, layout.height as u32);
     picture.fill(PAPER);
@@ -119,7 +119,7 @@ fn paint_map(picture: &mut RgbImage, map: &CostMap, colors: &Colors, layout: &La
         let (first, copies) = rows.split_at_mut(picture_width);
         let first = &mut first[in_map.clone()];
         for (square, &value) in first.chunks_exact_mut(n_copies).zip(values) {
-            square.fill(colors.of(value).0);
+            square.fill(colors.color(value).0);
         }
         for copy in copies.chunks_mut(picture_width) {
             copy[in_map.clone()].copy_from_slice(first);

@@ -34,8 +34,8 @@ pub struct Range {
 
 impl Range {
     /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
-    pub fn of<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        Self::of_histogram(&Histogram::of(values))
+    pub fn spanning<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
+        Self::of_histogram(&Histogram::count(values))
     }
 
     /// Returns the logarithmic range for the values of a histogram.
@@ -73,7 +73,7 @@ impl Range {
     /// Returns a linear range that is symmetric around zero; -1 to 1 if all values are zero.
     pub fn around_zero(values: &[f32]) -> Self {
         let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
-        let histogram = Histogram::of(&sizes);
+        let histogram = Histogram::count(&sizes);
         let reach = match histogram.n {
             0 => 1.0,
             _ => histogram.robust_max(),
@@ -102,7 +102,7 @@ impl Range {
             high: high.into(),
             n_below,
             n_above,
-            ..Self::of(&[])
+            ..Self::spanning(&[])
         }
     }
 
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn near_extremes_are_the_ends() {
-        let range = Range::of(&a_decade(20_000));
+        let range = Range::spanning(&a_decade(20_000));
         assert!(
             (range.low - 1e3).abs() < 0.01 && (range.high - 1e4).abs() < 0.1,
             "{range:?}"
@@ -161,7 +161,7 @@ mod tests {
         values[7] = 1e7;
         values[70] = 3e7;
         values[700] = 1e-2;
-        let range = Range::of(&values);
+        let range = Range::spanning(&values);
         assert!(range.low > 990.0 && range.low < 1020.0, "{range:?}");
         assert!(range.high > 9_900.0 && range.high < 10_050.0, "{range:?}");
         assert_eq!((range.min, range.max), (1e-2, 3e7));
@@ -181,20 +181,20 @@ mod tests {
     fn an_outlier_among_equals_is_clipped() {
         let mut values = vec![412.0; 300];
         values[5] = 412_000.0;
-        let range = Range::of(&values);
+        let range = Range::spanning(&values);
         assert!(range.high < 1000.0 && range.n_above == 1, "{range:?}");
     }
 
     #[test]
     fn few_pixels_are_all_shown() {
-        let range = Range::of(&[1.0, 1000.0, 1e6]);
+        let range = Range::spanning(&[1.0, 1000.0, 1e6]);
         assert_eq!((range.low, range.high), (1.0, 1e6));
     }
 
     #[test]
     fn a_constant_map_lies_in_the_middle() {
         for value in [412.0, f32::MIN_POSITIVE, f32::MAX] {
-            let range = Range::of(&[value; 9]);
+            let range = Range::spanning(&[value; 9]);
             assert!(
                 (range.position(value.into()) - 0.5).abs() < 1e-9,
                 "{range:?}"
@@ -206,20 +206,20 @@ mod tests {
     #[test]
     fn undrawable_values_are_only_counted() {
         let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -5.0, 1e-40];
-        let range = Range::of(&[&odd[..], &[3.0, 30.0]].concat());
+        let range = Range::spanning(&[&odd[..], &[3.0, 30.0]].concat());
         assert_eq!(range.n_undrawable, 6);
         assert_eq!((range.low, range.high), (3.0, 30.0));
-        assert_eq!(Range::of(&odd).n_undrawable, 6);
-        assert!(Range::of(&[]).high > Range::of(&[]).low);
+        assert_eq!(Range::spanning(&odd).n_undrawable, 6);
+        assert!(Range::spanning(&[]).high > Range::spanning(&[]).low);
     }
 
     #[test]
     fn the_order_of_the_pixels_does_not_matter() {
         let mut values = a_decade(5_000);
         values[17] = 1e9;
-        let range = Range::of(&values);
+        let range = Range::spanning(&values);
         values.reverse();
-        assert_eq!(Range::of(&values), range);
+        assert_eq!(Range::spanning(&values), range);
     }
 
     #[test]
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn position_grows_with_the_value() {
-        let range = Range::of(&[10.0, 1000.0]);
+        let range = Range::spanning(&[10.0, 1000.0]);
         assert_eq!(
             [10.0, 100.0, 1000.0].map(|v| (range.position(v) * 1e6).round()),
             [0.0, 5e5, 1e6]

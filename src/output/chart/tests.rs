@@ -10,7 +10,7 @@ fn map(values: &[f32], width: u32) -> CostMap<'_> {
     let height = values.len() as u32 / width;
     CostMap {
         values,
-        range: Range::of(values),
+        range: Range::spanning(values),
         width,
         height,
         title: "title",
@@ -26,7 +26,7 @@ fn drawn_colors(map: &CostMap) -> Vec<Rgb<u8>> {
         map: at,
         magnification,
         ..
-    } = Layout::of(map);
+    } = Layout::new(map);
     let middle = |start: f32, i: u32| start as u32 + i * magnification + magnification / 2;
     (0..map.values.len() as u32)
         .map(|i| *picture.get_pixel(middle(at.x, i % map.width), middle(at.y, i / map.width)))
@@ -68,7 +68,7 @@ fn each_change_has_its_color() {
 #[test]
 fn each_value_is_a_square_within_the_frame() {
     let map = map(&[10.0, 1e5, 1e5, 1e5, 10.0, 1e5], 3);
-    let (picture, at) = (draw(&map), Layout::of(&map).map);
+    let (picture, at) = (draw(&map), Layout::new(&map).map);
     let pixel = |x: f32, y: f32| *picture.get_pixel(x as u32, y as u32);
     let [low, high] = [inferno(0.0), inferno(1.0)];
     assert_eq!([at.width, at.height], [600.0, 400.0]);
@@ -117,14 +117,14 @@ fn the_bar_has_the_colors_of_the_values() {
     let values: Vec<f32> = (0..40).map(|i| 10f32.powf(2.0 + i as f32 / 13.0)).collect();
     for width in [40, 5] {
         let map = map(&values, width);
-        let range = Range::of(&values);
+        let range = Range::spanning(&values);
         let (picture, colors) = (draw(&map), Colors::over(&range));
         let Layout {
             bar,
             bar_corner: [x, y],
             map: at,
             ..
-        } = Layout::of(&map);
+        } = Layout::new(&map);
         for value in [101.0, 500.0, 1e4, 99e3] {
             let along = |length: f32| (range.position(value) as f32 * length).floor();
             let [x, y] = match bar.edge {
@@ -133,7 +133,7 @@ fn the_bar_has_the_colors_of_the_values() {
             };
             let pixel = picture.get_pixel(x as u32, y as u32);
             assert!(
-                is_close(*pixel, colors.of(value as f32)),
+                is_close(*pixel, colors.color(value as f32)),
                 "{value}: {pixel:?}"
             );
         }
@@ -145,7 +145,7 @@ fn the_bar_has_the_colors_of_the_values() {
 fn ticks_at_the_ends_of_a_large_bar_stay_within_it() {
     let values: Vec<f32> = (0..40 * 4000).map(|i| 1.0 + (i % 10) as f32).collect();
     let map = map(&values, 40);
-    assert_eq!(Layout::of(&map).bar.edge, AxisEdge::Right);
+    assert_eq!(Layout::new(&map).bar.edge, AxisEdge::Right);
     draw(&map);
 }
 
@@ -183,7 +183,8 @@ fn any_text_and_value_fit_without_a_panic() {
     ];
     for (values, width) in maps {
         let texts = [(long.as_str(), "ns"), ("", long.as_str())];
-        let ranges: [fn(&[f32]) -> Range; 2] = [|values| Range::of(values), Range::around_zero];
+        let ranges: [fn(&[f32]) -> Range; 2] =
+            [|values| Range::spanning(values), Range::around_zero];
         for ((title, unit), range) in texts.into_iter().flat_map(|t| ranges.map(|r| (t, r))) {
             let picture = draw(&CostMap {
                 range: range(values),

@@ -28,7 +28,7 @@ pub(crate) struct ViewCamera {
 impl ViewCamera {
     /// Converts the camera of an image plane. The focal point is at `median_distance` from the
     /// position, or else at the distance of the picture's middle, at least 1.
-    pub fn of(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
+    pub fn new(plane: &ImagePlane, median_distance: Option<f32>) -> Self {
         let position = plane.eye_in_world;
         let (forward, is_parallel) = match plane.projection {
             Projection::Perspective | Projection::Panorama { .. } => (direction(plane), false),
@@ -111,7 +111,7 @@ impl ViewCamera {
     /// panels, for a picture of this width and height; `None` for other keys.
     pub fn value(&self, size: [f64; 2], key: &str) -> Option<StateValue> {
         let (n, key) = Panels::split_key(key, "camera")?;
-        let number = self.number(key, Panels::of(n, size).panel())?;
+        let number = self.number(key, Panels::new(n, size).panel())?;
         Some(number.to_string().into())
     }
 
@@ -178,7 +178,7 @@ mod tests {
         let camera: scene::camera::Camera =
             scene::yaml::from_str("window: { eye: [3, 0, -1], x: [2, 4], y: [-1, 1], z: 0 }")
                 .unwrap();
-        let camera = ViewCamera::of(&camera.image_plane([10, 10], &RenderSpace::default()), None);
+        let camera = ViewCamera::new(&camera.image_plane([10, 10], &RenderSpace::default()), None);
         assert!(camera.is_mirrored);
         let row: Vec<f64> = (0..4).map(|i| camera.mirror(i)).collect();
         assert_eq!(row, [-1.0, 0.0, 0.0, 6.0]);
@@ -190,7 +190,7 @@ mod tests {
         let focal_point = |eye: &str| {
             let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
             let camera: scene::camera::Camera = scene::yaml::from_str(&text).unwrap();
-            ViewCamera::of(
+            ViewCamera::new(
                 &camera.image_plane([10, 10], &RenderSpace::default()),
                 Some(1.0),
             )
@@ -207,13 +207,13 @@ mod tests {
         let camera: scene::camera::Camera =
             scene::yaml::from_str("look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 90 }")
                 .unwrap();
-        let camera = ViewCamera::of(
+        let camera = ViewCamera::new(
             &camera.image_plane([100, 100], &RenderSpace::default()),
             Some(4.0),
         );
         assert!(!camera.is_mirrored);
         assert!((camera.focal_point - DVec3::Z).length() < 1e-6);
-        let panel = Panels::of(2, [1.0, 1.0]).panel();
+        let panel = Panels::new(2, [1.0, 1.0]).panel();
         let angle = camera.number("view_angle", panel).unwrap();
         assert!(angle > 90.0 && angle < 120.0, "{angle}");
     }

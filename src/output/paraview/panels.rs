@@ -30,7 +30,7 @@ pub struct Panels {
 
 impl Panels {
     /// Creates the layout of `n` panels for pictures of `width * height`.
-    pub fn of(n: u32, [width, height]: [f64; 2]) -> Self {
+    pub fn new(n: u32, [width, height]: [f64; 2]) -> Self {
         Self {
             n,
             picture_aspect: width / height,
@@ -130,10 +130,10 @@ impl Panel {
 /// one of its panels, such as `image3.parallel_scale`; `None` for other keys.
 pub fn value_of_panels(size: [f64; 2], key: &str) -> Option<StateValue> {
     if let Some((n, split)) = Panels::split_key(key, "panels") {
-        return Some(Panels::of(n, size).direction(split)?.to_string().into());
+        return Some(Panels::new(n, size).direction(split)?.to_string().into());
     }
     let (n, key) = Panels::split_key(key, "image")?;
-    let number = Panels::of(n, size).panel().picture_camera(size, key)?;
+    let number = Panels::new(n, size).panel().picture_camera(size, key)?;
     Some(number.to_string().into())
 }
 
@@ -145,7 +145,7 @@ mod tests {
     fn a_picture_fits_between_title_and_color_bar_and_fills_its_panel() {
         for n in 2..=4 {
             for size in [[400.0, 300.0], [1600.0, 400.0], [300.0, 900.0], [1.0, 1.0]] {
-                let panel = Panels::of(n, size).panel();
+                let panel = Panels::new(n, size).panel();
                 let at = |key| panel.picture_camera(size, key).unwrap();
                 let scale = at("parallel_scale");
                 let [part_of_width, part_of_height] =
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn wide_pictures_stand_in_rows_and_tall_ones_in_columns() {
         let splits = |n, size| {
-            let panels = Panels::of(n, size);
+            let panels = Panels::new(n, size);
             ["outer", "inner"].map(|split| panels.direction(split))
         };
         let (usual, wide, tall) = ([4.0, 3.0], [4.0, 1.0], [1.0, 3.0]);

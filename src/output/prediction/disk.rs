@@ -48,7 +48,7 @@ pub struct ArrayFile {
 
 impl DiskUse {
     /// Predicts the files of a picture in this many pieces.
-    pub(super) fn of(
+    pub(super) fn predict(
         config: &Config,
         scene: &Scene,
         (preview, sample): (&Preview, &RowSample),
@@ -133,7 +133,7 @@ fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<Ar
         let visits = vec![Visits::default(); scene.primitives.len()];
         let write =
             |out: &mut Length| writers::write_surface(scene, &visits, cost, Codec::None, out);
-        files.push(file("surface.vtu", Length::of(write)));
+        files.push(file("surface.vtu", Length::measure(write)));
     }
     if has(OptionalOutput::Bvh) {
         let visits = vec![Visits::default(); nodes.len()];
@@ -142,7 +142,7 @@ fn of_attribution(config: &Config, scene: &Scene, nodes: Vec<BvhNode>) -> Vec<Ar
         let limits = config.output.bvh;
         let write =
             |out: &mut Length| writers::write_nodes(hierarchy, limits, cost, Codec::None, out);
-        files.push(file("bvh.vtu", Length::of(write)));
+        files.push(file("bvh.vtu", Length::measure(write)));
     }
     files
 }

@@ -11,7 +11,7 @@ pub(super) struct Length {
 
 impl Length {
     /// Returns the length that a function writes; 0 if it fails.
-    pub(super) fn of(write: impl FnOnce(&mut Self) -> io::Result<()>) -> u64 {
+    pub(super) fn measure(write: impl FnOnce(&mut Self) -> io::Result<()>) -> u64 {
         let mut out = Self::default();
         match write(&mut out) {
             Ok(()) => out.length,

@@ -49,12 +49,12 @@ impl Prediction {
     ///
     /// # Errors
     /// The hierarchy is too large.
-    pub fn of(config: &Config, scene: &Scene, band_rows: Option<u32>) -> Result<Self, TooLarge> {
+    pub fn new(config: &Config, scene: &Scene, band_rows: Option<u32>) -> Result<Self, TooLarge> {
         // Build the hierarchy as the rendering will.
         let accel = Accel::build(scene, config.acceleration, |_| {})?;
         // Render a small picture for all that depends on the camera.
         let tracer = Tracer::new(scene, &accel);
-        let preview = Preview::of(config, tracer);
+        let preview = Preview::render(config, tracer);
         let has_nodes = config.output.has(OptionalOutput::Bvh);
         // Before the list of nodes takes memory itself.
         let so_far = MemorySoFar::so_far();
@@ -74,11 +74,11 @@ impl Prediction {
         let n_pieces = band_rows.map_or(1, |n_rows| config.image.height.div_ceil(n_rows));
         let is_repeated = n_repeats(config, &preview) > 1;
         // Render some rows to measure the sizes of files.
-        let sample = RowSample::of(config, tracer, is_repeated);
+        let sample = RowSample::render(config, tracer, is_repeated);
         Ok(Self {
             peak_memory,
             look: preview.look,
-            disk: DiskUse::of(config, scene, (&preview, &sample), nodes, n_pieces),
+            disk: DiskUse::predict(config, scene, (&preview, &sample), nodes, n_pieces),
         })
     }
 }

@@ -53,7 +53,7 @@ fn stride(image: &Image) -> u32 {
 
 impl Preview {
     /// Renders the small picture on the current rayon pool.
-    pub(super) fn of(config: &Config, tracer: Tracer) -> Self {
+    pub(super) fn render(config: &Config, tracer: Tracer) -> Self {
         let small = small(&config.image);
         // Tiles that show as much of the scene as the picture's.
         let tiling = Tiling {
@@ -69,7 +69,7 @@ impl Preview {
         let (film, _) = render(tracer, &plan, &meter, |_| {});
         let n_pixels = small.n_pixels() as f64;
         Self {
-            look: Look::of(&film),
+            look: Look::new(&film),
             hit_share: film.n_hits() as f64 / n_pixels,
             counter_bytes: counter_bytes(&film, &config.image),
             seconds_per_sample: begin.elapsed().as_secs_f64() / n_pixels,
@@ -85,7 +85,7 @@ impl Preview {
 }
 
 impl Look {
-    fn of(film: &Film) -> Self {
+    fn new(film: &Film) -> Self {
         let colors = film.strips.iter().flat_map(|strip| &strip.rgb);
         let mut objects = film.strips.iter().flat_map(|strip| &strip.object);
         let first = objects

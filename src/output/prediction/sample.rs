@@ -30,7 +30,7 @@ pub(super) struct RowSample<'a> {
 
 impl<'a> RowSample<'a> {
     /// Renders some rows of the picture on the current rayon pool.
-    pub(super) fn of(config: &'a Config, tracer: Tracer, is_repeated: bool) -> Self {
+    pub(super) fn render(config: &'a Config, tracer: Tracer, is_repeated: bool) -> Self {
         let has_spread = config.cost.has_time() && config.repeats.has_spread();
         let repeats = if has_spread { TWICE } else { Repeats::ONCE };
         let (image, n_rows) = rows(config, if has_spread { 2 } else { 1 });
@@ -61,8 +61,8 @@ impl<'a> RowSample<'a> {
             ..self.film
         };
         let codec = self.config.compress;
-        let cloud = |film| Length::of(|out| writers::write_hits(film, codec, out));
-        let frame = |film| Length::of(|out| writers::write_frame(film, codec, out));
+        let cloud = |film| Length::measure(|out| writers::write_hits(film, codec, out));
+        let frame = |film| Length::measure(|out| writers::write_frame(film, codec, out));
         let of_hits = match self.film.n_hits() {
             0 => self.share,
             n => n_hits as f64 / n as f64,
@@ -76,7 +76,7 @@ impl<'a> RowSample<'a> {
     /// Returns the bytes of the picture without its texts.
     pub(super) fn of_picture(&self) -> u64 {
         let bits = self.config.film.bits;
-        let of_rows = Length::of(|out| writers::write_bare_picture(&self.film, bits, out));
+        let of_rows = Length::measure(|out| writers::write_bare_picture(&self.film, bits, out));
         scaled(of_rows, self.share)
     }
 
@@ -87,7 +87,7 @@ impl<'a> RowSample<'a> {
             return 0;
         }
         let [costs, none] = [true, false].map(|has_costs| {
-            Length::of(|out| writers::write_bare_map(&self.film, side, has_costs, out))
+            Length::measure(|out| writers::write_bare_map(&self.film, side, has_costs, out))
         });
         none + scaled(costs.saturating_sub(none), self.share)
     }

@@ -50,7 +50,7 @@ pub(super) struct Arrays {
 
 impl Arrays {
     /// Lists the arrays of a file with this many tuples.
-    pub(super) fn of(
+    pub(super) fn new(
         file: VtkReader,
         arrays: &DataArraysElement,
         n_tuples: u64,

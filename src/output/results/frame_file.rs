@@ -190,7 +190,7 @@ impl FramePiece {
         };
         let n_pixels = u64::from(width) * stored.len() as u64;
         Ok(Self {
-            arrays: Arrays::of(file, &image.piece.point_data, n_pixels)?,
+            arrays: Arrays::new(file, &image.piece.point_data, n_pixels)?,
             width,
             rows: stored.clone(),
             stored,

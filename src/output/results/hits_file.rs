@@ -119,7 +119,7 @@ impl HitsPiece {
         };
         let n_points = grid.piece.n_points;
         let points = file.place(points, n_points)?;
-        let arrays = Arrays::of(file, &grid.piece.point_data, n_points)?;
+        let arrays = Arrays::new(file, &grid.piece.point_data, n_points)?;
         let Ok(n_points) = usize::try_from(n_points) else {
             return Err(arrays
                 .file

@@ -35,7 +35,7 @@ pub struct OtherRunsOfFile {
 
 impl OtherRuns {
     /// Returns the runs whose tiles a rendering has taken over; `None` if there are none.
-    pub fn of(checkpoint: &Checkpoint) -> Option<Self> {
+    pub fn from_checkpoint(checkpoint: &Checkpoint) -> Option<Self> {
         let files = checkpoint.sources().iter().map(Into::into);
         let this = Self {
             n_tiles: checkpoint.n_restored() as u64,

@@ -23,7 +23,7 @@ pub struct Partial {
 impl Partial {
     /// Returns the missing parts, given the finished and all tiles, and the finished and all
     /// renderings; `None` if nothing is missing.
-    pub fn of(tiles: [u32; 2], renderings: [u8; 2]) -> Option<Self> {
+    pub fn new(tiles: [u32; 2], renderings: [u8; 2]) -> Option<Self> {
         let this = Self {
             n_missing_tiles: (tiles[1] - tiles[0]).into(),
             n_tiles: tiles[1].into(),

@@ -41,11 +41,11 @@ pub struct RankEntry {
 
 impl RanksSection {
     /// Describes the ranks of a team that rendered these tiles with this communication.
-    pub fn of(team: &Team, schedule: &Schedule, work: &[RankWork]) -> Self {
+    pub fn new(team: &Team, schedule: &Schedule, work: &[RankWork]) -> Self {
         let entries = team.members.iter().zip(work).zip(0..);
         let of_rank = entries.map(|((member, work), rank)| {
             let host = member.host.clone();
-            RankEntry::of((rank, host), member.n_threads, schedule, *work)
+            RankEntry::new((rank, host), member.n_threads, schedule, *work)
         });
         Self::with(of_rank.collect())
     }
@@ -54,7 +54,12 @@ impl RanksSection {
     pub fn of_one(n_threads: u32, schedule: &Schedule) -> Self {
         let host = System::host_name().unwrap_or_default();
         let nothing = RankWork::default();
-        Self::with(vec![RankEntry::of((0, host), n_threads, schedule, nothing)])
+        Self::with(vec![RankEntry::new(
+            (0, host),
+            n_threads,
+            schedule,
+            nothing,
+        )])
     }
 
     fn with(of_rank: Vec<RankEntry>) -> Self {
@@ -69,7 +74,7 @@ impl RanksSection {
 
 impl RankEntry {
     /// Describes a rank on this machine with this communication.
-    fn of((rank, host): (u32, String), threads: u32, schedule: &Schedule, work: RankWork) -> Self {
+    fn new((rank, host): (u32, String), threads: u32, schedule: &Schedule, work: RankWork) -> Self {
         let here = || {
             let runs = schedule.rendered().map(|(_, run)| run);
             runs.filter(|run| run.rank == rank)

@@ -22,7 +22,7 @@ pub(super) struct BoundingSphere {
 
 impl BoundingSphere {
     /// Creates the bounding sphere of a scene and the camera of this image plane.
-    pub(super) fn of(scene: &Scene, plane: &ImagePlane) -> Self {
+    pub(super) fn new(scene: &Scene, plane: &ImagePlane) -> Self {
         let camera = match plane.projection {
             Projection::Perspective | Projection::Panorama { .. } => [plane.eye; 2],
             Projection::Parallel { .. } => {

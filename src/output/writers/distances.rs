@@ -23,7 +23,7 @@ pub(super) struct Distances {
 
 impl Distances {
     /// Returns the distances of a film.
-    pub(super) fn of(film: &Film) -> Self {
+    pub(super) fn collect(film: &Film) -> Self {
         let mut distances = Vec::with_capacity(film.n_hits());
         for row in film.rows(|strip| &strip.distance) {
             distances.extend(row.iter().filter(|distance| distance.is_finite()));

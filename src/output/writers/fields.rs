@@ -22,7 +22,7 @@ pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
 /// space; columns and rows of the picture; the horizontal and the vertical angle of view, in
 /// degrees, or the picture's width and height if the rays are parallel.
 pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
-    let camera = ViewCamera::of(plane, None);
+    let camera = ViewCamera::new(plane, None);
     let [_, up, forward] = camera.axes();
     let vector = |name, v: glam::Vec3| Field::floats(name, v.to_array());
     let extent = match plane.projection {

@@ -57,7 +57,7 @@ pub(crate) fn write_bare(
     let metric = metrics.map_or(Metric::RAYS, |[metric, _]| metric);
     let size = [film.grid.width, film.grid.height];
     let mut map = ReducedMap::of_pixels(size, side, &film.metric(metric));
-    let range = Range::of(&map.values);
+    let range = Range::spanning(&map.values);
     if !has_costs {
         map.values.fill(0.0);
     }

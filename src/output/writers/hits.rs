@@ -41,7 +41,12 @@ pub fn write(
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let rows = film.row_range();
-    write_rows((film, rows), &Distances::of(film), encoding.into(), out)
+    write_rows(
+        (film, rows),
+        &Distances::collect(film),
+        encoding.into(),
+        out,
+    )
 }
 
 /// Writes some rows of a film as [`write`] does, starting with a strip, whose distances are known.
@@ -63,7 +68,7 @@ pub(super) fn with_cloud(
     distances: &Distances,
     write: impl FnOnce(&DataSet) -> io::Result<()>,
 ) -> io::Result<()> {
-    let hits = Hits::of(film, &rows);
+    let hits = Hits::new(film, &rows);
     let pixels = Integers::up_to(film.grid.width as usize * film.grid.height as usize);
     let n = hits.n;
     let array = |column| {
@@ -74,7 +79,7 @@ pub(super) fn with_cloud(
     let mut point_data: Vec<Array> = film.columns().map(array).collect();
     let of_cloud = [
         pixels.array("pixel", n, |out| hits.write_pixels(pixels, out)),
-        Array::of("horizon", n, || {
+        Array::new("horizon", n, || {
             let distances_of_hits = hits.distances();
             distances_of_hits.map(|distance| u8::from(distances.is_horizon(distance)))
         }),
@@ -110,7 +115,7 @@ struct Hits<'a> {
 }
 
 impl<'a> Hits<'a> {
-    fn of(film: &'a Film, rows: &Range<u32>) -> Self {
+    fn new(film: &'a Film, rows: &Range<u32>) -> Self {
         let runs_of = |strip: &Strip| {
             if rows.contains(&strip.first_row) {
                 hit_runs(&strip.object).collect()

@@ -111,7 +111,7 @@ fn array<'a, E: Entry>(
     shown: &'a [Shown],
     entry: fn(&Shown) -> E,
 ) -> Array<'a> {
-    Array::of(name, shown.len(), move || shown.iter().map(entry))
+    Array::new(name, shown.len(), move || shown.iter().map(entry))
 }
 
 /// Returns the types of the cells.
@@ -120,7 +120,7 @@ fn types<'a>(shown: &'a [Shown]) -> Array<'a> {
         None => CellType::Voxel as u8,
         Some(_) => CellType::Hexahedron as u8,
     };
-    Array::of("types", shown.len(), move || shown.iter().map(cell))
+    Array::new("types", shown.len(), move || shown.iter().map(cell))
 }
 
 /// Returns the corners in the order of VTK_VOXEL: x varies fastest, z slowest; for nodes of a mesh

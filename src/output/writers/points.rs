@@ -14,11 +14,11 @@ pub(super) fn points<'a, I: Iterator<Item = Vec3> + 'a>(
 ) -> Array<'a> {
     let space = *space;
     let array = if space.is_centered() {
-        Array::of("Points", n, move || {
+        Array::new("Points", n, move || {
             points().map(move |point| space.world_point(point).as_vec3().to_array())
         })
     } else {
-        Array::of("Points", n, move || {
+        Array::new("Points", n, move || {
             points().map(move |point| space.world_point(point).to_array())
         })
     };

@@ -51,11 +51,11 @@ pub(super) struct Rays<'a> {
 }
 
 impl<'a> Rays<'a> {
-    pub(super) fn of(traced: &Traced<'a>) -> Self {
+    pub(super) fn new(traced: &Traced<'a>) -> Self {
         let n_rays = traced.pixels.iter().map(|pixel| pixel.tree.rays.len());
         Self {
             traced: *traced,
-            bounding_sphere: BoundingSphere::of(traced.scene, traced.plane),
+            bounding_sphere: BoundingSphere::new(traced.scene, traced.plane),
             n: n_rays.sum(),
         }
     }
@@ -99,7 +99,7 @@ impl<'a> Rays<'a> {
     fn cell_data(&self) -> Vec<Array<'_>> {
         let mut arrays = vec![
             self.array("kind", |ray| ray.kind as i32),
-            Array::of("parent", self.n, || self.parents()),
+            Array::new("parent", self.n, || self.parents()),
             self.pixel_numbers(),
             self.array("sample", |ray| ray.sample as i32),
             self.array("bounce", |ray| ray.bounce as i32),
@@ -154,7 +154,7 @@ impl<'a> Rays<'a> {
         name: &'static str,
         value: impl Fn(&TracedRay) -> E + Copy + 's,
     ) -> Array<'s> {
-        Array::of(name, self.n, move || self.iter().map(value))
+        Array::new(name, self.n, move || self.iter().map(value))
     }
 
     fn cost<'s, E: Entry>(
@@ -194,7 +194,7 @@ impl<'a> Rays<'a> {
         &'s self,
         number: impl Fn(i64, i64) -> E + Copy + 's,
     ) -> Array<'s> {
-        Array::of("pixel", self.n, move || {
+        Array::new("pixel", self.n, move || {
             self.traced.pixels.iter().flat_map(move |pixel| {
                 let (x, y) = pixel.place;
                 std::iter::repeat_n(number(x.into(), y.into()), pixel.tree.rays.len())

@@ -19,11 +19,11 @@ use tracer::cost::{Metric, MetricSource, RayKind};
 pub(super) const FILE: OutputFile = OutputFile {
     name: SUMMARY,
     is_wanted: |_| true,
-    content: FileContent::Written(|job, out| of(job).write(out)),
+    content: FileContent::Written(|job, out| summarize(job).write(out)),
 };
 
 /// Summarizes a rendering whose other files are written.
-fn of(job: &Job) -> Summary {
+fn summarize(job: &Job) -> Summary {
     let (rendering, stages) = (job.rendering, job.stages);
     let config = rendering.config;
     Summary {
@@ -134,7 +134,7 @@ fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
                 time_ns.and_then(Number::from_f64)
             }
             MetricSource::Observed(counter) => Some(film.total_steps(counter).into()),
-            _ => Some(metric.of(&film.totals).into()),
+            _ => Some(metric.value(&film.totals).into()),
         };
         totals.insert(metric.name.to_owned(), total);
         if metric.source == MetricSource::AllRays {

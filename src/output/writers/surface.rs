@@ -76,7 +76,7 @@ pub fn write(
                 ids.write_multiples(1, 0..n_points, out)
             }),
             surface.offsets(ids),
-            Array::of("types", surface.n_cells, || {
+            Array::new("types", surface.n_cells, || {
                 surface.patches().map(|patch| cell_type(&patch) as u8)
             }),
         ],
@@ -119,7 +119,7 @@ impl<'a> Surface<'a> {
             let number = move |(index, _, _): (usize, &Primitive, &Visits)| {
                 number(instances, index as u32).map_or(-1, |number| number as i32)
             };
-            Array::of(name, self.n_cells, move || self.cells().map(number))
+            Array::new(name, self.n_cells, move || self.cells().map(number))
         };
         let instance = |instances: &Instances, index: u32| {
             let instance = instances.of_box(index);
@@ -150,8 +150,8 @@ impl<'a> Surface<'a> {
     fn offsets(self, ids: Integers) -> Array<'a> {
         let (name, n) = ("offsets", self.n_cells);
         match ids {
-            Integers::I32 => Array::of(name, n, move || self.ends().map(|end| end as i32)),
-            Integers::I64 => Array::of(name, n, move || self.ends().map(|end| end as i64)),
+            Integers::I32 => Array::new(name, n, move || self.ends().map(|end| end as i32)),
+            Integers::I64 => Array::new(name, n, move || self.ends().map(|end| end as i64)),
         }
     }
 
@@ -162,7 +162,7 @@ impl<'a> Surface<'a> {
             self.array("primitive", |index, _, _| index as u32),
             self.array("object", |_, primitive, _| primitive.object.0 as i32),
             self.array("material", |_, primitive, _| primitive.material.0 as i32),
-            Array::of("radius", self.n_cells, radii).in_unit(LENGTH_UNIT),
+            Array::new("radius", self.n_cells, radii).in_unit(LENGTH_UNIT),
             self.array("tests", |_, _, visits| visits.n),
             self.array("hits", |_, _, visits| visits.n_hits),
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
@@ -181,7 +181,7 @@ impl<'a> Surface<'a> {
         entry: fn(usize, &Primitive, &Visits) -> E,
     ) -> Array<'a> {
         let entry = move |(index, primitive, visits)| entry(index, primitive, visits);
-        Array::of(name, self.n_cells, move || self.cells().map(entry))
+        Array::new(name, self.n_cells, move || self.cells().map(entry))
     }
 }
 

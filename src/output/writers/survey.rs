@@ -54,7 +54,7 @@ pub(super) struct ReducedMap {
 
 impl Survey {
     /// Surveys a film that has all pixels, on the current rayon pool.
-    pub fn of(film: &Film) -> Self {
+    pub fn measure(film: &Film) -> Self {
         let metrics = film.heatmap_metrics();
         let shown = film.metrics_in_files();
         let mut hashes = PixelHashes::default();
@@ -63,29 +63,29 @@ impl Survey {
             || {
                 hashes.add(film);
                 let ends = shown[1].map(|second| counter_ends(&film.metric(second)));
-                (Distances::of(film), ends.unwrap_or_default())
+                (Distances::collect(film), ends.unwrap_or_default())
             },
             || match metrics {
                 Some([first, _]) => {
                     let values = film.metric(first);
                     let sum = values.iter().copied().map(f64::from).sum();
                     let [median] = floats_at(&values, [values.len() / 2]).unwrap_or_default();
-                    (Range::of(&values), lower_edge(median), sum)
+                    (Range::spanning(&values), lower_edge(median), sum)
                 }
                 None => {
                     let distances = film.rows(|strip| &strip.distance).flatten();
-                    (Range::of(distances), 0.0, 0.0)
+                    (Range::spanning(distances), 0.0, 0.0)
                 }
             },
         );
         // Files that leave out the heatmaps' metrics show another one.
         let shown_range = match shown[0] {
             Some(first) if metrics.is_none_or(|[metric, _]| metric != first) => {
-                Range::of(&film.metric(first))
+                Range::spanning(&film.metric(first))
             }
             Some(_) => range,
             None if metrics.is_none() => range,
-            None => Range::of(film.rows(|strip| &strip.distance).flatten()),
+            None => Range::spanning(film.rows(|strip| &strip.distance).flatten()),
         };
         Self {
             hashes,

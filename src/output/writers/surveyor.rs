@@ -28,7 +28,7 @@ impl Surveyor {
     /// Creates a surveyor for the picture of this film, which has no pixels.
     pub fn new(film: &Film) -> Self {
         let metrics = film.metrics_of_totals();
-        let map = ReducedMap::of([film.grid.width, film.grid.height]);
+        let map = ReducedMap::new([film.grid.width, film.grid.height]);
         Self {
             survey: Survey {
                 hashes: PixelHashes::default(),
@@ -38,11 +38,11 @@ impl Surveyor {
                 n_rejected: 0,
                 hottest: [None; 2],
                 metrics,
-                range: Range::of(&[]),
+                range: Range::spanning(&[]),
                 median: 0.0,
                 sum: 0.0,
                 shown: film.metrics_in_files_of_totals(),
-                shown_range: Range::of(&[]),
+                shown_range: Range::spanning(&[]),
                 counter_ends: [0.0; 2],
                 distances: Distances::of_histogram(&FineHistogram::default()),
                 map: None,
@@ -58,7 +58,7 @@ impl Surveyor {
 
     /// Returns an upper bound of the surveyor's memory in bytes.
     pub(super) fn bytes(image: &Image) -> u64 {
-        let map = ReducedMap::of([image.width, image.height]);
+        let map = ReducedMap::new([image.width, image.height]);
         3 * FineHistogram::BYTES + (map.values.len() * size_of::<f32>()) as u64
     }
 
@@ -168,7 +168,7 @@ fn for_each_strip(film: &Film, metric: Metric, mut take: impl FnMut(&Strip, &[f3
 
 impl ReducedMap {
     /// Creates the map of a picture of this size, with sums of zero.
-    fn of(picture: [u32; 2]) -> Self {
+    fn new(picture: [u32; 2]) -> Self {
         Self::of_blocks(picture, Self::side(picture))
     }
 

@@ -83,7 +83,9 @@ fn unless_missing(run: &TileRun, number: u32) -> i32 {
 /// without a kind; for `depth` the maximum.
 fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
     let sum = |metric: Metric| {
-        let sums = array(metric.name, schedule, move |_, run| metric.of(&run.counted));
+        let sums = array(metric.name, schedule, move |_, run| {
+            metric.value(&run.counted)
+        });
         sums.in_unit(metric.unit_label())
     };
     Metric::counted(false).map(sum)
@@ -97,7 +99,7 @@ fn array<'a, E: Entry>(
 ) -> Array<'a> {
     let n_columns = schedule.grid.n_columns as usize;
     let runs = &schedule.runs;
-    Array::of(name, runs.len(), move || {
+    Array::new(name, runs.len(), move || {
         let upward = (0..runs.len()).step_by(n_columns).rev();
         upward
             .flat_map(move |first| first..first + n_columns)

@@ -134,7 +134,7 @@ fn arguments(tile: &Tile, run: &TileRun, has_counters: bool) -> Value {
     });
     if has_counters {
         for metric in Metric::counted(false) {
-            arguments[metric.name] = metric.of(&run.counted).into();
+            arguments[metric.name] = metric.value(&run.counted).into();
         }
     }
     arguments

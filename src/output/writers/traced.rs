@@ -16,7 +16,7 @@ pub const STATE: &str = "rays.pvsm";
 /// # Errors
 /// An error of `out`.
 pub fn write_rays(traced: &Traced, codec: Codec, out: &mut (impl Write + Seek)) -> io::Result<()> {
-    Rays::of(traced).write(codec.into(), out)
+    Rays::new(traced).write(codec.into(), out)
 }
 
 /// Writes all files of traced pixels and returns them in order.
@@ -28,7 +28,7 @@ pub fn write_traced(
     codec: Codec,
     folder: &OutputFolder,
 ) -> Result<Vec<Written>, WriteError> {
-    let rays = Rays::of(traced);
+    let rays = Rays::new(traced);
     let run = run_id(traced);
     let mut fields = fields::of_run(&[traced.name], run);
     fields.extend(fields::of_camera(traced.plane));

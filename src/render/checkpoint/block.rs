@@ -21,7 +21,7 @@ pub(super) enum BlockKind {
 pub(super) const PREFIX: usize = 4 + 4 + 16;
 
 impl BlockKind {
-    fn of(number: u32) -> Option<Self> {
+    fn from_number(number: u32) -> Option<Self> {
         let kinds = [Self::Header, Self::Tile, Self::Run, Self::End];
         kinds.into_iter().find(|&kind| kind as u32 == number)
     }
@@ -62,7 +62,7 @@ pub(super) fn read(
         return Ok(None);
     }
     let word = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|i| prefix[at + i]));
-    let (kind, length) = (BlockKind::of(word(0)), word(4) as usize);
+    let (kind, length) = (BlockKind::from_number(word(0)), word(4) as usize);
     let Some(kind) = kind.filter(|_| length <= max_bytes) else {
         return Ok(None);
     };

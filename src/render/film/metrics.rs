@@ -134,7 +134,7 @@ impl Film {
         }
         match metric.parts() {
             Some(parts) => parts.into_iter().all(|part| self.has_total(part)),
-            None => metric.of(&self.totals) > 0,
+            None => metric.value(&self.totals) > 0,
         }
     }
 

@@ -21,7 +21,7 @@ pub struct Load {
 impl Load {
     /// Computes the load of `n_threads` threads that rendered these tiles; both numbers are 0 if
     /// the tiles took no time.
-    pub fn of(runs: &[TileRun], n_threads: u32) -> Self {
+    pub fn measure(runs: &[TileRun], n_threads: u32) -> Self {
         let mut busy_ns = vec![0_u64; n_threads as usize];
         for run in runs {
             busy_ns[run.thread as usize] += run.duration_ns();
@@ -66,7 +66,7 @@ mod tests {
             run(2, 20, 50),
             run(0, 60, 100),
         ];
-        let load = Load::of(&runs, 4);
+        let load = Load::measure(&runs, 4);
         assert_eq!(load.load_imbalance, 90.0 / 45.0 - 1.0);
         assert_eq!(load.idle_share, 1.0 - 180.0 / 400.0);
     }
@@ -76,7 +76,7 @@ mod tests {
         let even = [run(0, 0, 10), run(1, 0, 10)];
         let alone = [run(0, 5, 10), run(0, 10, 25)];
         for (runs, n_threads) in [(&even, 2), (&alone, 1)] {
-            let load = Load::of(runs, n_threads);
+            let load = Load::measure(runs, n_threads);
             assert_eq!((load.load_imbalance, load.idle_share), (0.0, 0.0));
         }
     }
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn no_time_is_no_imbalance() {
         for runs in [&[][..], &[run(0, 0, 0)]] {
-            let load = Load::of(runs, 2);
+            let load = Load::measure(runs, 2);
             assert_eq!((load.load_imbalance, load.idle_share), (0.0, 0.0));
         }
     }

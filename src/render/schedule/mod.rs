@@ -146,6 +146,6 @@ impl Schedule {
 
     /// Returns the load balance of the threads.
     pub fn load(&self) -> Load {
-        Load::of(&self.runs, self.n_threads)
+        Load::measure(&self.runs, self.n_threads)
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     /// Creates a canvas that writes to a film, which may hold an earlier rendering.
-    pub(super) fn of(film: &'a mut Film) -> Self {
+    pub(super) fn new(film: &'a mut Film) -> Self {
         Self {
             has_one_tile: false,
             first_row: film.row_range().start,
@@ -44,7 +44,7 @@ impl<'a> Canvas<'a> {
     pub(super) fn of_one_tile(film: &'a mut Film) -> Self {
         Self {
             has_one_tile: true,
-            ..Self::of(film)
+            ..Self::new(film)
         }
     }
 

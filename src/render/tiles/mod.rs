@@ -155,7 +155,7 @@ fn render_tiles<R: TileRenderer>(
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
         let render = || {
             let film = film_to_fill;
-            let _ = target.set(Target::of(film, pass.limits.is_stored));
+            let _ = target.set(Target::new(film, pass.limits.is_stored));
             rayon::broadcast(render_some)
         };
         let runs = match pass.limits.team {

@@ -61,11 +61,11 @@ impl Overhead {
                 drop(black_box(film));
             }
         }
-        Self::of(times_ms)
+        Self::from_times(times_ms)
     }
 
     /// Computes the medians; `times_ms` has one entry per field, in order.
-    fn of(times_ms: [Vec<f64>; 4]) -> Self {
+    fn from_times(times_ms: [Vec<f64>; 4]) -> Self {
         let [none_ms, counters_ms, time_ms, single_ray_ms] =
             times_ms.map(|mut times_ms| median(&mut times_ms).unwrap_or_default());
         Self {
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn each_variant_has_its_own_median() {
         let row = |ms: f64| (0..N_ROUNDS).map(|round| ms + round as f64).collect();
-        let overhead = Overhead::of([row(96.5), row(106.5), row(161.5), row(216.5)]);
+        let overhead = Overhead::from_times([row(96.5), row(106.5), row(161.5), row(216.5)]);
         assert_eq!(
             overhead,
             Overhead {

@@ -117,7 +117,7 @@ fn costs_of_tiles(
     let of_tile = |tile| {
         let n_probed = probed_pixels(tile, step).count();
         let probed = pixels.by_ref().take(n_probed);
-        let cost = probed.map(|pixel| counters.of(pixel)).reduce(Cost::with);
+        let cost = probed.map(|pixel| counters.pixel(pixel)).reduce(Cost::with);
         (cost.unwrap_or_default(), n_probed)
     };
     tiles.iter().map(of_tile).collect()

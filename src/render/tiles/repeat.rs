@@ -129,7 +129,7 @@ pub fn repeat_within(
         } else {
             started.elapsed()
         };
-        done.push(Repeat::of(wall, &film, &schedule));
+        done.push(Repeat::new(wall, &film, &schedule));
         if film.cost.has_time() && repeats.has_spread() {
             samples
                 .get_or_insert_with(|| Samples::new(&film))
@@ -169,7 +169,7 @@ fn needs_another(repeats: Repeats, film: &Film, done: &[Repeat], elapsed: Durati
 }
 
 impl Repeat {
-    fn of(wall: Duration, film: &Film, schedule: &Schedule) -> Self {
+    fn new(wall: Duration, film: &Film, schedule: &Schedule) -> Self {
         Self {
             wall,
             busy_ns: schedule.runs.iter().map(TileRun::busy_ns).sum(),

@@ -27,14 +27,14 @@ pub(super) enum Target<'f> {
 impl<'f> Target<'f> {
     /// Returns the film, which gets rows if it has none, or films of one tile if tiles are `stored`
     /// elsewhere.
-    pub(super) fn of(film: &'f mut Film, stored: bool) -> Self {
+    pub(super) fn new(film: &'f mut Film, stored: bool) -> Self {
         if stored {
             return Self::Tiles(film);
         }
         if !film.has_rows() {
             *film = film.clone().with_rows(0..film.grid.height);
         }
-        Self::Film(Canvas::of(film))
+        Self::Film(Canvas::new(film))
     }
 
     /// Does `work` with the canvas of the calling thread.

@@ -161,13 +161,13 @@ impl Animation {
         }
         if let Some(orbit) = self.orbit {
             let key = section().key("orbit");
-            let camera = PosedCamera::of(&scene, &key)?;
+            let camera = PosedCamera::find(&scene, &key)?;
             let eye = orbit.eye(camera.pose, frame, n_frames);
             scene.set_for(&camera.path("eye"), &listed(eye), key)?;
         }
         if let Some(fly_through) = &self.fly_through {
             let key = section().key("fly_through");
-            let camera = PosedCamera::of(&scene, &key)?;
+            let camera = PosedCamera::find(&scene, &key)?;
             let [eye, target] = fly_through.pose(frame, n_frames);
             scene.set_for(&camera.path("eye"), &listed(eye), key.clone())?;
             scene.set_for(&camera.path("target"), &listed(target), key)?;
@@ -205,7 +205,7 @@ struct PosedCamera {
 
 impl PosedCamera {
     /// Finds the camera of a scene; a message about a camera that cannot move points at `key`.
-    fn of(scene: &Document, key: &FieldPath) -> Result<Self, Diagnostic> {
+    fn find(scene: &Document, key: &FieldPath) -> Result<Self, Diagnostic> {
         let find = |kind: &'static str| {
             let point = |name: &str| {
                 let path = FieldPath::default().key("camera").key(kind).key(name);

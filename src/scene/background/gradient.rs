@@ -20,7 +20,7 @@ pub struct Gradient {
 
 impl Gradient {
     /// Returns a gradient with the same color everywhere.
-    pub(super) fn of(color: Vec3) -> Self {
+    pub(super) fn uniform(color: Vec3) -> Self {
         Self {
             bottom: color,
             top: color,

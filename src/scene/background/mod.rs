@@ -55,7 +55,7 @@ enum BackgroundPattern {
 /// Black.
 impl Default for Background {
     fn default() -> Self {
-        Self::Gradient(Gradient::of(Vec3::ZERO))
+        Self::Gradient(Gradient::uniform(Vec3::ZERO))
     }
 }
 
@@ -64,7 +64,7 @@ impl ColorPattern for BackgroundPattern {}
 impl From<RadianceOr<BackgroundPattern>> for Background {
     fn from(RadianceOr(found): RadianceOr<BackgroundPattern>) -> Self {
         match found {
-            ColorOr::Color(color) => Self::Gradient(Gradient::of(color)),
+            ColorOr::Color(color) => Self::Gradient(Gradient::uniform(color)),
             ColorOr::Other(BackgroundPattern::Gradient(gradient)) => Self::Gradient(gradient),
             ColorOr::Other(BackgroundPattern::EnvironmentMap(map)) => Self::EnvironmentMap(map),
             ColorOr::Other(BackgroundPattern::Sky(sky)) => Self::Sky(sky),

@@ -70,11 +70,15 @@ impl Levels {
     /// Returns the levels of the channels.
     #[inline(always)]
     pub(super) fn of_color(&self, light: Vec3) -> [u8; 3] {
-        [self.of(light.x), self.of(light.y), self.of(light.z)]
+        [
+            self.level(light.x),
+            self.level(light.y),
+            self.level(light.z),
+        ]
     }
 
     #[inline(always)]
-    fn of(&self, light: f32) -> u8 {
+    fn level(&self, light: f32) -> u8 {
         // One instruction each; NaN becomes the darkest.
         let light = if light > DARKEST { light } else { DARKEST };
         let light = if light < BRIGHTEST { light } else { BRIGHTEST };
@@ -115,9 +119,9 @@ mod tests {
         let close = thresholds.flat_map(|light| [light.next_down(), light, light.next_up()]);
         let everywhere = (0..0x3f90_0000_u32).step_by(997).map(f32::from_bits);
         for light in close.chain(everywhere).chain([f32::INFINITY, -1.0]) {
-            assert_eq!(LEVELS.of(light), rounded(light), "{light}");
+            assert_eq!(LEVELS.level(light), rounded(light), "{light}");
         }
-        assert_eq!(LEVELS.of(f32::NAN), 0);
+        assert_eq!(LEVELS.level(f32::NAN), 0);
     }
 
     #[test]

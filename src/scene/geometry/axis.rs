@@ -80,7 +80,7 @@ pub(super) struct ShapeAxis<R> {
 
 impl<R: Real> ShapeAxis<R> {
     #[inline(always)]
-    pub(super) fn of(parameters: &[R; N_PARAMETERS]) -> Self {
+    pub(super) fn new(parameters: &[R; N_PARAMETERS]) -> Self {
         let ends = [vector(parameters, 0), vector(parameters, 3)];
         let [from, to] = ends;
         let radii = [parameters[6], parameters[7]];

@@ -70,7 +70,7 @@ impl Capsule {
         origin: Vector<R>,
         direction: Vector<R>,
     ) -> R {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let [from, to] = axis.ends;
         let [from_radius, to_radius] = axis.radii;
         let zero = from_radius.splat(0.0);
@@ -101,7 +101,7 @@ impl Capsule {
     /// the sphere that touches the surface there.
     #[inline(always)]
     pub fn fraction<R: Real>(parameters: &[R; N_PARAMETERS], near: Vector<R>) -> R {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let half = axis.radius.splat(0.5);
         let (along, across) = axis.split(near);
         half + half * foot(&axis, along, across) / axis.half_length
@@ -168,7 +168,7 @@ impl Intersectable for Capsule {
     }
 
     fn patch(&self) -> Option<Patch> {
-        let axis = ShapeAxis::of(&self.parameters());
+        let axis = ShapeAxis::new(&self.parameters());
         let (sine, _) = slant(&axis);
         // The angle from the axis to the normals of the cone.
         let side = libm::acosf(sine);
@@ -199,7 +199,7 @@ impl Project for Capsule {
         parameters: &[R; N_PARAMETERS],
         near: Vector<R>,
     ) -> (Vector<R>, Vector<R>) {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let (along, across) = axis.split(near);
         let foot = foot(&axis, along, across);
         let normal = (across + axis.direction * (along - foot)).normalize_or(axis.outward(across));
@@ -215,7 +215,7 @@ impl Project for Capsule {
 impl Sampled for Capsule {
     #[inline(always)]
     fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
-        let [from, side, to] = areas(&ShapeAxis::of(parameters));
+        let [from, side, to] = areas(&ShapeAxis::new(parameters));
         from + side + to
     }
 
@@ -226,7 +226,7 @@ impl Sampled for Capsule {
         from: Vector<R>,
         [u, v]: [R; 2],
     ) -> SurfaceSample<R> {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let (sine, cos) = slant(&axis);
         let (zero, one) = (u.splat(0.0), u.splat(1.0));
         let ChosenPart {

@@ -78,7 +78,7 @@ impl Intersectable for Cone {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
         // Clip the ray to the infinite cone.
-        let axis = ShapeAxis::of(&self.parameters());
+        let axis = ShapeAxis::new(&self.parameters());
         let (sine, cos) = slant(&axis);
         let ray = AxisRay::new(&axis, ray.origin.into(), ray.direction.into());
         let side = ray.cone(cos * axis.radius, sine, cos);
@@ -128,7 +128,7 @@ impl Intersectable for Cone {
     }
 
     fn patch(&self) -> Option<Patch> {
-        let half = ShapeAxis::of(&self.parameters()).half_length;
+        let half = ShapeAxis::new(&self.parameters()).half_length;
         let [from, to] = self.radius;
         let circles = [[-half, 0.0], [-half, from], [half, to], [half, 0.0]];
         Some(Patch::turned(self.ends.0, circles))
@@ -147,7 +147,7 @@ impl Project for Cone {
         parameters: &[R; N_PARAMETERS],
         near: Vector<R>,
     ) -> (Vector<R>, Vector<R>) {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let (sine, cos) = slant(&axis);
         let (along, across) = axis.split(near);
         let radius = axis.radius - axis.slope * along;
@@ -165,7 +165,7 @@ impl Project for Cone {
 impl Sampled for Cone {
     #[inline(always)]
     fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
-        let [from, side, to] = areas(&ShapeAxis::of(parameters));
+        let [from, side, to] = areas(&ShapeAxis::new(parameters));
         from + side + to
     }
 
@@ -176,7 +176,7 @@ impl Sampled for Cone {
         from: Vector<R>,
         [u, v]: [R; 2],
     ) -> SurfaceSample<R> {
-        let axis = ShapeAxis::of(parameters);
+        let axis = ShapeAxis::new(parameters);
         let (sine, cos) = slant(&axis);
         let (zero, one) = (u.splat(0.0), u.splat(1.0));
         let ChosenPart {

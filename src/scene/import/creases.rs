@@ -135,7 +135,7 @@ mod tests {
         let sharp = cube.creased_normals(30.0);
         for (i, &corners) in cube.triangles.iter().enumerate() {
             let normal = cube.triangle(corners).normal().unwrap();
-            for found in sharp.of(i) {
+            for found in sharp.at(i) {
                 assert!(found.normalize().abs_diff_eq(normal, 1e-6), "{found}");
             }
         }
@@ -144,7 +144,7 @@ mod tests {
         let (round, smooth) = (cube.creased_normals(91.0), cube.smooth_normals());
         assert_eq!(round.values.len(), 8);
         for i in 0..cube.triangles.len() {
-            for (found, expected) in round.of(i).into_iter().zip(smooth.of(i)) {
+            for (found, expected) in round.at(i).into_iter().zip(smooth.at(i)) {
                 assert!(found.abs_diff_eq(expected, 1e-5), "{found} {expected}");
             }
         }

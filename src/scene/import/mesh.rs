@@ -64,7 +64,7 @@ impl<T> Default for CornerValues<T> {
 impl<T: Copy> CornerValues<T> {
     /// Returns the values at the corners of triangle `i`.
     #[inline]
-    pub fn of(&self, i: usize) -> [T; 3] {
+    pub fn at(&self, i: usize) -> [T; 3] {
         self.triangles[i].map(|corner| self.values[corner as usize])
     }
 

@@ -65,7 +65,7 @@ impl InstancePlace {
 /// Reads a table.
 pub(super) fn read(file: GeometryFileReader) -> Result<Vec<InstancePlace>> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let columns = PlaceColumns::of(table.byte_headers().map_err(of_table)?)
+    let columns = PlaceColumns::from_header(table.byte_headers().map_err(of_table)?)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     let mut places = Vec::new();
     let mut row = ByteRecord::new();
@@ -99,7 +99,7 @@ struct PlaceColumns([Option<usize>; NAMES.len()]);
 
 impl PlaceColumns {
     /// Parses the table's first line.
-    fn of(header: &ByteRecord) -> Result<Self> {
+    fn from_header(header: &ByteRecord) -> Result<Self> {
         let mut columns = [None; NAMES.len()];
         for (i, name) in header.iter().enumerate() {
             let name = String::from_utf8_lossy(name);

@@ -35,7 +35,7 @@ const MAX_DIGITS: usize = 15;
 
 /// Returns true if a path stands for a series of files.
 pub fn is_series(path: &Path) -> bool {
-    Pattern::of(path).is_some() || matches!(extension(path).as_str(), "pvd" | "series")
+    Pattern::find(path).is_some() || matches!(extension(path).as_str(), "pvd" | "series")
 }
 
 /// Returns the time steps of a geometry file whose path is relative to `folder`: of a series of
@@ -74,7 +74,7 @@ pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
 /// A list cannot be read or is damaged, a file is missing, or there is no file at all.
 pub fn read_series(folder: &Path, path: &Path) -> Result<DataSeries> {
     let full = folder.join(path);
-    let steps = match (Pattern::of(path), extension(path).as_str()) {
+    let steps = match (Pattern::find(path), extension(path).as_str()) {
         (Some(pattern), _) => pattern.steps(&full),
         (None, "pvd") => vtk::read_collection(&read_list(&full).map_err(|f| f.in_file(&full))?),
         (None, _) => read_list(&full).and_then(|text| read_json(&text)),
@@ -141,7 +141,7 @@ struct Pattern {
 
 impl Pattern {
     /// Parses the pattern in the last part of a path; `None` if it has none.
-    fn of(path: &Path) -> Option<Self> {
+    fn find(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let (before, rest) = name.split_once('%')?;
         let (digits, after) = rest.split_once('d')?;
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     fn pattern(name: &str) -> Option<Pattern> {
-        Pattern::of(Path::new(name))
+        Pattern::find(Path::new(name))
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub(super) fn read(
 ) -> Result<Spheres> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
     let header = table.byte_headers().map_err(of_table)?;
-    let columns = Columns::of(header, "color", radius, array)
+    let columns = Columns::from_header(header, "color", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     // An array's colors replace the table's.
     let color_column = columns.extra.filter(|_| array.is_none());
@@ -108,7 +108,7 @@ impl Columns {
     /// Parses the table's first line, which may have a column named `extra` and columns of other
     /// names. `radius` applies to all points unless there is a column of radii, or is the column of
     /// radii; `array` is the column of numbers.
-    pub(super) fn of(
+    pub(super) fn from_header(
         header: &ByteRecord,
         extra: &str,
         radius: Option<&RadiusChoice>,

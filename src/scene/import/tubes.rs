@@ -119,7 +119,7 @@ pub(super) fn read(
 ) -> Result<Tubes> {
     let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
     let header = table.byte_headers().map_err(of_table)?;
-    let columns = Columns::of(header, "line", radius, array)
+    let columns = Columns::from_header(header, "line", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     // For each row: the index of the first point of its line, the center, the radius and the
     // number.

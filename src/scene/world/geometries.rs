@@ -135,7 +135,7 @@ impl Geometries {
                     let folder = folders.folder_of(&path);
                     let available = available.saturating_sub(found.n_bytes());
                     let array = arrays::choice(config, object)?;
-                    let extra = Extra::of(object, array, available);
+                    let extra = Extra::new(object, array, available);
                     read_checked(file, folder, extra, available, &path)?
                 }
                 Geometry::Instances(instances) => {
@@ -143,7 +143,7 @@ impl Geometries {
                     let path = path.key(InstancedMesh::KEY);
                     let available = available.saturating_sub(found.n_bytes());
                     let array = arrays::choice(config, object)?;
-                    let extra = Extra::of(object, array, available);
+                    let extra = Extra::new(object, array, available);
                     read_instances(instances, folders, extra, available, &path)?
                 }
             });
@@ -281,7 +281,7 @@ pub(super) enum Extra<'a> {
 
 impl<'a> Extra<'a> {
     /// Returns the data that an object needs whose materials name this array, or none.
-    pub(super) fn of(object: &Object, array: Option<&'a ArrayChoice>, available: u64) -> Self {
+    pub(super) fn new(object: &Object, array: Option<&'a ArrayChoice>, available: u64) -> Self {
         if object.material.0.is_empty() {
             Self::Materials(available)
         } else {

@@ -315,7 +315,7 @@ impl Scene {
     #[inline]
     pub fn vertex_normals(&self, placed: PlacedPrimitive) -> Option<[Vec3; 3]> {
         let normals = match self.attributes(placed.primitive) {
-            (Attributes::Corners(corners), i) => corners.normals.as_ref()?.of(i),
+            (Attributes::Corners(corners), i) => corners.normals.as_ref()?.at(i),
             _ => return None,
         };
         Some(match self.transform(placed) {
@@ -330,7 +330,7 @@ impl Scene {
     pub fn vertex_uvs(&self, primitive: u32) -> Option<[[f32; 2]; 3]> {
         match self.attributes(primitive) {
             (Attributes::Corners(corners), i) => {
-                let uvs = corners.uvs.as_ref()?.of(i);
+                let uvs = corners.uvs.as_ref()?.at(i);
                 Some(uvs.map(|uv| uv.to_array()))
             }
             _ => None,
@@ -347,7 +347,7 @@ impl Scene {
             return Some([scalar; 3]);
         }
         match self.attributes(placed.primitive) {
-            (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.of(i)),
+            (Attributes::Corners(corners), i) => Some(corners.scalars.as_ref()?.at(i)),
             _ => None,
         }
     }
@@ -357,7 +357,7 @@ impl Scene {
     #[inline]
     pub fn vertex_colors(&self, primitive: u32) -> Option<[Vec3; 3]> {
         match self.attributes(primitive) {
-            (Attributes::Corners(corners), i) => Some(corners.colors.as_ref()?.of(i)),
+            (Attributes::Corners(corners), i) => Some(corners.colors.as_ref()?.at(i)),
             _ => None,
         }
     }

@@ -37,7 +37,7 @@ impl Timeline {
     ///
     /// # Errors
     /// The first mistake in the section `animation`, or in a data series.
-    pub fn of<F: Folders + ?Sized>(config: &Config, folders: &F) -> Result<Option<Self>, Fault> {
+    pub fn parse<F: Folders + ?Sized>(config: &Config, folders: &F) -> Result<Option<Self>, Fault> {
         let mut series = Vec::new();
         for (index, object) in config.objects.iter().enumerate() {
             let Geometry::File(file) = &object.geometry else {

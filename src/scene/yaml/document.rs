@@ -45,7 +45,7 @@ impl Folders for Path {
 impl Folders for Document {
     fn folder_of(&self, path: &FieldPath) -> &Path {
         let source = match &self.composition {
-            Some(composition) => composition.origins.of(path).source,
+            Some(composition) => composition.origins.place(path).source,
             None => 0,
         };
         self.sources[source].folder()
@@ -76,7 +76,7 @@ impl Document {
         let source = &document.sources[0];
         if source.text().contains(include::KEY) {
             source.check()?;
-            if Tree::of(source.text()).get(include::KEY).is_some() {
+            if Tree::parse(source.text()).get(include::KEY).is_some() {
                 let (tree, origins) = include::compose(&mut document.sources, merging)?;
                 document.composition = Some(Composition::new(tree, origins));
             }
@@ -108,7 +108,7 @@ impl Document {
         let tree = match &self.composition {
             Some(composition) => &composition.tree,
             None => {
-                of_source = Tree::of(self.sources[0].text());
+                of_source = Tree::parse(self.sources[0].text());
                 &of_source
             }
         };
@@ -132,7 +132,7 @@ impl Document {
             Some(composition) => Ok(composition),
             none => {
                 self.sources[0].check()?;
-                let tree = Tree::of(self.sources[0].text());
+                let tree = Tree::parse(self.sources[0].text());
                 Ok(none.insert(Composition::new(tree, Origins::default())))
             }
         }
@@ -194,19 +194,19 @@ impl Document {
                 return misnamed;
             }
             let refused = |path: FieldPath, error: &serde_yaml::Error| {
-                let ValuePlace { source, path } = composition.origins.of(&path);
+                let ValuePlace { source, path } = composition.origins.place(&path);
                 let source = &self.sources[source];
                 self.diagnose(source, translate::fault(&source.located(), path, error))
             };
             let explain = Explain {
                 is_written: &|path| {
-                    let ValuePlace { source, path } = composition.origins.of(path);
+                    let ValuePlace { source, path } = composition.origins.place(path);
                     self.sources[source].located().has(&path)
                 },
                 refused: &refused,
                 fault: &|fault| self.point_at(fault),
             };
-            mistakes::of::<T>(&text, || composition.tree.clone(), first, &explain)
+            mistakes::find::<T>(&text, || composition.tree.clone(), first, &explain)
         })
     }
 
@@ -239,7 +239,7 @@ impl Document {
     /// Converts the fault to a diagnostic that shows its line.
     pub fn point_at(&self, fault: Fault) -> Diagnostic {
         let place = |path: FieldPath| match &self.composition {
-            Some(composition) => composition.origins.of(&path),
+            Some(composition) => composition.origins.place(&path),
             None => ValuePlace { source: 0, path },
         };
         let (source, spot) = match fault.spot {

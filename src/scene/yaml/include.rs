@@ -72,8 +72,8 @@ struct Files<'s> {
 impl Files<'_> {
     /// Returns the sections of a source and of the files that it includes.
     fn sections(&mut self, source: usize) -> Result<Sections, Diagnostic> {
-        let tree = Tree::of(self.sources[source].text());
-        let own = Sections::of(&tree, source, self.merging);
+        let tree = Tree::parse(self.sources[source].text());
+        let own = Sections::parse(&tree, source, self.merging);
         let mut all = Sections::default();
         let own = own.map_err(|fault| self.sources[source].point_at(fault))?;
         for (path, name) in included(&tree).map_err(|fault| self.sources[source].point_at(fault))? {
@@ -173,7 +173,7 @@ fn included(tree: &Tree) -> Result<Vec<(FieldPath, &str)>, Fault> {
 
 impl Sections {
     /// Returns the sections of a source.
-    fn of(tree: &Tree, source: usize, merging: Merging) -> Result<Self, Fault> {
+    fn parse(tree: &Tree, source: usize, merging: Merging) -> Result<Self, Fault> {
         let Tree::Map(sections) = tree else {
             let message = "an included file must have sections";
             let expected = "expected sections such as `materials: { … }`";

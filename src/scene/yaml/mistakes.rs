@@ -32,7 +32,7 @@ pub(super) struct Explain<'a> {
 
 /// Returns the messages for all mistakes of a text that is not a `T`, given the first; `tree`
 /// parses the text.
-pub(super) fn of<T: DeserializeOwned>(
+pub(super) fn find<T: DeserializeOwned>(
     text: &str,
     tree: impl FnOnce() -> Tree,
     first: Refusal,

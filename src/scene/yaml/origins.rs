@@ -45,7 +45,7 @@ impl Origins {
     }
 
     /// Returns the place of the value at `path`; the first text's root if none is known.
-    pub(super) fn of(&self, path: &FieldPath) -> ValuePlace {
+    pub(super) fn place(&self, path: &FieldPath) -> ValuePlace {
         let (above, place) = (0..=path.0.len())
             .rev()
             .find_map(|n| Some((n, self.0.get(&path.0[..n])?)))

@@ -71,7 +71,7 @@ impl SettingText {
 
     /// Returns the value.
     pub(super) fn tree(&self, text: &str) -> Tree {
-        Tree::of(&text[self.value..])
+        Tree::parse(&text[self.value..])
     }
 
     /// Returns the bytes of the path up to its first `n` steps.

@@ -162,14 +162,14 @@ impl Source {
                 refused: &refused,
                 fault: &|fault| self.point_at(fault),
             };
-            mistakes::of::<T>(&self.text, || Tree::of(&self.text), first, &explain)
+            mistakes::find::<T>(&self.text, || Tree::parse(&self.text), first, &explain)
         })
     }
 
     /// Returns true if the text has this key at its top; false if it has a syntax error.
     pub fn has_key(&self, key: &str) -> bool {
         let may_have = self.text.contains(key) && self.check().is_ok();
-        may_have && Tree::of(&self.text).get(key).is_some()
+        may_have && Tree::parse(&self.text).get(key).is_some()
     }
 
     /// Checks the rules that the deserializer does not check.

@@ -36,7 +36,7 @@ struct OpenTree {
 impl Tree {
     /// Parses a text without mistakes; aliases are replaced by copies. A text with mistakes gives
     /// the empty value.
-    pub(super) fn of(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let mut open: Vec<OpenTree> = Vec::new();
         let mut anchors: HashMap<usize, Self> = HashMap::new();
         for event in Parser::new_from_str(text) {
@@ -234,7 +234,7 @@ j:
   - k: a - b
   - \"\\u2028\\0\"
 ";
-        let written = Tree::of(text).text();
+        let written = Tree::parse(text).text();
         let read = |text: &str| -> Result<serde_yaml::Value, String> {
             serde_yaml::from_str(text).map_err(|error| error.to_string())
         };
@@ -247,6 +247,6 @@ j:
 
     #[test]
     fn a_text_with_a_mistake_is_empty() {
-        assert_eq!(Tree::of("a: [1\nb: -").text(), "");
+        assert_eq!(Tree::parse("a: [1\nb: -").text(), "");
     }
 }

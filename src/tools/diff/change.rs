@@ -17,7 +17,7 @@ pub struct Change {
 
 impl Change {
     /// Computes the change from `a` to `b`, both row-major, row 0 on top.
-    pub(super) fn of(metric: Metric, [a, b]: &[Vec<f64>; 2]) -> Self {
+    pub(super) fn new(metric: Metric, [a, b]: &[Vec<f64>; 2]) -> Self {
         let pairs = || a.iter().zip(b);
         Self {
             metric,
@@ -51,10 +51,10 @@ mod tests {
         let mut a = vec![100.0; 1000];
         let mut b = vec![50.0; 1000];
         (a[3], b[4], a[5]) = (0.0, 0.0, 1.0);
-        let change = Change::of(Metric::TIME, &[a, b]);
+        let change = Change::new(Metric::TIME, &[a, b]);
         assert_eq!(change.max_ratio, 2.0);
         assert_eq!(change.differences[..5], [-50.0, -50.0, -50.0, 50.0, -100.0]);
-        let same = Change::of(Metric::TIME, &[vec![0.0; 9], vec![0.0; 9]]);
+        let same = Change::new(Metric::TIME, &[vec![0.0; 9], vec![0.0; 9]]);
         assert!(same.max_ratio > 1.0 && same.max_ratio < 1.06);
     }
 }

@@ -54,7 +54,7 @@ impl Gate {
     ///
     /// # Errors
     /// If the times have too few repeats for a confidence interval.
-    pub fn of(diff: &Diff, limit: Limit) -> Result<Self, Diagnostic> {
+    pub fn new(diff: &Diff, limit: Limit) -> Result<Self, Diagnostic> {
         let (metric, ratio, at_least) = match &diff.noise {
             None => {
                 let ratio = ratio(diff.totals.steps());

@@ -19,7 +19,7 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    pub(super) fn of([a, b]: &[Side; 2]) -> Result<Self, Diagnostic> {
+    pub(super) fn new([a, b]: &[Side; 2]) -> Result<Self, Diagnostic> {
         let objects = [a.ids("object")?, b.ids("object")?];
         let differ = objects[0].iter().zip(&objects[1]).filter(|(a, b)| a != b);
         Ok(Self {

@@ -16,7 +16,7 @@ pub struct LightDifference {
 
 impl LightDifference {
     /// Compares the channels of all pixels.
-    pub(super) fn of(a: &[f32], b: &[f32]) -> Self {
+    pub(super) fn measure(a: &[f32], b: &[f32]) -> Self {
         let n = a.len().max(1) as f64;
         let mean = [a, b].map(|light| light.iter().copied().map(f64::from).sum::<f64>() / n);
         let differences = a
@@ -40,7 +40,7 @@ mod tests {
 
     #[test]
     fn differences_above_white_are_measured() {
-        let found = LightDifference::of(&[0.0, 0.5, 4.0, 1.0], &[0.0, 0.5, 6.0, 0.0]);
+        let found = LightDifference::measure(&[0.0, 0.5, 4.0, 1.0], &[0.0, 0.5, 6.0, 0.0]);
         assert_eq!(found.mean, [1.375, 1.625]);
         assert_eq!((found.max, found.rms), (2.0, 1.25_f64.sqrt()));
     }

@@ -169,7 +169,7 @@ impl Diff {
     ///
     /// # Errors
     /// If the outputs show different pixels, have no cost in common, or cannot be read.
-    pub fn of(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
+    pub fn compare(sides: &[Side; 2]) -> Result<Self, Diagnostic> {
         let size = common_size(sides)?;
         let metrics = common_metrics(sides)?;
         for side in sides {
@@ -179,7 +179,7 @@ impl Diff {
             }
         }
         let [a, b] = sides;
-        let mut groups = Groups::of(sides)?;
+        let mut groups = Groups::new(sides)?;
         let mut totals = Totals::default();
         for metric in metrics {
             let values = [a.values(metric)?, b.values(metric)?];
@@ -193,11 +193,11 @@ impl Diff {
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
-        let change = Change::of(shown, &[a.values(shown)?, b.values(shown)?]);
+        let change = Change::new(shown, &[a.values(shown)?, b.values(shown)?]);
         let noise = match totals.cost(Metric::TIME) {
             // The repeats add up other pixels, too.
             Some(_) if sides.iter().any(Side::is_cut) => Some(Noise::Cut),
-            Some(_) => Some(Noise::of(&a.repeats()?, &b.repeats()?)),
+            Some(_) => Some(Noise::test_times(&a.repeats()?, &b.repeats()?)),
             None => None,
         };
         let values = [a, b].map(|side| settings::values(side.summary()));
@@ -209,9 +209,9 @@ impl Diff {
             objects: sorted(groups.objects(sides), &ratios),
             reached: sorted(reached::groups(sides)?, &ratios),
             tiles: sorted(groups.tiles(size), &ratios),
-            picture: PictureDifference::of(&a.colors()?, &b.colors()?),
+            picture: PictureDifference::measure(&a.colors()?, &b.colors()?),
             light: match [a.radiance()?, b.radiance()?] {
-                [Some(a), Some(b)] => Some(LightDifference::of(&a, &b)),
+                [Some(a), Some(b)] => Some(LightDifference::measure(&a, &b)),
                 _ => None,
             },
             n_other_objects: groups.n_other_objects,

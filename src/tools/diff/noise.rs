@@ -47,8 +47,8 @@ impl Test {
 impl Noise {
     /// Compares the times of the repeats, which are positive; a run that was not repeated has at
     /// most one time.
-    pub fn of(a: &[f64], b: &[f64]) -> Self {
-        let Some(ratio) = Ratio::of(a, b).filter(|_| a.len().min(b.len()) > 1) else {
+    pub fn test_times(a: &[f64], b: &[f64]) -> Self {
+        let Some(ratio) = Ratio::estimate(a, b).filter(|_| a.len().min(b.len()) > 1) else {
             return Self::Unknown;
         };
         let test = Test {
@@ -90,15 +90,15 @@ mod tests {
     fn a_significant_change_is_found() {
         let base = times(1e9, 10);
         assert!(matches!(
-            Noise::of(&base, &times(1.002e9, 10)),
+            Noise::test_times(&base, &times(1.002e9, 10)),
             Noise::WithinNoise(_)
         ));
         assert!(matches!(
-            Noise::of(&base, &times(1.05e9, 10)),
+            Noise::test_times(&base, &times(1.05e9, 10)),
             Noise::Slower(_)
         ));
         assert!(matches!(
-            Noise::of(&base, &times(0.95e9, 10)),
+            Noise::test_times(&base, &times(0.95e9, 10)),
             Noise::Faster(_)
         ));
     }
@@ -106,9 +106,9 @@ mod tests {
     #[test]
     fn too_few_repeats_give_no_verdict() {
         let base = times(1e9, 10);
-        assert_eq!(Noise::of(&base, &[]), Noise::Unknown);
-        assert_eq!(Noise::of(&base, &[2e9]), Noise::Unknown);
-        let few = Noise::of(&times(1e9, 3), &times(2e9, 3));
+        assert_eq!(Noise::test_times(&base, &[]), Noise::Unknown);
+        assert_eq!(Noise::test_times(&base, &[2e9]), Noise::Unknown);
+        let few = Noise::test_times(&times(1e9, 3), &times(2e9, 3));
         assert!(matches!(few, Noise::TooFew(_)), "{few:?}");
     }
 }

@@ -15,7 +15,7 @@ pub struct PictureDifference {
 
 impl PictureDifference {
     /// Compares the colors of all pixels.
-    pub(super) fn of(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
+    pub(super) fn measure(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
         let (mut n_pixels, mut max, mut squares) = (0, 0, 0_u64);
         for (a, b) in a.iter().zip(b).filter(|(a, b)| a != b) {
             n_pixels += 1;
@@ -51,11 +51,11 @@ mod tests {
     fn differences_are_counted_and_measured() {
         let a = [[0, 0, 0], [10, 20, 30], [255, 255, 255]];
         let b = [[0, 0, 0], [10, 24, 33], [255, 255, 0]];
-        let found = PictureDifference::of(&a, &b);
+        let found = PictureDifference::measure(&a, &b);
         assert_eq!((found.n_pixels, found.max), (2, 255));
         let mean_square = f64::from(4 * 4 + 3 * 3 + 255 * 255) / 9.0;
         assert!((found.rms - mean_square.sqrt()).abs() < 1e-12);
-        assert_eq!(PictureDifference::of(&a, &a).n_pixels, 0);
+        assert_eq!(PictureDifference::measure(&a, &a).n_pixels, 0);
         assert_eq!(by_pixel(&a, &b), [0, 4, 255]);
     }
 }

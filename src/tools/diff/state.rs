@@ -24,7 +24,7 @@ pub const FILE: DiffFile = DiffFile {
 fn text(diff: &Diff, folder: &OutputFolder) -> String {
     let change = &diff.change;
     let size = diff.size.map(f64::from);
-    let n_labels = Panels::of(3, size).n_labels();
+    let n_labels = Panels::new(3, size).n_labels();
     let max_difference = Range::around_zero(&change.differences).high;
     let axis = |what, scale, ends| {
         let metric = change.metric;

@@ -23,7 +23,7 @@ static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
 
 /// Returns the doc comment of one of a mapping's keys, or of one of several keywords: the comment
 /// in the type that has most of the names and fewest others.
-pub(super) fn of(names: &[String], name: &str) -> Option<String> {
+pub(super) fn find(names: &[String], name: &str) -> Option<String> {
     let share = |documented: &&Documented| {
         let is_in = |name: &&String| documented.contains_key(name.as_str());
         let n_common = names.iter().filter(is_in).count();

@@ -346,7 +346,7 @@ fn described(mut schema: Value, keys: &[String], key: &str, expected: Option<Str
         "tuple",
     ];
     let is_own = |text: &String| !OF_SERDE.iter().any(|start| text.starts_with(start));
-    let doc = doc_comments::of(keys, key);
+    let doc = doc_comments::find(keys, key);
     let expected = expected
         .filter(is_own)
         .map(|text| format!("Expected: {text}."));
@@ -361,7 +361,7 @@ fn described(mut schema: Value, keys: &[String], key: &str, expected: Option<Str
 fn keywords(words: &[String]) -> Vec<Value> {
     let docs: Vec<Option<String>> = words
         .iter()
-        .map(|word| doc_comments::of(words, word))
+        .map(|word| doc_comments::find(words, word))
         .collect();
     if words.is_empty() {
         Vec::new()

@@ -39,7 +39,7 @@ impl SchemaKind {
     pub fn schema(self) -> Value {
         match self {
             Self::Scene => {
-                let mut schema = of::<Config>("a scene of raycost");
+                let mut schema = schema_of::<Config>("a scene of raycost");
                 if let Some(required) = schema.as_object_mut().and_then(|s| s.remove("required")) {
                     // Included files may have the other sections.
                     schema["if"] = json!({ "required": ["include"] });
@@ -48,19 +48,19 @@ impl SchemaKind {
                 schema
             }
             Self::Part => {
-                let mut schema = of::<Config>("a part of a scene of raycost");
+                let mut schema = schema_of::<Config>("a part of a scene of raycost");
                 schema
                     .as_object_mut()
                     .and_then(|schema| schema.remove("required"));
                 schema
             }
-            Self::Study => of::<StudyPlan>("a study of raycost"),
+            Self::Study => schema_of::<StudyPlan>("a study of raycost"),
         }
     }
 }
 
 /// Returns the JSON Schema of the files that a `T` is read from.
-fn of<T: DeserializeOwned + Debug + PartialEq>(title: &str) -> Value {
+fn schema_of<T: DeserializeOwned + Debug + PartialEq>(title: &str) -> Value {
     let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,

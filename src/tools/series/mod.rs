@@ -112,7 +112,7 @@ impl FrameSeries {
             time: frame.time,
             run: summary.run,
             files: summary.files.iter().map(|file| file.name.clone()).collect(),
-            metrics: RunMetrics::of(summary, stages.sum()),
+            metrics: RunMetrics::from_summary(summary, stages.sum()),
             bvh: summary.acceleration.bvh,
         });
         let values: Option<StateValues> = serde_json::from_value(frame.states.clone()).ok();

@@ -76,7 +76,7 @@ impl CostLaw {
         match sizes.len() {
             0 | 1 => None,
             2 => Some(straight_line(samples)),
-            n_sizes => Some(ExponentSearch::of(samples).solve(n_sizes)),
+            n_sizes => Some(ExponentSearch::new(samples).solve(n_sizes)),
         }
     }
 
@@ -137,7 +137,7 @@ struct Fit {
 }
 
 impl ExponentSearch {
-    fn of(samples: &[CostSample]) -> Self {
+    fn new(samples: &[CostSample]) -> Self {
         let n = samples.len() as f64;
         let scale = (samples.iter().map(|sample| sample.n.ln()).sum::<f64>() / n).exp();
         let weighted = |sample: &CostSample| {

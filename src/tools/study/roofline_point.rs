@@ -69,7 +69,7 @@ impl fmt::Display for Bound {
 impl RooflinePoint {
     /// Computes the shares from the rows of one point; `None` if a metric is missing, as without
     /// counters or without a BVH.
-    fn of(rows: &[StatisticsRow], limits: &MachineLimits) -> Option<Self> {
+    fn new(rows: &[StatisticsRow], limits: &MachineLimits) -> Option<Self> {
         let statistics = |name: &str| {
             let row = rows.iter().find(|row| row.metric == name)?;
             Some(row.statistics)
@@ -120,7 +120,7 @@ impl RooflinePoint {
 pub fn roofline_points(rows: &[StatisticsRow], limits: &MachineLimits) -> Vec<RooflinePoint> {
     let points = rows.chunk_by(|a, b| a.point == b.point);
     points
-        .filter_map(|rows| RooflinePoint::of(rows, limits))
+        .filter_map(|rows| RooflinePoint::new(rows, limits))
         .collect()
 }
 
@@ -165,7 +165,7 @@ mod tests {
         let row = |(metric, value): &(&str, f64)| StatisticsRow {
             point: Map::new(),
             metric: (*metric).to_owned(),
-            statistics: SampleStatistics::of(&[*value]).unwrap(),
+            statistics: SampleStatistics::from_values(&[*value]).unwrap(),
             first_is_slow: false,
             oversubscribed: false,
         };

@@ -78,7 +78,7 @@ impl RunLog {
                 runs: Vec::new(),
             });
         }
-        let mut lines = CompleteLines::of(&file).map_err(failed)?;
+        let mut lines = CompleteLines::new(&file).map_err(failed)?;
         check_header(path, lines.next().map_err(failed)?.as_deref(), made_by)?;
         let mut runs = Vec::new();
         while let Some(line) = lines.next().map_err(failed)? {
@@ -120,7 +120,7 @@ struct CompleteLines {
 }
 
 impl CompleteLines {
-    fn of(file: &File) -> io::Result<Self> {
+    fn new(file: &File) -> io::Result<Self> {
         let mut file = file.try_clone()?;
         file.seek(SeekFrom::Start(0))?;
         Ok(Self {

@@ -15,7 +15,7 @@ pub struct RunMetrics(pub IndexMap<String, f64>);
 impl RunMetrics {
     /// Takes the metrics of a run from its summary and the wall time of its whole process in
     /// milliseconds.
-    pub fn of(summary: &Summary, process_ms: f64) -> Self {
+    pub fn from_summary(summary: &Summary, process_ms: f64) -> Self {
         let mut metrics = Self::default();
         metrics.add("process_ms", Some(process_ms));
         for stage in &summary.stages {

@@ -86,7 +86,7 @@ mod tests {
         StatisticsRow {
             point: values.as_object().unwrap().clone(),
             metric: metric.to_owned(),
-            statistics: SampleStatistics::of(measured).unwrap(),
+            statistics: SampleStatistics::from_values(measured).unwrap(),
             first_is_slow: false,
             oversubscribed: false,
         }

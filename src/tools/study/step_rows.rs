@@ -44,7 +44,7 @@ fn rows_of(
     let last = points.last().and_then(|point| picture(out, point));
     let mut rows = Vec::new();
     let mut add = |point: &StudyPoint, metric: &str, values: &[f64]| {
-        let statistics = SampleStatistics::of(values);
+        let statistics = SampleStatistics::from_values(values);
         rows.extend(statistics.map(|statistics| StatisticsRow {
             point: point.values.clone(),
             metric: metric.to_owned(),

@@ -47,7 +47,7 @@ pub fn statistics_rows(
             .zip(n_processors)
             .is_some_and(|(threads, processors)| *threads > processors as f64);
         let row = |(metric, measured): (&str, Vec<f64>)| {
-            let statistics = SampleStatistics::of(&measured)?;
+            let statistics = SampleStatistics::from_values(&measured)?;
             let first = measured[0];
             Some(StatisticsRow {
                 point: values.clone(),

@@ -18,7 +18,7 @@ impl Page {
     /// Reads the content of a page, with the most pixels that fit into `max_bytes`.
     ///
     /// # Errors
-    /// As for [`Page::of`], or if even the smallest page has more bytes.
+    /// As for [`Page::new`], or if even the smallest page has more bytes.
     pub fn within(max_bytes: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut n_pixels = MAX_PIXELS;
         loop {

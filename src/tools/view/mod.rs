@@ -50,7 +50,7 @@ impl Page {
     ///
     /// # Errors
     /// If a file of the folder is missing or damaged.
-    pub fn of(results: &Results) -> Result<Self, Diagnostic> {
+    pub fn new(results: &Results) -> Result<Self, Diagnostic> {
         Self::of_at_most(MAX_PIXELS, results)
     }
 

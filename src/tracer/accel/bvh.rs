@@ -63,7 +63,7 @@ impl Bvh {
 
     /// Returns the size and expected cost.
     pub fn statistics(&self) -> BvhStatistics {
-        BvhStatistics::of(&self.arena)
+        BvhStatistics::measure(&self.arena)
     }
 
     /// Returns the surface area of the root's box; 0 if it is empty.

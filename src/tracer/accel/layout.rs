@@ -98,7 +98,7 @@ pub(super) enum LeafKind {
 
 impl LeafKind {
     /// Returns the kind of leaf for a primitive.
-    pub(super) fn of(primitive: &Primitive) -> Self {
+    pub(super) fn new(primitive: &Primitive) -> Self {
         match primitive.world_shape() {
             Some(Shape::Triangle(_)) => Self::Triangles,
             Some(Shape::Sphere(_)) => Self::Spheres,

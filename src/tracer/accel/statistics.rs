@@ -56,7 +56,7 @@ impl BvhStatistics {
     }
 
     /// Measures an arena, which may be empty.
-    pub(super) fn of(arena: &Arena) -> Self {
+    pub(super) fn measure(arena: &Arena) -> Self {
         let lines = arena.lines();
         let mut sums = NodeSums::default();
         if !lines.is_empty() {

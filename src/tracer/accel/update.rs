@@ -29,7 +29,7 @@ struct FirstIndex {
 
 impl FrameBase {
     /// Starts from the structure of the first frame; other frames are derived from it by `update`.
-    pub fn of(accel: &Accel, update: HierarchyUpdate) -> Self {
+    pub fn new(accel: &Accel, update: HierarchyUpdate) -> Self {
         let first = FirstIndex {
             index: accel.index(),
             sah_cost: accel.index.sah_cost(accel.world),

@@ -41,7 +41,7 @@ impl Counters {
 
     /// Returns the cost of one pixel.
     #[inline]
-    pub fn of(&self, pixel: usize) -> Cost {
+    pub fn pixel(&self, pixel: usize) -> Cost {
         self.cost(1, |counts| counts.get(pixel).copied().unwrap_or(0))
     }
 
@@ -180,7 +180,7 @@ mod tests {
             rays: [2, 0, 0, 0, 0],
             ..Cost::default()
         };
-        assert_eq!([0, 1, 2].map(|i| counters.of(i)), [first, second, third]);
+        assert_eq!([0, 1, 2].map(|i| counters.pixel(i)), [first, second, third]);
         assert_eq!(counters.total(), first.with(second).with(third));
         assert_eq!(counters.get(Counter::Depth), [0, 7, 0]);
         assert!(counters.get(Counter::RefractionRays).is_empty());
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!(counters.total(), Cost::default());
         counters.add_rays(RayKind::Camera, 0, 7);
         counters.add(0, &cost);
-        assert_eq!(counters.of(0).rays, [9, 3, 1, 0, 0]);
-        assert_eq!(counters.total(), counters.of(0));
+        assert_eq!(counters.pixel(0).rays, [9, 3, 1, 0, 0]);
+        assert_eq!(counters.total(), counters.pixel(0));
     }
 }

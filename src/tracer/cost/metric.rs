@@ -263,7 +263,7 @@ impl Metric {
 
     /// Returns the value of a counted cost; 0 for a time, for counts of observed rays and for
     /// ratios.
-    pub fn of(self, cost: &Cost) -> u64 {
+    pub fn value(self, cost: &Cost) -> u64 {
         match self.source {
             MetricSource::Clock | MetricSource::Observed(_) | MetricSource::Ratio(_) => 0,
             MetricSource::Counter(counter) => cost.get(counter),
@@ -337,7 +337,7 @@ mod tests {
             rays: [10, 20, 30, 40, 50],
             depth: 3,
         };
-        let values = Metric::ALL.map(|metric| metric.of(&cost));
+        let values = Metric::ALL.map(|metric| metric.value(&cost));
         assert_eq!(values, [0, 1, 2, 150, 10, 20, 30, 40, 50, 3, 0, 0, 0, 0]);
         let observed = Metric::observed().map(|metric| metric.source);
         let counters = [BoxTests, BoxHits, PrimitiveHits, InstanceVisits];

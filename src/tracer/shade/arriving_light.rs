@@ -61,7 +61,7 @@ pub(super) enum SampledLight<'a> {
 
 impl<'a> SampledLight<'a> {
     /// Returns the light of sample `sample`; `arriving` holds it for a light that is not plain.
-    pub(super) fn of(lights: &'a Lights, sample: usize, arriving: &'a ArrivingLight) -> Self {
+    pub(super) fn new(lights: &'a Lights, sample: usize, arriving: &'a ArrivingLight) -> Self {
         match lights.plain(sample) {
             Some(light) => Self::Plain(light),
             None => Self::Stored(arriving),

@@ -24,7 +24,7 @@ pub struct Media([Option<MediumId>; MAX_MEDIA]);
 struct MediumId(NonZeroU32);
 
 impl MediumId {
-    fn of(material: MaterialId) -> Self {
+    fn new(material: MaterialId) -> Self {
         Self(NonZeroU32::MIN.saturating_add(material.0))
     }
 
@@ -118,14 +118,14 @@ impl Media {
 
     fn with(mut self, material: MaterialId) -> Self {
         if let Some(free) = self.0.iter_mut().find(|medium| medium.is_none()) {
-            *free = Some(MediumId::of(material));
+            *free = Some(MediumId::new(material));
         }
         self
     }
 
     /// Returns the place of the medium of this material that was entered last.
     fn place_of(self, material: MaterialId) -> Option<usize> {
-        let medium = Some(MediumId::of(material));
+        let medium = Some(MediumId::new(material));
         self.0.iter().rposition(|entered| *entered == medium)
     }
 

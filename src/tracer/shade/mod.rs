@@ -295,7 +295,7 @@ impl<'a> Shader<'a> {
         let numbers = self.numbers(path);
         let [lobe, roulette] = numbers.lobe();
         let direction = numbers.direction();
-        let scattered = by_kind!(Bsdf::of(material), |of| sample(
+        let scattered = by_kind!(Bsdf::new(material), |of| sample(
             of, &at, &boundary, direction, lobe
         ));
         // Enter the medium behind the surface if the ray is refracted.

@@ -20,7 +20,7 @@ impl Model for PathTracing {
     const BOUNCE: Bounce = Bounce::Scattered;
 
     fn is_lit(self, material: &Material) -> bool {
-        by_kind!(Bsdf::of(material), |of| of.is_lit())
+        by_kind!(Bsdf::new(material), |of| of.is_lit())
     }
 
     /// Returns 0 where the scattered ray is not traced.
@@ -41,7 +41,7 @@ impl Model for PathTracing {
     ) -> R::Mask {
         let zero = point.side.splat(0.0);
         let is_on = zero.lt(light.radiance.max_element());
-        if by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides()) {
+        if by_kind!(Bsdf::new(material), |of| of.is_lit_from_all_sides()) {
             return is_on;
         }
         point.is_faced_by(light.direction) & is_on
@@ -57,7 +57,7 @@ impl Model for PathTracing {
         to_viewer: Vector<R>,
     ) -> Vector<R> {
         let at = Leaving::new(*point, to_viewer);
-        let Scattering { value, density } = by_kind!(Bsdf::of(material), |of| evaluate(
+        let Scattering { value, density } = by_kind!(Bsdf::new(material), |of| evaluate(
             of,
             &at,
             boundary,

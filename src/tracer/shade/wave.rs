@@ -139,7 +139,7 @@ impl<'a> WaveShader<'a> {
             });
         }
         // Cast a shadow ray from each point that it may reach.
-        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
+        let light = SampledLight::new(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(CastShadows {
             model,
             scene: self.scene,
@@ -177,7 +177,7 @@ impl<'a> WaveShader<'a> {
             *lit |= reached;
         }
         // Add the light that they reflect.
-        let light = SampledLight::of(&self.scene.lights, sample, &self.arriving);
+        let light = SampledLight::new(&self.scene.lights, sample, &self.arriving);
         by_model!(self.scene, |model| self.simd.run(AddLight {
             model,
             scene: self.scene,
@@ -277,7 +277,7 @@ impl<'a> WaveShader<'a> {
             if !material.scatters() {
                 continue;
             }
-            by_kind!(Bsdf::of(material), |scatter| self.simd.run(ScatterPaths {
+            by_kind!(Bsdf::new(material), |scatter| self.simd.run(ScatterPaths {
                 scene: self.scene,
                 scatter,
                 group,

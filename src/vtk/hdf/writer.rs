@@ -211,7 +211,7 @@ fn wide<'a>(array: &'a Array, has_begin: bool) -> Array<'a> {
                 (array.write)(out)
             }
         }),
-        ..Array::of(array.name, 0, std::iter::empty::<i64>)
+        ..Array::new(array.name, 0, std::iter::empty::<i64>)
     }
 }
 

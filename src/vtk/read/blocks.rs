@@ -174,9 +174,9 @@ mod tests {
         let cloud = CellMesh {
             n_points: n,
             n_cells: 0,
-            point_data: vec![Array::of("bytes", n, || bytes.iter().copied())],
+            point_data: vec![Array::new("bytes", n, || bytes.iter().copied())],
             cell_data: Vec::new(),
-            points: Array::of("Points", n, || (0..n).map(point)),
+            points: Array::new("Points", n, || (0..n).map(point)),
             cells: Vec::new(),
         };
         let mut file = tempfile::NamedTempFile::new().unwrap();

@@ -8,7 +8,7 @@ use vtkio::model::ScalarType;
 /// The type of the numbers of an array.
 pub trait Scalar: bytemuck::Pod {
     /// Returns the numbers, if they have this type.
-    fn of(values: &ArrayValues) -> Option<&[Self]>;
+    fn slice(values: &ArrayValues) -> Option<&[Self]>;
 }
 
 /// Defines [`ArrayValues`] for the number types that raycost writes.
@@ -77,7 +77,7 @@ macro_rules! values {
         }
 
         $(impl Scalar for $number {
-            fn of(values: &ArrayValues) -> Option<&[Self]> {
+            fn slice(values: &ArrayValues) -> Option<&[Self]> {
                 match values {
                     ArrayValues::$kind(numbers) => Some(numbers),
                     _ => None,
@@ -140,7 +140,7 @@ impl ArrayValues {
 
     /// Returns the numbers, if they have type `T`.
     pub fn as_slice<T: Scalar>(&self) -> Option<&[T]> {
-        T::of(self)
+        T::slice(self)
     }
 
     /// Iterates over the numbers as [`Self::at`] converts them.

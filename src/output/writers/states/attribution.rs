@@ -52,7 +52,7 @@ enum Level {
 
 impl AttributionValues {
     /// Returns the values of the rendering's cost attribution, if it has one.
-    pub(super) fn of(rendering: &RenderingView) -> Self {
+    pub(super) fn new(rendering: &RenderingView) -> Self {
         let Some(attribution) = rendering.attribution else {
             return Self::default();
         };
@@ -60,11 +60,11 @@ impl AttributionValues {
         let hierarchy = attribution.hierarchy.as_ref();
         let visits = attribution.primitives.as_ref();
         Self {
-            bvh: hierarchy.map(|hierarchy| Boxes::of(hierarchy, cost, limits)),
+            bvh: hierarchy.map(|hierarchy| Boxes::new(hierarchy, cost, limits)),
             surface: visits.map(|visits| {
                 let all = zip(&rendering.scene.primitives, visits);
                 let shown = all.filter(|(primitive, _)| !primitive.is_unbounded());
-                Primitives::of(&shown.map(|(_, visits)| *visits).collect::<Vec<_>>(), cost)
+                Primitives::new(&shown.map(|(_, visits)| *visits).collect::<Vec<_>>(), cost)
             }),
         }
     }
@@ -91,7 +91,7 @@ impl AttributionValues {
 }
 
 impl Primitives {
-    fn of(visits: &[Visits], cost: CostMode) -> Self {
+    fn new(visits: &[Visits], cost: CostMode) -> Self {
         Self {
             has_edges: visits.len() <= MAX_EDGES,
             cost: cost_axis(visits, cost, "primitive", "tests"),
@@ -118,9 +118,9 @@ impl Primitives {
 }
 
 impl Boxes {
-    fn of(hierarchy: &Hierarchy, cost: CostMode, limits: BvhLimits) -> Self {
+    fn new(hierarchy: &Hierarchy, cost: CostMode, limits: BvhLimits) -> Self {
         let written = hierarchy.within(limits);
-        let level = Level::of(written.iter().map(|(node, ..)| *node));
+        let level = Level::new(written.iter().map(|(node, ..)| *node));
         let shown = || written.iter().filter(|(node, ..)| level.has(node));
         let visits: Vec<Visits> = shown().map(|(_, visits, _)| **visits).collect();
         let below = shown().map(|(_, visits, cost)| (f64::from(*cost), visits.n));
@@ -172,7 +172,7 @@ impl Level {
     /// Chooses the leaves or, if they are too many, the deepest level with only levels of at most
     /// [`MAX_BOXES`] boxes above it: past a crowded level, few boxes mean only that few branches
     /// are as deep.
-    fn of<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
+    fn new<'n>(written: impl Iterator<Item = &'n BvhNode>) -> Self {
         let (mut n_leaves, mut n_at) = (0, Vec::new());
         for node in written {
             n_leaves += usize::from(node.is_leaf);
@@ -304,7 +304,7 @@ mod tests {
                 ..node
             };
             let leaves = vec![is_leaf(node(9)); MAX_BOXES + 1];
-            Level::of(nodes.iter().chain(&leaves))
+            Level::new(nodes.iter().chain(&leaves))
         };
         assert_eq!(level(&[1, 8, 64, 512, 4000, 9000, 14]), Level::Depth(3));
         assert_eq!(level(&[MAX_BOXES + 1]), Level::Depth(0));

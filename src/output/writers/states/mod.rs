@@ -53,7 +53,7 @@ impl<'a> States<'a> {
     pub(super) fn new(rendering: &RenderingView, folder: &'a OutputFolder) -> Self {
         Self {
             folder,
-            values: StateValues::of(rendering),
+            values: StateValues::new(rendering),
             is_in_pieces: rendering.bands.is_some(),
         }
     }
@@ -81,23 +81,23 @@ impl<'a> States<'a> {
 
 impl StateValues {
     /// Returns the values of a rendering.
-    fn of(rendering: &RenderingView) -> Self {
+    fn new(rendering: &RenderingView) -> Self {
         let (film, survey) = (rendering.film, rendering.survey);
         let size = [film.grid.width, film.grid.height].map(f64::from);
-        let n_labels = Panels::of(3, size).n_labels();
+        let n_labels = Panels::new(3, size).n_labels();
         let distances = &survey.distances;
         let counter = survey.shown[1];
         let counter = counter.map(|second| counter_axis(second, survey.counter_ends));
         Self {
             cost: cost_axis(survey).with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
-            camera: ViewCamera::of(&rendering.image_plane(), distances.median),
+            camera: ViewCamera::new(&rendering.image_plane(), distances.median),
             size,
-            schedule: TileValues::of(rendering.schedule, n_labels),
+            schedule: TileValues::new(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
             is_partial: rendering.partial.is_some(),
             max_distance: distances.max_shown,
-            attribution: AttributionValues::of(rendering),
+            attribution: AttributionValues::new(rendering),
         }
     }
 

@@ -37,12 +37,12 @@ const KIND_COLORS: [[f32; 3]; RayKind::ALL.len()] = [
 pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
     let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
     let size = rays.plane().size.map(f64::from);
-    let camera = ViewCamera::of(rays.plane(), None);
+    let camera = ViewCamera::new(rays.plane(), None);
     // A plane's hits beyond the scene would make the rest small.
     let (center, radius) = rays.sphere_in_world();
     let beyond = camera.position().distance(center) + f64::from(radius);
-    let max_distance = Distances::of(rays.cloud()).max_shown.min(beyond);
-    let view = SideView::of(rays, &camera, max_distance as f32);
+    let max_distance = Distances::collect(rays.cloud()).max_shown.min(beyond);
+    let view = SideView::new(rays, &camera, max_distance as f32);
     let cost = cost_axis(rays);
     let is_present = |kind: &RayKind| rays.iter().any(|ray| ray.kind == *kind);
     let kinds: Vec<RayKind> = RayKind::ALL.into_iter().filter(is_present).collect();
@@ -125,7 +125,7 @@ struct SideView {
 }
 
 impl SideView {
-    fn of(rays: &Rays, camera: &ViewCamera, max_distance: f32) -> Self {
+    fn new(rays: &Rays, camera: &ViewCamera, max_distance: f32) -> Self {
         let [right, up, forward] = camera.axes();
         let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
         let to_right = up.cross(back).normalize();
@@ -147,7 +147,7 @@ impl SideView {
         let most = seen.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
         let middle = 0.5 * (least + most);
         let extent = (most - least).max(Vec3::splat(0.05 * radius));
-        let panels = Panels::of(2, [extent.x, extent.y].map(f64::from));
+        let panels = Panels::new(2, [extent.x, extent.y].map(f64::from));
         let tangent = (0.5 * VIEW_ANGLE.to_radians()).tan();
         let needed = |point: &Vec3| {
             let size = (*point - middle).abs() * 2.0;

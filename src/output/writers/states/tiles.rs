@@ -16,11 +16,11 @@ pub(super) struct TileValues {
 }
 
 impl TileValues {
-    pub(super) fn of(schedule: &Schedule, n_labels: usize) -> Self {
+    pub(super) fn new(schedule: &Schedule, n_labels: usize) -> Self {
         let runs = &schedule.runs;
         let durations: Vec<f32> = runs.iter().map(|run| run.duration_ns() as f32).collect();
         // Without outliers, which are interrupted threads.
-        let Range { low, high, .. } = Range::of(&durations);
+        let Range { low, high, .. } = Range::spanning(&durations);
         let last_start = runs.iter().map(|run| run.start_ns).max();
         let last_start = last_start.unwrap_or(0).max(1) as f64;
         let last_thread = f64::from(schedule.n_threads - 1).max(1.0);

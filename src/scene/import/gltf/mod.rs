@@ -76,7 +76,7 @@ fn mark_colored(mesh: &mut Mesh) {
         return;
     };
     for (triangle, material) in mesh.material_of.iter().enumerate() {
-        if colors.of(triangle) != [Vec3::ONE; 3]
+        if colors.at(triangle) != [Vec3::ONE; 3]
             && let Some(material) = mesh.materials.get_mut(*material as usize)
         {
             material.has_vertex_colors = true;

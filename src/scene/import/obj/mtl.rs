@@ -60,7 +60,7 @@ pub(super) fn read(
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
         let number = lines.number();
         let read = match (keyword, &mut statements) {
-            ("newmtl", _) => close(statements.replace(Statements::of(rest.trim())), number),
+            ("newmtl", _) => close(statements.replace(Statements::new(rest.trim())), number),
             (_, Some(statements)) => statements.add(keyword, rest.trim(), number),
             (word, None) if word.is_empty() || word.starts_with(['#', '$']) => Ok(()),
             (word, None) => {
@@ -104,7 +104,7 @@ struct MapStatement {
 }
 
 impl Statements {
-    fn of(name: &str) -> Self {
+    fn new(name: &str) -> Self {
         Self {
             name: name.to_owned(),
             ..Self::default()

@@ -100,7 +100,7 @@ const POLYHEDRON: u8 = 42;
 impl CellShape {
     /// Returns the shape of a cell of a type with `n` points; `None` for unknown types. Curved
     /// cells list their corners before the points on their edges.
-    pub(super) fn of(cell_type: u8, n: usize) -> Option<Self> {
+    pub(super) fn new(cell_type: u8, n: usize) -> Option<Self> {
         Some(match cell_type {
             // Nothing, vertices, lines; curves.
             0..=4 | 21 | 35 | 68 | 75 => Self::Thin,
@@ -248,7 +248,7 @@ impl Cells {
         let corners = self.points(cell);
         let (cell_type, n) = (self.types[cell], corners.len());
         let is_bare = cell_type == POLYHEDRON && self.polyhedra.faces(cell).len() == 0;
-        let shape = CellShape::of(cell_type, n).filter(|_| !is_bare);
+        let shape = CellShape::new(cell_type, n).filter(|_| !is_bare);
         let shape = shape.ok_or_else(|| {
             let what = match cell_type {
                 41 => "a convex point set".to_owned(),

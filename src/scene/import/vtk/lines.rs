@@ -28,7 +28,7 @@ pub(super) fn add(
     }
     // Find the radii and the numbers at the points.
     budget.take_of::<f32>(piece.n_points())?;
-    let radii = Radii::of(piece, radius)?;
+    let radii = Radii::read(piece, radius)?;
     if tubes.is_empty() {
         tubes.origin = piece.origin();
     }

@@ -52,7 +52,7 @@ impl<'a> Pieces<'a> {
         let PieceSurface {
             mut triangles,
             cells,
-        } = PieceSurface::of(piece, budget)?;
+        } = PieceSurface::extract(piece, budget)?;
         if triangles.is_empty() {
             return Ok(());
         }

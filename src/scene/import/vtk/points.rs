@@ -23,7 +23,7 @@ pub(super) fn add(
     let n = piece.n_points();
     budget.take_of::<[f32; 16]>(n)?;
     // Find the radii, numbers and colors at the points.
-    let radii = Radii::of(piece, radius)?;
+    let radii = Radii::read(piece, radius)?;
     let of_numbers = array.filter(|array| !array.is_color);
     let scalars = of_numbers
         .map(|array| numbers.scalars(piece, &at_points(array)?))
@@ -67,7 +67,7 @@ impl Radii {
     ///
     /// # Errors
     /// The array is missing, or has values of cells.
-    pub(super) fn of(piece: &Piece, choice: &RadiusChoice) -> Result<Self> {
+    pub(super) fn read(piece: &Piece, choice: &RadiusChoice) -> Result<Self> {
         Ok(match choice {
             RadiusChoice::Same(radius) => Self {
                 of_points: None,

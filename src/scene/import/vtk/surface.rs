@@ -26,7 +26,7 @@ impl PieceSurface {
     ///
     /// # Errors
     /// Cells have unknown types, or there are too many for the memory.
-    pub(super) fn of(piece: &Piece, budget: &mut Budget) -> Result<Self> {
+    pub(super) fn extract(piece: &Piece, budget: &mut Budget) -> Result<Self> {
         let ghosts = piece.cell_data.get(GHOSTS);
         let ghost = |cell: usize| ghosts.map_or(0, |ghosts| ghosts.at(cell) as u8);
         let mut surface = Self::default();

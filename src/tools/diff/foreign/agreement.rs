@@ -45,7 +45,11 @@ impl ObjectShare {
 impl CostAgreement {
     /// Compares the costs of all pixels, whose totals are not 0. `objects` has the ID of the object
     /// of each pixel, or is empty.
-    pub(super) fn of(costs: [&[f64]; 2], objects: &[i32], name: impl Fn(i32) -> String) -> Self {
+    pub(super) fn measure(
+        costs: [&[f64]; 2],
+        objects: &[i32],
+        name: impl Fn(i32) -> String,
+    ) -> Self {
         let [a, b] = costs;
         let n_hottest = a.len().div_ceil(100);
         let weights = costs.map(|costs| weights_of_hottest(costs, n_hottest));

@@ -39,7 +39,7 @@ impl ForeignDiff {
     ///
     /// # Errors
     /// If the output lacks the array to compare with.
-    pub fn of(
+    pub fn compare(
         output: Side,
         file: ForeignFile,
         position: usize,
@@ -57,7 +57,10 @@ impl ForeignDiff {
                 let own = output.colors()?;
                 let [a, b] = in_order([&own, colors], position);
                 let map = greatest_differences(a.iter().zip(b), f32::from);
-                (ForeignDifference::Picture(PictureDifference::of(a, b)), map)
+                (
+                    ForeignDifference::Picture(PictureDifference::measure(a, b)),
+                    map,
+                )
             }
             ForeignContent::Light(light) => {
                 output.require(&["radiance"])?;
@@ -65,7 +68,10 @@ impl ForeignDiff {
                 let [a, b] = in_order([&own, light], position);
                 let pixels = a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0);
                 let map = greatest_differences(pixels, |channel| channel);
-                (ForeignDifference::Light(LightDifference::of(a, b)), map)
+                (
+                    ForeignDifference::Light(LightDifference::measure(a, b)),
+                    map,
+                )
             }
         };
         Ok(Self {
@@ -131,7 +137,7 @@ fn costs_compared(
         Vec::new()
     };
     let costs = in_order([&own[..], foreign], position);
-    let agreement = CostAgreement::of(costs, &objects, |id| output.object_name(id));
+    let agreement = CostAgreement::measure(costs, &objects, |id| output.object_name(id));
     let map = scaled_ratios(costs).map(|ratio| ratio.log2() as f32);
     Ok((ForeignDifference::Cost(metric, agreement), map.collect()))
 }

@@ -73,7 +73,7 @@ pub struct PlotPoint {
 
 impl Figure {
     /// Plots these rows; `None` if no row has the metrics.
-    pub fn of(plot: &PlotSpec, title: &str, rows: &[StatisticsRow]) -> Option<Self> {
+    pub fn new(plot: &PlotSpec, title: &str, rows: &[StatisticsRow]) -> Option<Self> {
         let y_titles: Vec<String> = plot.y.iter().map(|y| axis_title(y)).collect();
         let mut figure = Self {
             title: title.to_owned(),

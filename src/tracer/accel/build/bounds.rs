@@ -20,7 +20,7 @@ impl LaneBounds {
 
     /// Returns the box in these lanes.
     #[inline(always)]
-    pub(super) fn of<L: Lanes>(lanes: L) -> Self {
+    pub(super) fn from_lanes<L: Lanes>(lanes: L) -> Self {
         Self(lanes.to_array())
     }
 

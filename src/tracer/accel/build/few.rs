@@ -65,9 +65,9 @@ fn write_three<I: InstructionSet>(
     // Compute the areas of all single references and all pairs.
     let [x, y, z] = [a.lanes(set), b.lanes(set), c.lanes(set)];
     let [ab, ac, bc] = [
-        LaneBounds::of(x.max(y)),
-        LaneBounds::of(x.max(z)),
-        LaneBounds::of(y.max(z)),
+        LaneBounds::from_lanes(x.max(y)),
+        LaneBounds::from_lanes(x.max(z)),
+        LaneBounds::from_lanes(y.max(z)),
     ];
     let of_one = [a.half_area(), b.half_area(), c.half_area()];
     let of_pair = [ab.half_area(), ac.half_area(), bc.half_area()];
@@ -117,15 +117,24 @@ fn write_four<I: InstructionSet>(
     // Compute the boxes of all divisions: 0 to 2 into pairs, 3 to 6 into three and one.
     let [x, y, z, w] = [a.lanes(set), b.lanes(set), c.lanes(set), d.lanes(set)];
     let of_pairs = [
-        [LaneBounds::of(x.max(y)), LaneBounds::of(z.max(w))],
-        [LaneBounds::of(x.max(z)), LaneBounds::of(y.max(w))],
-        [LaneBounds::of(x.max(w)), LaneBounds::of(z.max(y))],
+        [
+            LaneBounds::from_lanes(x.max(y)),
+            LaneBounds::from_lanes(z.max(w)),
+        ],
+        [
+            LaneBounds::from_lanes(x.max(z)),
+            LaneBounds::from_lanes(y.max(w)),
+        ],
+        [
+            LaneBounds::from_lanes(x.max(w)),
+            LaneBounds::from_lanes(z.max(y)),
+        ],
     ];
     let of_three = [
-        LaneBounds::of(x.max(y).max(z)),
-        LaneBounds::of(x.max(y).max(w)),
-        LaneBounds::of(z.max(w).max(x)),
-        LaneBounds::of(z.max(w).max(y)),
+        LaneBounds::from_lanes(x.max(y).max(z)),
+        LaneBounds::from_lanes(x.max(y).max(w)),
+        LaneBounds::from_lanes(z.max(w).max(x)),
+        LaneBounds::from_lanes(z.max(w).max(y)),
     ];
     let alone = [d.half_area(), c.half_area(), b.half_area(), a.half_area()];
     let apart = alone[0] + alone[1] + alone[2] + alone[3];

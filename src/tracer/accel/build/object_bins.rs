@@ -80,7 +80,7 @@ impl Bin {
 
 impl<const N: usize> ObjectBins<N> {
     #[inline(always)]
-    pub(super) fn of<I: InstructionSet>(
+    pub(super) fn fill<I: InstructionSet>(
         set: I,
         references: &[Reference],
         grid: &CentroidGrid,
@@ -95,7 +95,7 @@ impl<const N: usize> ObjectBins<N> {
                 // All bins are less than N; `%` removes the bits of 2^23 and the bounds check.
                 let bin = &mut bins[indices[4 + axis] as usize % N];
                 let sum = bin.boxes[axis].lanes(set).max(bounds);
-                bin.boxes[axis] = LaneBounds::of(sum);
+                bin.boxes[axis] = LaneBounds::from_lanes(sum);
                 bin.counts[axis] += 1;
             }
         }
@@ -158,7 +158,7 @@ impl<const N: usize> ObjectBins<N> {
             bounds = bounds.max(bin.boxes[axis].lanes(set));
             n += bin.counts[axis];
         }
-        (LaneBounds::of(bounds), n as usize)
+        (LaneBounds::from_lanes(bounds), n as usize)
     }
 }
 
@@ -185,7 +185,7 @@ impl<L: Lanes> Sums<L> {
         for (axis, cost) in costs.iter_mut().enumerate() {
             self.bounds[axis] = self.bounds[axis].max(bin.boxes[axis].lanes(set));
             self.n[axis] += bin.counts[axis];
-            *cost = LaneBounds::of(self.bounds[axis]).half_area() * self.n[axis] as f32;
+            *cost = LaneBounds::from_lanes(self.bounds[axis]).half_area() * self.n[axis] as f32;
         }
         costs
     }

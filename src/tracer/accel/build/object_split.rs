@@ -34,7 +34,7 @@ impl ObjectSplit {
         centers: &LaneBounds,
     ) -> Option<Self> {
         let grid = CentroidGrid::new::<N>(centers);
-        let bins = ObjectBins::<N>::of(set, references, &grid);
+        let bins = ObjectBins::<N>::fill(set, references, &grid);
         Self::cheapest(set, &bins, &grid)
     }
 
@@ -125,7 +125,7 @@ impl SimdKernel for BinReferences<'_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) -> ObjectBins<32> {
-        ObjectBins::of(set, self.references, self.grid)
+        ObjectBins::fill(set, self.references, self.grid)
     }
 }
 

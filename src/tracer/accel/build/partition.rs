@@ -29,7 +29,7 @@ impl Subset {
     };
 
     /// Measures these references.
-    pub(super) fn of(simd: Simd, references: &[Reference]) -> Self {
+    pub(super) fn new(simd: Simd, references: &[Reference]) -> Self {
         let chunks = references.par_chunks(CHUNK);
         let of_chunk = |references: &[Reference]| simd.run(Enclose(references));
         // Maxima and sums of integers are independent of the order.
@@ -40,8 +40,8 @@ impl Subset {
     fn with<I: InstructionSet>(&mut self, set: I, reference: &Reference) {
         let lanes = reference.lanes(set);
         self.n += 1;
-        self.bounds = LaneBounds::of(self.bounds.lanes(set).max(lanes));
-        self.centers = LaneBounds::of(self.centers.lanes(set).max(center(lanes)));
+        self.bounds = LaneBounds::from_lanes(self.bounds.lanes(set).max(lanes));
+        self.centers = LaneBounds::from_lanes(self.centers.lanes(set).max(center(lanes)));
     }
 
     /// Returns the subset without references.
@@ -105,7 +105,7 @@ impl SimdKernel for Scatter<'_, '_> {
             left = left.max(I::Lanes::select(is_left, center, empty));
             right = right.max(I::Lanes::select(is_left, empty, center));
         }
-        [left, right].map(LaneBounds::of)
+        [left, right].map(LaneBounds::from_lanes)
     }
 }
 
@@ -202,5 +202,5 @@ pub(super) fn in_halves(simd: Simd, references: &[Reference], to: Sides) -> [Sub
     let [to_left, to_right] = to;
     to_left[..left.len()].copy_from_slice(left);
     to_right[..right.len()].copy_from_slice(right);
-    [left, right].map(|half| Subset::of(simd, half))
+    [left, right].map(|half| Subset::new(simd, half))
 }

@@ -38,7 +38,7 @@ pub(super) fn references(
         Quality::Fast => {}
         Quality::Balanced => {
             references = presplit::presplit(references, primitives, &whole.bounds);
-            whole = Subset::of(simd, &references);
+            whole = Subset::new(simd, &references);
         }
         Quality::High => {
             let n_triangles = references.iter().filter(|r| r.is_triangle()).count();

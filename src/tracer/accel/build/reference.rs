@@ -31,7 +31,7 @@ impl Reference {
             negated_min: (-bounds.min).into(),
             id: index | ID_BIT,
             max: bounds.max.into(),
-            kind: LeafKind::of(primitive) as u32 | ID_BIT,
+            kind: LeafKind::new(primitive) as u32 | ID_BIT,
         }
     }
 

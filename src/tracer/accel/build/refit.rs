@@ -137,7 +137,7 @@ impl Refitter<'_> {
         let mut all = Aabb::EMPTY;
         for &index in &indices {
             let primitive = &self.primitives[index as usize];
-            if LeafKind::of(primitive) != kind {
+            if LeafKind::new(primitive) != kind {
                 return None;
             }
             all = all.union(primitive.bounds());

@@ -42,7 +42,7 @@ impl SpatialSplit {
             .filter(|&axis| bounds.extent(axis) > 1e-6 * largest)
             .filter_map(|axis| {
                 let grid = SpatialGrid::new(bounds, axis);
-                let bins = SpatialBins::of(references, primitives, &grid);
+                let bins = SpatialBins::fill(references, primitives, &grid);
                 bins.cheapest_plane(grid, references.len(), max_duplicates)
             })
             .min_by(|a, b| a.cost().total_cmp(&b.cost()))
@@ -137,7 +137,7 @@ impl SpatialBins {
         n_end: [0; N_BINS],
     };
 
-    fn of(references: &[Reference], primitives: &[Primitive], grid: &SpatialGrid) -> Self {
+    fn fill(references: &[Reference], primitives: &[Primitive], grid: &SpatialGrid) -> Self {
         let bin = |references: &[Reference]| {
             let mut bins = Self::EMPTY;
             for reference in references {

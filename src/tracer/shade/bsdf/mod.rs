@@ -130,7 +130,7 @@ pub(super) struct Boundary<R: Real> {
 impl<'a> Bsdf<'a> {
     /// Returns the scattering of surfaces of this material.
     #[inline]
-    pub(super) fn of(material: &'a Material) -> Self {
+    pub(super) fn new(material: &'a Material) -> Self {
         let rough = material.rough.as_deref();
         match (&material.kind, rough) {
             (MaterialKind::Opaque { reflection }, _) => {

@@ -72,7 +72,7 @@ fn evaluated(
     boundary: &Boundary<f32>,
     to_light: Vector<f32>,
 ) -> Scattering<f32> {
-    by_kind!(Bsdf::of(material), |of| evaluate(
+    by_kind!(Bsdf::new(material), |of| evaluate(
         of, at, boundary, to_light
     ))
 }
@@ -83,7 +83,7 @@ fn sampled(
     boundary: &Boundary<f32>,
     [u, v, lobe]: [f32; 3],
 ) -> Scattered<f32> {
-    by_kind!(Bsdf::of(material), |of| sample(
+    by_kind!(Bsdf::new(material), |of| sample(
         of,
         at,
         boundary,
@@ -95,7 +95,7 @@ fn sampled(
 /// Returns the directions of light that this material scatters: from all sides, or from above the
 /// surface.
 fn directions(material: &Material) -> impl Iterator<Item = Vector<f32>> {
-    let is_all = by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides());
+    let is_all = by_kind!(Bsdf::new(material), |of| of.is_lit_from_all_sides());
     let middle = move |k: u32| (k as f32 + 0.5) / N as f32;
     let all = (0..N * N).map(move |i| direction(2.0 * middle(i / N) - 1.0, middle(i % N)));
     all.filter(move |direction| is_all || direction.z > 0.0)
@@ -112,7 +112,7 @@ fn numbers() -> impl Iterator<Item = [f32; 3]> {
 
 /// Returns true if light from a direction is ever evaluated.
 fn is_lit(material: &Material, at: &Leaving<f32>, to_light: Vector<f32>) -> bool {
-    let is_lit = by_kind!(Bsdf::of(material), |of| of.is_lit_from_all_sides());
+    let is_lit = by_kind!(Bsdf::new(material), |of| of.is_lit_from_all_sides());
     is_lit || at.point.is_faced_by(to_light)
 }
 
@@ -211,13 +211,13 @@ fn a_normal_that_is_not_tilted_changes_no_bit() {
         let at = leaving(direction(0.4, 0.1), 0.0);
         for to_light in directions(&material) {
             let found = evaluated(&material, &at, &boundary, to_light);
-            let plain = by_kind!(Bsdf::of(&material), |of| of
+            let plain = by_kind!(Bsdf::new(&material), |of| of
                 .evaluate(&at, &boundary, to_light));
             assert_eq!((found.value, found.density), (plain.value, plain.density));
         }
         for [u, v, lobe] in numbers() {
             let found = sampled(&material, &at, &boundary, [u, v, lobe]);
-            let plain = by_kind!(Bsdf::of(&material), |of| of.sample(
+            let plain = by_kind!(Bsdf::new(&material), |of| of.sample(
                 &at,
                 &boundary,
                 [u, v],

@@ -89,7 +89,7 @@ mod tests {
             (15, 10),
             (16, 12),
         ] {
-            let Some(CellShape::Solid(faces)) = CellShape::of(cell_type, n) else {
+            let Some(CellShape::Solid(faces)) = CellShape::new(cell_type, n) else {
                 panic!("{cell_type} is solid");
             };
             for case in 0..1_u32 << n {

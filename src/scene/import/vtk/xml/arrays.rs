@@ -22,7 +22,7 @@ impl<'a> XmlArrays<'a> {
     pub(super) fn new(root: &Element, appended: &'a [u8]) -> Result<Self> {
         Ok(Self {
             storage: storage(root)?,
-            appended: Appended::of(root, appended),
+            appended: Appended::new(root, appended),
         })
     }
 
@@ -129,7 +129,7 @@ struct Appended<'a> {
 }
 
 impl<'a> Appended<'a> {
-    fn of(root: &Element, bytes: &'a [u8]) -> Self {
+    fn new(root: &Element, bytes: &'a [u8]) -> Self {
         let element = root.child("AppendedData");
         let encoding = element.and_then(|element| element.attribute("encoding"));
         Self {
