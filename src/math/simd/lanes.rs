@@ -116,28 +116,8 @@ impl<L: Lanes> Wide for L {
     const N_PARTS: usize = 2;
 
     #[inline(always)]
-    fn le(self, other: Self) -> L::Mask {
-        Real::le(self, other)
-    }
-
-    #[inline(always)]
     fn bits(mask: L::Mask) -> u16 {
         mask.bits().into()
-    }
-
-    #[inline(always)]
-    fn select(mask: L::Mask, this: Self, other: Self) -> Self {
-        Real::select(mask, this, other)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Real::sqrt(self)
-    }
-
-    #[inline(always)]
-    fn flip_sign_by(self, other: Self) -> Self {
-        Real::flip_sign_by(self, other)
     }
 
     #[inline(always)]

@@ -24,24 +24,24 @@ pub trait Arithmetic:
     fn max(self, other: Self) -> Self;
     /// Returns the magnitude.
     fn abs(self) -> Self;
+    /// Returns the square root.
+    fn sqrt(self) -> Self;
+    /// Flips the sign of `self` where the sign bit of `other` is set.
+    fn flip_sign_by(self, other: Self) -> Self;
     /// Returns `self < other`; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
+    /// Returns `self <= other`; false for NaN.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Returns `this` where `mask` is true, else `other`.
+    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
 }
 
 /// The numbers of a part of a packet, in one register.
 pub trait Wide: Arithmetic {
     /// Number of parts of a packet.
     const N_PARTS: usize;
-    /// Returns `self <= other`; false for NaN.
-    fn le(self, other: Self) -> Self::Mask;
     /// Returns the bits: bit `i` for lane `i`.
     fn bits(mask: Self::Mask) -> u16;
-    /// Returns `this` where `mask` is true, else `other`.
-    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
-    /// Returns the square root.
-    fn sqrt(self) -> Self;
-    /// Flips the sign of `self` where `other` is negative.
-    fn flip_sign_by(self, other: Self) -> Self;
     /// Returns the next greater number of each; they must be finite and not negative.
     fn next_up(self) -> Self;
     /// Returns the numbers; eight fill the first half.
@@ -81,7 +81,27 @@ impl<R: Real> Arithmetic for R {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn flip_sign_by(self, other: Self) -> Self {
+        Real::flip_sign_by(self, other)
+    }
+
+    #[inline(always)]
     fn lt(self, other: Self) -> R::Mask {
         Real::lt(self, other)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> R::Mask {
+        Real::le(self, other)
+    }
+
+    #[inline(always)]
+    fn select(mask: R::Mask, this: Self, other: Self) -> Self {
+        Real::select(mask, this, other)
     }
 }

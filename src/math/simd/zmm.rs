@@ -78,36 +78,6 @@ impl<R: WideRegisters> Arithmetic for Zmm<R> {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> WideMask16 {
-        // SAFETY: the set in `self` proves AVX-512.
-        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
-    }
-}
-
-impl<R: WideRegisters> Wide for Zmm<R> {
-    const N_PARTS: usize = 1;
-
-    #[inline(always)]
-    fn le(self, other: Self) -> WideMask16 {
-        // SAFETY: the set in `self` proves AVX-512.
-        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
-    }
-
-    #[inline(always)]
-    fn bits(mask: WideMask16) -> u16 {
-        mask.0
-    }
-
-    #[inline(always)]
-    fn select(mask: WideMask16, this: Self, other: Self) -> Self {
-        // SAFETY: the set in `this` proves AVX-512.
-        Self(
-            unsafe { _mm512_mask_blend_ps(mask.0, other.0, this.0) },
-            this.1,
-        )
-    }
-
-    #[inline(always)]
     fn sqrt(self) -> Self {
         // SAFETY: the set in `self` proves AVX-512.
         Self(unsafe { _mm512_sqrt_ps(self.0) }, self.1)
@@ -122,6 +92,36 @@ impl<R: WideRegisters> Wide for Zmm<R> {
         };
         // SAFETY: as above.
         Self(unsafe { _mm512_castsi512_ps(flipped) }, self.1)
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> WideMask16 {
+        // SAFETY: the set in `self` proves AVX-512.
+        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> WideMask16 {
+        // SAFETY: the set in `self` proves AVX-512.
+        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn select(mask: WideMask16, this: Self, other: Self) -> Self {
+        // SAFETY: the set in `this` proves AVX-512.
+        Self(
+            unsafe { _mm512_mask_blend_ps(mask.0, other.0, this.0) },
+            this.1,
+        )
+    }
+}
+
+impl<R: WideRegisters> Wide for Zmm<R> {
+    const N_PARTS: usize = 1;
+
+    #[inline(always)]
+    fn bits(mask: WideMask16) -> u16 {
+        mask.0
     }
 
     #[inline(always)]

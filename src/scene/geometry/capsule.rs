@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
 use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
+use super::sphere_equation::{SphereEquation, squared_length};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
@@ -127,22 +128,15 @@ fn foot<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
     foot.max(-axis.half_length).min(axis.half_length)
 }
 
-/// Intersects a ray with a sphere, as in [`Sphere`](super::Sphere).
+/// Returns where a ray enters and leaves a sphere; infinities of the other sign for a miss.
 #[inline(always)]
 fn sphere<R: Real>(to_center: Vector<R>, radius: R, direction: Vector<R>) -> [R; 2] {
-    let zero = radius.splat(0.0);
-    let a = direction.dot(direction);
-    let inverse_a = radius.splat(1.0) / a;
-    let b = to_center.dot(direction);
-    let squared = radius * radius;
-    let nearest = to_center - direction * (b * inverse_a);
-    let discriminant = squared - nearest.dot(nearest);
-    let hits = zero.le(discriminant);
-    let q = b + (a * discriminant.max(zero)).sqrt().flip_sign_by(b);
-    let (t0, t1) = ((to_center.dot(to_center) - squared) / q, q * inverse_a);
+    let a = squared_length(direction);
+    let equation = SphereEquation::new(to_center, radius * radius, direction, a);
+    let (hits, [near, far]) = (equation.hits(), equation.roots());
     [
-        R::select(hits, t0.min(t1), zero.splat(f32::INFINITY)),
-        R::select(hits, t1.max(t0), zero.splat(f32::NEG_INFINITY)),
+        R::select(hits, near, near.splat(f32::INFINITY)),
+        R::select(hits, far, far.splat(f32::NEG_INFINITY)),
     ]
 }
 

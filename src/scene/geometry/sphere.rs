@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_unit_sphere};
+use super::sphere_equation::{SphereEquation, squared_length};
 use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
@@ -47,29 +48,15 @@ impl Described for Sphere {
 }
 
 impl Intersectable for Sphere {
-    /// Intersects as in Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
-    /// Intersection", Ray Tracing Gems (2019), chapter 7: the discriminant is computed from the
-    /// point of the ray nearest to the center, which avoids cancellation for small and distant
-    /// spheres.
+    /// Intersects at the first root of the [`SphereEquation`].
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let (c, d) = (self.center - ray.origin, ray.direction);
-        let a = d.dot(d);
-        let inverse_a = a.recip();
-        let b = c.dot(d);
+        let (to_center, direction) = (self.center - ray.origin, ray.direction.into());
         let r2 = self.radius * self.radius;
-        // The vector from the ray's nearest point to the center decides if it hits.
-        let nearest = c - d * (b * inverse_a);
-        let discriminant = r2 - nearest.dot(nearest);
-        if discriminant < 0.0 {
-            return None;
-        }
-        // Solve the quadratic without cancellation.
-        let q = b + (a * discriminant).sqrt().copysign(b);
-        let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
-        let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
-        let t = if near > 0.0 { near } else { far };
-        (t > 0.0 && t < t_max).then_some(t)
+        let a = squared_length(direction);
+        let equation = SphereEquation::new(to_center.into(), r2, direction, a);
+        let hit = equation.hits().then(|| equation.first());
+        hit.filter(|&t| t > 0.0 && t < t_max)
     }
 
     fn bounds(&self) -> Aabb {

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::leaf::LeafIntersector;
 use super::slab::{MARGIN, MIN_DIRECTION, Slabs};
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector, set_lane};
-use scene::geometry::{Ray, RayStream, Shear};
+use scene::geometry::{Ray, RayStream, Shear, squared_length};
 
 /// One number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];
@@ -24,8 +24,7 @@ pub(super) struct RayBlock {
     scale: LaneArray,
     permuted_origin: [LaneArray; 3],
     /// Squared length of the direction, and its reciprocal.
-    a: LaneArray,
-    inverse_a: LaneArray,
+    squared_length: [LaneArray; 2],
     /// Bit masks of the rays that point down each axis.
     is_downward: [u8; 3],
     /// Bit masks of the rays whose dominant axis is y, and z.
@@ -81,9 +80,8 @@ impl RayBlock {
         self.permuted_origin[1] = dominant(z, x, y).to_array();
         self.permuted_origin[2] = dominant(x, y, z).to_array();
         // Spheres: the squared length of the direction.
-        let a = dx * dx + dy * dy + dz * dz;
-        self.a = a.to_array();
-        self.inverse_a = (set.splat(1.0) / a).to_array();
+        let [a, inverse_a] = squared_length(set.load_vector(&self.direction));
+        self.squared_length = [a.to_array(), inverse_a.to_array()];
     }
 
     /// Returns the origins and the directions.
@@ -140,8 +138,7 @@ impl RayBlock {
                 origin: Vec3::from(at(&self.origin, lane)),
                 direction: Vec3::from(at(&self.direction, lane)),
             },
-            a: self.a[lane],
-            inverse_a: self.inverse_a[lane],
+            squared_length: [self.squared_length[0][lane], self.squared_length[1][lane]],
             shear,
             permuted_origin: at(&self.permuted_origin, lane),
         }

@@ -8,14 +8,15 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
-use scene::geometry::{AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear};
+use scene::geometry::{
+    AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, squared_length,
+};
 
 /// Set-up of a ray, shared by its tests against all leaves.
 pub(super) struct LeafIntersector {
     pub(super) ray: Ray,
-    /// Squared length of the direction.
-    pub(super) a: f32,
-    pub(super) inverse_a: f32,
+    /// Squared length of the direction, and its reciprocal.
+    pub(super) squared_length: [f32; 2],
     pub(super) shear: Shear,
     /// The origin, its axes permuted as in the shear.
     pub(super) permuted_origin: [f32; 3],
@@ -30,11 +31,9 @@ impl LeafIntersector {
     /// Prepares a ray whose shear is known.
     #[inline(always)]
     pub(super) fn with_shear(ray: &Ray, shear: Shear) -> Self {
-        let a = ray.direction.dot(ray.direction);
         Self {
             ray: *ray,
-            a,
-            inverse_a: a.recip(),
+            squared_length: squared_length(ray.direction.into()),
             shear,
             permuted_origin: shear.permute(ray.origin),
         }
@@ -131,23 +130,13 @@ impl LeafIntersector {
             y: set.load(leaf.row(1)),
             z: set.load(leaf.row(2)),
         };
-        // Quadratic: `b` is half the linear coefficient; the discriminant follows from the point of
-        // the ray nearest to the center.
-        let r2 = set.load(leaf.row(3));
-        let d = set.splat_vector(self.ray.direction);
-        let c = center - set.splat_vector(self.ray.origin);
-        let (a, inverse_a) = (set.splat(self.a), set.splat(self.inverse_a));
-        let b = c.dot(d);
-        let nearest = c - d * (b * inverse_a);
-        let discriminant = r2 - nearest.dot(nearest);
-        let is_hit = zero.le(discriminant);
-        // A negative discriminant gives NaN, in lanes that are masked already.
-        let q = b + (a * discriminant).sqrt().flip_sign_by(b);
-        let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
-        let (near, far) = (t0.min(t1), t1.max(t0));
-        // Take the near root if it lies in front of the origin, else the far one.
-        let t = I::Lanes::select(zero.lt(near), near, far);
-        let hits = is_hit & zero.lt(t) & t.lt(set.splat(search.limit()));
+        let to_center = center - set.splat_vector(self.ray.origin);
+        let direction = set.splat_vector(self.ray.direction);
+        let [a, inverse_a] = self.squared_length;
+        let a = [set.splat(a), set.splat(inverse_a)];
+        let equation = SphereEquation::new(to_center, set.load(leaf.row(3)), direction, a);
+        let t = equation.first();
+        let hits = equation.hits() & zero.lt(t) & t.lt(set.splat(search.limit()));
         report(leaf, SPHERE_ROWS, t.to_array(), hits.bits(), search);
     }
 

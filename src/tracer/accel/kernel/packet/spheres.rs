@@ -1,5 +1,4 @@
-//! Sphere test of a packet: a leaf's spheres one after the other against all rays. The arithmetic
-//! of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector) with one ray per lane.
+//! Sphere test of a packet: a leaf's spheres one after the other against all rays, one ray per lane.
 
 use super::rays::PacketRays;
 use super::searches::Searches;
@@ -8,6 +7,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::SPHERE_ROWS;
 use crate::accel::search::Queries;
 use math::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
+use scene::geometry::{SphereEquation, squared_length};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests spheres and reports the hits.
@@ -29,28 +29,20 @@ impl<I: InstructionSet> PacketRays<'_, I> {
             };
             let r2 = set.splat_wide(leaf.row(3)[lane]);
             for part in 0..I::Wide::N_PARTS {
-                // Quadratic, as in `LeafIntersector`.
                 let active = active_in_part::<I>(active, part);
                 if active == 0 {
                     continue;
                 }
-                let d = self.part(&self.soa.directions, part);
-                let c = center - self.part(&self.soa.origins, part);
-                let a = d.dot(d);
-                let inverse_a = set.splat_wide(1.0) / a;
-                let b = c.dot(d);
-                let nearest = c - d * (b * inverse_a);
-                let discriminant = r2 - nearest.dot(nearest);
-                let is_hit = zero.le(discriminant);
+                let to_center = center - self.part(&self.soa.origins, part);
+                let direction = self.part(&self.soa.directions, part);
+                let a = squared_length(direction);
+                let equation = SphereEquation::new(to_center, r2, direction, a);
                 // Skip the roots if every active ray misses.
+                let is_hit = equation.hits();
                 if I::Wide::bits(is_hit) & active == 0 {
                     continue;
                 }
-                // A negative discriminant gives NaN, in lanes that are masked already.
-                let q = b + (a * discriminant).sqrt().flip_sign_by(b);
-                let (t0, t1) = ((c.dot(c) - r2) / q, q * inverse_a);
-                let (near, far) = (t0.min(t1), t1.max(t0));
-                let t = I::Wide::select(zero.lt(near), near, far);
+                let t = equation.first();
                 let hits = I::Wide::bits(is_hit & zero.lt(t)) & active;
                 searches.found_in_part(part, hits, t, leaf.primitive(SPHERE_ROWS, i));
             }
