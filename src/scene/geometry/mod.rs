@@ -46,7 +46,7 @@ pub use ray_stream::RayStream;
 pub use render_space::RenderSpace;
 pub use sampled::{Sampled, Seen, SurfaceSample};
 pub use shape::*;
-pub use shear::Shear;
+pub use shear::{Shear, dominant_axis, shear_constants, sheared};
 pub use sphere_equation::{SphereEquation, squared_length};
 pub(crate) use surface::rounding_of;
 pub use surface::{N_PARAMETERS, Project};

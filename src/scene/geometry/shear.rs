@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::Ray;
 use super::areas::{AreaTest, Areas};
+use math::simd::{Arithmetic, Vector};
 
 /// A space in which a ray starts at the origin and points along the last axis.
 ///
@@ -16,41 +17,65 @@ pub struct Shear {
     /// The axes that become the first, the second and the last one. The last is the dominant axis
     /// of the ray's direction.
     pub axes: [usize; 3],
-    /// The shear of the first and the second coordinate per unit of the last one; at most 1 in
-    /// magnitude.
-    pub slopes: [f32; 2],
-    /// The ray's parameter per unit of the last coordinate.
-    pub scale: f32,
+    /// The shear constants of the paper: the shear of the first and the second coordinate per unit
+    /// of the last one, at most 1 in magnitude, and the ray's parameter per unit of the last one.
+    pub constants: Vec3,
+}
+
+/// Returns two booleans that select the dominant axis of a direction: it is the last axis if the
+/// second one is true, else the second axis if the first one is true, else the first axis.
+#[inline(always)]
+pub fn dominant_axis<R: Arithmetic>(direction: Vector<R>) -> [R::Mask; 2] {
+    let Vector { x, y, z } = direction;
+    let (x, y, z) = (x.abs(), y.abs(), z.abs());
+    [x.lt(y), x.max(y).lt(z)]
+}
+
+/// Returns the shear constants for a ray in this direction, whose axes are permuted.
+#[inline(always)]
+pub fn shear_constants<R: Arithmetic>(Vector { x, y, z }: Vector<R>) -> Vector<R> {
+    let z = z.splat(1.0) / z;
+    Vector {
+        x: x * z,
+        y: y * z,
+        z,
+    }
+}
+
+/// Shears a point, given from the ray's origin, with permuted axes.
+#[inline(always)]
+pub fn sheared<R: Arithmetic>(point: Vector<R>, constants: Vector<R>) -> Vector<R> {
+    Vector {
+        x: point.x - constants.x * point.z,
+        y: point.y - constants.y * point.z,
+        z: point.z,
+    }
 }
 
 impl Shear {
-    /// The axes of a shear, by its last axis.
-    pub const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
-
     /// Returns the shear for a ray in this direction, which must not be zero.
     #[inline(always)]
     pub fn along(direction: Vec3) -> Self {
-        // No branch on the direction: it is unpredictable.
-        let d = direction.abs();
-        let is_y = usize::from(d.y > d.x);
-        let is_z = usize::from(d.z > d.x.max(d.y));
-        let last = (is_y | is_z) << is_z;
-        let axes = Self::AXES[last % 3];
-        let [x, y, z] = permuted(direction, axes);
-        let scale = z.recip();
+        let axes = Self::axes(dominant_axis(direction.into()));
         Self {
             axes,
-            slopes: [x * scale, y * scale],
-            scale,
+            constants: shear_constants(permuted(direction, axes).into()).into(),
         }
+    }
+
+    /// Returns the axes of a shear, given the [`dominant_axis`].
+    #[inline(always)]
+    pub fn axes([is_y, is_z]: [bool; 2]) -> [usize; 3] {
+        // No branch on the direction: it is unpredictable.
+        let last = usize::from(is_y | is_z) << u8::from(is_z);
+        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last % 3]
     }
 
     /// Transforms a point to this space.
     #[inline(always)]
     pub fn point(&self, ray: &Ray, point: Vec3) -> Vec3 {
-        let [x, y, z] = self.permute(point - ray.origin);
-        let [slope_x, slope_y] = self.slopes;
-        Vec3::new(x - slope_x * z, y - slope_y * z, z)
+        let from_origin = self.permute(point - ray.origin);
+        sheared(from_origin.into(), self.constants.into()).into()
     }
 
     /// Transforms three points to this space.
@@ -66,7 +91,7 @@ impl Shear {
     pub fn intersect(&self, vertices: [Vec3; 3]) -> Option<f32> {
         let [a, b, c] = vertices;
         let areas = Areas::new(&[a.into(), b.into(), c.into()]);
-        let AreaTest { hits, is_unsure, t } = areas.test(self.scale);
+        let AreaTest { hits, is_unsure, t } = areas.test(self.constants.z);
         if is_unsure {
             return self.intersect_exactly(vertices);
         }
@@ -94,19 +119,19 @@ impl Shear {
         }
         // The depth is the mean of the vertices' depths, weighted by the areas.
         let z = (u * a.z + v * b.z + w * c.z) / area;
-        Some((z * f64::from(self.scale)) as f32)
+        Some((z * f64::from(self.constants.z)) as f32)
     }
 
     /// Returns the vector's coordinates in the order of this space's axes.
     #[inline(always)]
-    pub fn permute(&self, v: Vec3) -> [f32; 3] {
+    pub fn permute(&self, v: Vec3) -> Vec3 {
         permuted(v, self.axes)
     }
 }
 
 #[inline(always)]
-fn permuted(v: Vec3, [x, y, z]: [usize; 3]) -> [f32; 3] {
+fn permuted(v: Vec3, [x, y, z]: [usize; 3]) -> Vec3 {
     // An array, since indexing a `Vec3` branches; of length four, since a remainder by 3 is slow.
     let v = v.extend(0.0).to_array();
-    [v[x % 4], v[y % 4], v[z % 4]]
+    Vec3::new(v[x % 4], v[y % 4], v[z % 4])
 }

@@ -1,15 +1,17 @@
 //! Intersection of a ray with all primitives of a leaf at once, one primitive per lane.
 //!
-//! Performs the same operations in the same order as the tests in `geometry`: each lane has the
-//! same `t` as [`Triangle`](scene::geometry::Triangle), [`Sphere`](scene::geometry::Sphere) or
-//! [`Capsule`], to the bit.
+//! The formulas are those of `geometry`: each lane has the same `t` as
+//! [`Triangle`](scene::geometry::Triangle), [`Sphere`](scene::geometry::Sphere) or [`Capsule`], to
+//! the bit.
+
+use glam::Vec3;
 
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
 use scene::geometry::{
-    AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, squared_length,
+    AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, sheared, squared_length,
 };
 
 /// Set-up of a ray, shared by its tests against all leaves.
@@ -19,7 +21,7 @@ pub(super) struct LeafIntersector {
     pub(super) squared_length: [f32; 2],
     pub(super) shear: Shear,
     /// The origin, its axes permuted as in the shear.
-    pub(super) permuted_origin: [f32; 3],
+    pub(super) permuted_origin: Vec3,
 }
 
 impl LeafIntersector {
@@ -58,17 +60,17 @@ impl LeafIntersector {
     #[inline(always)]
     fn triangles<I: InstructionSet, S: Search>(&self, set: I, leaf: Leaf, search: &mut S) {
         // Shear the vertices into the space where the ray is the z axis.
+        let constants = set.splat_vector(self.shear.constants);
         let [x, y, z] = self.shear.axes;
         let (x, y, z) = (leaf.coordinate(x), leaf.coordinate(y), leaf.coordinate(z));
         // No `array::map` here: it is not always inlined.
         let vertices = [
-            self.sheared(set, x[0], y[0], z[0]),
-            self.sheared(set, x[1], y[1], z[1]),
-            self.sheared(set, x[2], y[2], z[2]),
+            self.sheared(set, constants, [x[0], y[0], z[0]]),
+            self.sheared(set, constants, [x[1], y[1], z[1]]),
+            self.sheared(set, constants, [x[2], y[2], z[2]]),
         ];
         // Compare the areas of the three sub-triangles; `t` is the weighted depth.
-        let scale = set.splat(self.shear.scale);
-        let AreaTest { hits, is_unsure, t } = Areas::new(&vertices).test(scale);
+        let AreaTest { hits, is_unsure, t } = Areas::new(&vertices).test(constants.z);
         let (zero, limit) = (set.splat(0.0), set.splat(search.limit()));
         // Report hits in front of the limit. One branch for all: a mispredicted one costs as much
         // as the test.
@@ -105,20 +107,15 @@ impl LeafIntersector {
     fn sheared<I: InstructionSet>(
         &self,
         set: I,
-        x: &[f32; N_LANES],
-        y: &[f32; N_LANES],
-        z: &[f32; N_LANES],
+        constants: Vector<I::Lanes>,
+        [x, y, z]: [&[f32; N_LANES]; 3],
     ) -> Vector<I::Lanes> {
-        let [origin_x, origin_y, origin_z] = &self.permuted_origin;
-        let x = set.load(x) - set.splat(*origin_x);
-        let y = set.load(y) - set.splat(*origin_y);
-        let z = set.load(z) - set.splat(*origin_z);
-        let [slope_x, slope_y] = &self.shear.slopes;
-        Vector {
-            x: x - set.splat(*slope_x) * z,
-            y: y - set.splat(*slope_y) * z,
-            z,
-        }
+        let point = Vector {
+            x: set.load(x),
+            y: set.load(y),
+            z: set.load(z),
+        };
+        sheared(point - set.splat_vector(self.permuted_origin), constants)
     }
 
     /// Tests spheres.

@@ -1,16 +1,16 @@
-//! Slab test: one ray against the eight boxes of a node.
+//! Slab test: rays against boxes.
 
 use crate::accel::layout::WideNode;
-use math::simd::{InstructionSet, Real};
+use math::simd::{Arithmetic, InstructionSet, Vector};
 use scene::geometry::{Aabb, Ray};
 
 /// Least magnitude of a direction's component: smaller ones are replaced by it, so that reciprocals
 /// are finite and no product is NaN. Where the replacement matters, the ray hits the box anyway,
 /// because of its margin.
-pub(super) const MIN_DIRECTION: f32 = 1e-18;
+const MIN_DIRECTION: f32 = 1e-18;
 
-/// Margin of boxes relative to the largest coordinate: see [`Slabs`].
-pub(super) const MARGIN: f32 = 5e-6;
+/// Margin of boxes relative to the largest coordinate: see [`SlabSetup`].
+const MARGIN: f32 = 5e-6;
 
 /// Offsets of the node's rows that hold the near planes of each axis, by the octant of the
 /// direction.
@@ -26,7 +26,7 @@ const ROWS: [[u32; 3]; 8] = {
     rows
 };
 
-/// Set-up of a ray, shared by its tests against all boxes.
+/// Set-up of the test, for one ray or one per lane.
 ///
 /// The test enlarges the boxes by a margin that exceeds the rounding error of every primitive's
 /// test, so that no box hides a hit that brute force finds: 5e-6 of the largest coordinate `l` of
@@ -43,10 +43,71 @@ const ROWS: [[u32; 3]; 8] = {
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near planes and once for
 /// the far ones.
+pub(super) struct SlabSetup<R> {
+    pub(super) inverse_direction: Vector<R>,
+    pub(super) origin_of_near: Vector<R>,
+    pub(super) origin_of_far: Vector<R>,
+}
+
+impl<R: Arithmetic> SlabSetup<R> {
+    /// Prepares rays for tests against boxes whose coordinates are at most `largest`.
+    #[inline(always)]
+    pub(super) fn new(origin: Vector<R>, direction: Vector<R>, largest: f32) -> Self {
+        let Vector { x, y, z } = origin;
+        let farthest = x.abs().max(y.abs()).max(z.abs());
+        let margin = x.splat(MARGIN) * x.splat(largest).max(farthest);
+        // Displace the origin outward by the margin.
+        let Vector { x, y, z } = direction;
+        let outward = Vector {
+            x: margin.flip_sign_by(x),
+            y: margin.flip_sign_by(y),
+            z: margin.flip_sign_by(z),
+        };
+        Self {
+            inverse_direction: Vector {
+                x: reciprocal(x),
+                y: reciprocal(y),
+                z: reciprocal(z),
+            },
+            origin_of_near: origin + outward,
+            origin_of_far: origin - outward,
+        }
+    }
+
+    /// Returns where rays enter boxes with these near and far planes, at least 0, and where they
+    /// leave them or reach their `limit`. A ray misses a box that it leaves before entering.
+    #[inline(always)]
+    pub(super) fn span(&self, near: Vector<R>, far: Vector<R>, limit: R) -> (R, R) {
+        let near = (near - self.origin_of_near).times(self.inverse_direction);
+        let far = (far - self.origin_of_far).times(self.inverse_direction);
+        let enter = near.x.max(near.y).max(near.z.max(limit.splat(0.0)));
+        let exit = far.x.min(far.y).min(far.z.min(limit));
+        (enter, exit)
+    }
+}
+
+/// Returns the reciprocal of a direction's component, or of a larger one that is not 0.
+#[inline(always)]
+fn reciprocal<R: Arithmetic>(direction: R) -> R {
+    let size = direction.abs().max(direction.splat(MIN_DIRECTION));
+    direction.splat(1.0) / size.flip_sign_by(direction)
+}
+
+impl SlabSetup<f32> {
+    /// Returns the same set-up in all lanes.
+    #[inline(always)]
+    fn splat<I: InstructionSet>(&self, set: I) -> SlabSetup<I::Lanes> {
+        SlabSetup {
+            inverse_direction: set.splat_vector(self.inverse_direction.into()),
+            origin_of_near: set.splat_vector(self.origin_of_near.into()),
+            origin_of_far: set.splat_vector(self.origin_of_far.into()),
+        }
+    }
+}
+
+/// A ray, prepared for tests against the boxes of nodes.
 pub(in crate::accel) struct Slabs {
-    inverse_direction: [f32; 3],
-    origin_of_near: [f32; 3],
-    origin_of_far: [f32; 3],
+    setup: SlabSetup<f32>,
     /// Offsets of the node's rows that hold the near and the far planes of each axis.
     near_rows: [u32; 3],
     far_rows: [u32; 3],
@@ -58,42 +119,19 @@ impl Slabs {
     /// Prepares a ray for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
     pub(in crate::accel) fn new(ray: &Ray, largest: f32) -> Self {
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let [x, y, z] = origin.map(f32::abs);
-        let margin = MARGIN * largest.max(x).max(y).max(z);
-        let (mut inverse, mut near, mut far) = ([0.0; 3], [0.0; 3], [0.0; 3]);
-        let mut octant = 0;
-        for axis in 0..3 {
-            let (origin, direction) = (origin[axis], direction[axis]);
-            // Find the octant. No branch on the sign: it is unpredictable.
-            octant |= (direction.to_bits() >> 31) << axis;
-            // Displace the origin outward by the margin; take the reciprocal of a direction that is
-            // never 0.
-            let outward = margin.copysign(direction);
-            let steep = direction.abs().max(MIN_DIRECTION).copysign(direction);
-            inverse[axis] = steep.recip();
-            near[axis] = origin + outward;
-            far[axis] = origin - outward;
-        }
-        Self::of_octant(octant as usize, inverse, near, far)
+        let setup = SlabSetup::new(ray.origin.into(), ray.direction.into(), largest);
+        Self::of_octant(ray.direction.is_negative_bitmask(), setup)
     }
 
     /// Prepares a ray that points to this octant: bit `i` is set if it points down axis `i`.
     #[inline(always)]
-    pub(super) fn of_octant(
-        octant: usize,
-        inverse_direction: [f32; 3],
-        origin_of_near: [f32; 3],
-        origin_of_far: [f32; 3],
-    ) -> Self {
-        let octant = octant % 8;
+    pub(super) fn of_octant(octant: u32, setup: SlabSetup<f32>) -> Self {
+        let [near_rows, far_rows] = rows(octant);
         Self {
-            inverse_direction,
-            origin_of_near,
-            origin_of_far,
-            near_rows: ROWS[octant],
-            far_rows: ROWS[7 - octant],
-            order_shift: 3 * octant as u32,
+            setup,
+            near_rows,
+            far_rows,
+            order_shift: 3 * octant,
         }
     }
 
@@ -103,8 +141,7 @@ impl Slabs {
         self.order_shift
     }
 
-    /// Returns where the ray enters each box, at least 0, and where it leaves the box or reaches
-    /// its `limit`. It misses a box that it leaves before entering.
+    /// Returns the [`span`](SlabSetup::span) of each box.
     #[inline(always)]
     pub(super) fn span<I: InstructionSet>(
         &self,
@@ -112,47 +149,39 @@ impl Slabs {
         node: &WideNode,
         limit: I::Lanes,
     ) -> (I::Lanes, I::Lanes) {
-        let (near_x, far_x) = self.planes(set, node, 0);
-        let (near_y, far_y) = self.planes(set, node, 1);
-        let (near_z, far_z) = self.planes(set, node, 2);
-        let enter = near_x.max(near_y).max(near_z.max(set.splat(0.0)));
-        let exit = far_x.min(far_y).min(far_z.min(limit));
-        (enter, exit)
+        let near = planes(set, node, self.near_rows);
+        let far = planes(set, node, self.far_rows);
+        self.setup.splat(set).span(near, far, limit)
     }
 
-    /// Returns where the ray enters a box, at least 0, and where it leaves it: the
-    /// [`span`](Self::span) of a single box, to the bit.
+    /// Returns where the ray enters a box, at least 0, and where it leaves it.
     pub(in crate::accel) fn span_of(&self, bounds: &Aabb) -> (f32, f32) {
-        let (mut enter, mut exit) = (0.0_f32, f32::INFINITY);
+        let (mut near, mut far) = (bounds.min, bounds.max);
         for axis in 0..3 {
-            let (min, max) = (bounds.min[axis], bounds.max[axis]);
             // Rows from 24 on hold maxima.
-            let (near, far) = match self.near_rows[axis] {
-                0..24 => (min, max),
-                _ => (max, min),
-            };
-            let inverse_direction = self.inverse_direction[axis];
-            enter = enter.max((near - self.origin_of_near[axis]) * inverse_direction);
-            exit = exit.min((far - self.origin_of_far[axis]) * inverse_direction);
+            if self.near_rows[axis] >= 24 {
+                (near[axis], far[axis]) = (far[axis], near[axis]);
+            }
         }
-        (enter, exit)
+        self.setup.span(near.into(), far.into(), f32::INFINITY)
     }
+}
 
-    /// Returns where the ray hits the near and the far plane of each box.
-    #[inline(always)]
-    fn planes<I: InstructionSet>(
-        &self,
-        set: I,
-        node: &WideNode,
-        axis: usize,
-    ) -> (I::Lanes, I::Lanes) {
-        let near = set.load(node.row(self.near_rows[axis] as usize));
-        let far = set.load(node.row(self.far_rows[axis] as usize));
-        let inverse_direction = set.splat(self.inverse_direction[axis]);
-        (
-            (near - set.splat(self.origin_of_near[axis])) * inverse_direction,
-            (far - set.splat(self.origin_of_far[axis])) * inverse_direction,
-        )
+/// Returns the offsets of a node's rows that hold the near and the far planes of each axis, for
+/// rays to this octant.
+#[inline(always)]
+pub(super) fn rows(octant: u32) -> [[u32; 3]; 2] {
+    let octant = octant as usize % 8;
+    [ROWS[octant], ROWS[7 - octant]]
+}
+
+/// Loads these rows of planes.
+#[inline(always)]
+fn planes<I: InstructionSet>(set: I, node: &WideNode, [x, y, z]: [u32; 3]) -> Vector<I::Lanes> {
+    Vector {
+        x: set.load(node.row(x as usize)),
+        y: set.load(node.row(y as usize)),
+        z: set.load(node.row(z as usize)),
     }
 }
 
@@ -161,7 +190,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use math::simd::{Lanes, Mask, Real, Simd, SimdKernel};
+    use math::simd::{Lanes, Mask, Simd, SimdKernel};
 
     /// Tests a ray against a node whose only child is the unit cube.
     struct EnterCube {

@@ -37,14 +37,13 @@ struct BeamAxis<I: InstructionSet> {
 impl<I: InstructionSet> Beam<I> {
     #[inline(always)]
     pub(super) fn around(rays: &PacketRays<I>) -> Self {
-        let [x, y, z] = rays.is_downward.map(u32::from);
         Self {
             axes: [
                 BeamAxis::around(rays, 0),
                 BeamAxis::around(rays, 1),
                 BeamAxis::around(rays, 2),
             ],
-            order_shift: 3 * (x | y << 1 | z << 2),
+            order_shift: 3 * rays.octant,
         }
     }
 
@@ -88,25 +87,21 @@ impl<I: InstructionSet> Beam<I> {
 impl<I: InstructionSet> BeamAxis<I> {
     #[inline(always)]
     fn around(rays: &PacketRays<I>, axis: usize) -> Self {
-        let (set, slab) = (rays.set, &rays.slabs[axis]);
-        let (of_near, of_far) = if rays.is_downward[axis] {
-            (
-                least(set, &slab.origin_of_near),
-                greatest(set, &slab.origin_of_far),
-            )
+        let set = rays.set;
+        let (of_near, of_far) = (&rays.origin_of_near[axis], &rays.origin_of_far[axis]);
+        let (of_near, of_far) = if rays.octant >> axis & 1 != 0 {
+            (least(set, of_near), greatest(set, of_far))
         } else {
-            (
-                greatest(set, &slab.origin_of_near),
-                least(set, &slab.origin_of_far),
-            )
+            (greatest(set, of_near), least(set, of_far))
         };
+        let inverse_direction = &rays.inverse_direction[axis];
         Self {
-            inverse_min: set.splat(least(set, &slab.inverse_direction)),
-            inverse_max: set.splat(greatest(set, &slab.inverse_direction)),
+            inverse_min: set.splat(least(set, inverse_direction)),
+            inverse_max: set.splat(greatest(set, inverse_direction)),
             origin_of_near: set.splat(of_near),
             origin_of_far: set.splat(of_far),
-            near_row: rays.near_rows[axis],
-            far_row: rays.far_rows[axis],
+            near_row: rays.near_rows[axis] as usize,
+            far_row: rays.far_rows[axis] as usize,
         }
     }
 

@@ -20,10 +20,10 @@
 //! - A single ray visits a child if `enter <= exit`, and `enter` is at most its limit at the visit
 //!   to the parent and at most its limit when the child is popped. Limits never grow, so one test
 //!   against the latter limit, of the rays that were active in the parent, selects the same rays.
-//!   Its arithmetic gives the same bits as [`Slabs`](super::slab::Slabs).
+//!   Both take the same [`span`](super::slab::SlabSetup::span).
 //! - The beam rejects no child that a ray of the packet enters: see [`Beam`](beam::Beam).
-//! - The tests of a leaf give the same bits as [`LeafIntersector`](super::leaf::LeafIntersector),
-//!   and the result does not depend on their order.
+//! - The tests of a leaf are the formulas of [`LeafIntersector`](super::leaf::LeafIntersector), and
+//!   the result does not depend on their order.
 
 mod soa;
 mod rays;

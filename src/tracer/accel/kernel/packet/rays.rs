@@ -1,44 +1,33 @@
 //! The rays of a packet, prepared for traversal, one per lane.
 
-use super::soa::{N_HALVES, PerRay, RaySoa};
+use super::soa::{N_HALVES, PerRay, RaySoa, at};
 use crate::accel::kernel::leaf::LeafIntersector;
-use crate::accel::kernel::slab::{MARGIN, MIN_DIRECTION};
-use math::simd::{InstructionSet, Lanes, N_LANES, Real};
-use scene::geometry::Shear;
+use crate::accel::kernel::slab::{SlabSetup, rows};
+use math::simd::{InstructionSet, Lanes, N_LANES, Real, Vector, Wide};
+use scene::geometry::{Shear, shear_constants};
 
 /// The rays of a packet, prepared for tests.
 pub(super) struct PacketRays<'c, I: InstructionSet> {
     pub(super) set: I,
     pub(super) soa: &'c RaySoa,
-    pub(super) slabs: [RaySlab; 3],
-    /// Slopes and scales of the rays' [`Shear`]s.
-    pub(super) slopes: [PerRay<f32>; 2],
-    pub(super) scale: PerRay<f32>,
-    /// True for each axis that the rays point down.
-    pub(super) is_downward: [bool; 3],
+    // The rays' `SlabSetup`.
+    pub(super) inverse_direction: [PerRay<f32>; 3],
+    pub(super) origin_of_near: [PerRay<f32>; 3],
+    pub(super) origin_of_far: [PerRay<f32>; 3],
+    /// The octant of the directions: bit `i` is set if the rays point down axis `i`.
+    pub(super) octant: u32,
     /// Offsets of the node's rows that hold the near and the far planes of each axis.
-    pub(super) near_rows: [usize; 3],
-    pub(super) far_rows: [usize; 3],
+    pub(super) near_rows: [u32; 3],
+    pub(super) far_rows: [u32; 3],
     /// Axes of the rays' [`Shear`]s, and the origins with permuted axes.
     pub(super) shear_axes: [usize; 3],
     pub(super) permuted_origins: [&'c PerRay<f32>; 3],
+    /// Constants of the [`Shear`]s.
+    pub(super) shear_constants: [PerRay<f32>; 3],
 }
 
-/// One axis of the rays' slab test: see [`Slabs`](crate::accel::kernel::slab::Slabs).
-pub(super) struct RaySlab {
-    pub(super) inverse_direction: PerRay<f32>,
-    pub(super) origin_of_near: PerRay<f32>,
-    pub(super) origin_of_far: PerRay<f32>,
-}
-
-impl RaySlab {
-    /// Memory for one axis.
-    const EMPTY: Self = Self {
-        inverse_direction: [[0.0; N_LANES]; N_HALVES],
-        origin_of_near: [[0.0; N_LANES]; N_HALVES],
-        origin_of_far: [[0.0; N_LANES]; N_HALVES],
-    };
-}
+/// Memory for three numbers of each ray.
+const EMPTY: [PerRay<f32>; 3] = [[[0.0; N_LANES]; N_HALVES]; 3];
 
 impl<'c, I: InstructionSet> PacketRays<'c, I> {
     /// Prepares the rays for tests against boxes whose coordinates are at most `largest`.
@@ -46,43 +35,65 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
     pub(super) fn new(set: I, soa: &'c RaySoa, largest: f32) -> Self {
         let direction = soa.ray(0).direction;
         let shear_axes = Shear::along(direction).axes;
-        let [x, y, z] = direction.to_array().map(f32::is_sign_negative);
-        let row = |axis: usize, is_max: bool| N_LANES * (axis + 3 * usize::from(is_max));
+        let octant = direction.is_negative_bitmask();
+        let [near_rows, far_rows] = rows(octant);
         let mut rays = Self {
             set,
             soa,
-            slabs: [const { RaySlab::EMPTY }; 3],
-            slopes: [[[0.0; N_LANES]; N_HALVES]; 2],
-            scale: [[0.0; N_LANES]; N_HALVES],
-            is_downward: [x, y, z],
-            near_rows: [row(0, x), row(1, y), row(2, z)],
-            far_rows: [row(0, !x), row(1, !y), row(2, !z)],
+            inverse_direction: EMPTY,
+            origin_of_near: EMPTY,
+            origin_of_far: EMPTY,
+            octant,
+            near_rows,
+            far_rows,
             shear_axes,
             permuted_origins: shear_axes.map(|axis| &soa.origins[axis % 3]),
+            shear_constants: EMPTY,
         };
-        rays.prepare(0, largest);
-        rays.prepare(1, largest);
+        for part in 0..I::Wide::N_PARTS {
+            rays.prepare(part, largest);
+        }
         rays
     }
 
-    /// Prepares the rays of a half for tests against boxes whose coordinates are at most `largest`.
+    /// Prepares the rays of a part for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
-    fn prepare(&mut self, half: usize, largest: f32) {
+    fn prepare(&mut self, part: usize, largest: f32) {
         let (set, soa) = (self.set, self.soa);
-        // Slabs: reciprocal direction, and the origin displaced by the margin.
-        let [x, y, z] = &soa.origins;
-        let (x, y, z) = (set.load(&x[half]), set.load(&y[half]), set.load(&z[half]));
-        let farthest = x.abs().max(y.abs()).max(z.abs());
-        let margin = set.splat(MARGIN) * set.splat(largest).max(farthest);
-        self.slabs[0].prepare(set, half, x, set.load(&soa.directions[0][half]), margin);
-        self.slabs[1].prepare(set, half, y, set.load(&soa.directions[1][half]), margin);
-        self.slabs[2].prepare(set, half, z, set.load(&soa.directions[2][half]), margin);
-        // Shear: permute the axes as `Shear::along` does; all rays share the dominant one.
-        let [x, y, z] = self.shear_axes.map(|axis| axis % 3);
-        let scale = set.splat(1.0) / set.load(&soa.directions[z][half]);
-        self.scale[half] = scale.to_array();
-        self.slopes[0][half] = (set.load(&soa.directions[x][half]) * scale).to_array();
-        self.slopes[1][half] = (set.load(&soa.directions[y][half]) * scale).to_array();
+        let [x, y, z] = self.shear_axes;
+        // Slabs for boxes.
+        let origin = self.part(&soa.origins, part);
+        let slabs = SlabSetup::new(origin, self.part(&soa.directions, part), largest);
+        store(slabs.inverse_direction, &mut self.inverse_direction, part);
+        store(slabs.origin_of_near, &mut self.origin_of_near, part);
+        store(slabs.origin_of_far, &mut self.origin_of_far, part);
+        // Shear for triangles; all rays share the dominant axis.
+        let permuted = Vector {
+            x: set.load_wide(&soa.directions[x % 3], part),
+            y: set.load_wide(&soa.directions[y % 3], part),
+            z: set.load_wide(&soa.directions[z % 3], part),
+        };
+        store(shear_constants(permuted), &mut self.shear_constants, part);
+    }
+
+    /// Returns the vectors of a part.
+    #[inline(always)]
+    pub(super) fn part(&self, [x, y, z]: &[PerRay<f32>; 3], part: usize) -> Vector<I::Wide> {
+        Vector {
+            x: self.set.load_wide(x, part),
+            y: self.set.load_wide(y, part),
+            z: self.set.load_wide(z, part),
+        }
+    }
+
+    /// Returns the set-up of the slab test of a part.
+    #[inline(always)]
+    pub(super) fn slabs(&self, part: usize) -> SlabSetup<I::Wide> {
+        SlabSetup {
+            inverse_direction: self.part(&self.inverse_direction, part),
+            origin_of_near: self.part(&self.origin_of_near, part),
+            origin_of_far: self.part(&self.origin_of_far, part),
+        }
     }
 
     /// Returns the leaf intersector of the ray in this lane, which has primitives in the lanes.
@@ -94,35 +105,19 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
     /// Returns the shear of a ray.
     #[inline(always)]
     pub(super) fn shear(&self, ray: usize) -> Shear {
-        let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
-        let [slope_x, slope_y] = &self.slopes;
         Shear {
             axes: self.shear_axes,
-            slopes: [slope_x[half][lane], slope_y[half][lane]],
-            scale: self.scale[half][lane],
+            constants: at(&self.shear_constants, ray),
         }
     }
 }
 
-impl RaySlab {
-    #[inline(always)]
-    fn prepare<I: InstructionSet>(
-        &mut self,
-        set: I,
-        half: usize,
-        origin: I::Lanes,
-        direction: I::Lanes,
-        margin: I::Lanes,
-    ) {
-        let outward = margin.flip_sign_by(direction);
-        let steep = direction
-            .abs()
-            .max(set.splat(MIN_DIRECTION))
-            .flip_sign_by(direction);
-        self.inverse_direction[half] = (set.splat(1.0) / steep).to_array();
-        self.origin_of_near[half] = (origin + outward).to_array();
-        self.origin_of_far[half] = (origin - outward).to_array();
-    }
+/// Stores the vectors of a part.
+#[inline(always)]
+fn store<W: Wide>(vectors: Vector<W>, [x, y, z]: &mut [PerRay<f32>; 3], part: usize) {
+    vectors.x.store(x, part);
+    vectors.y.store(y, part);
+    vectors.z.store(z, part);
 }
 
 /// Returns the greatest of the rays' numbers.

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::accel::kernel::block::LaneArray;
-use math::simd::{self, InstructionSet, Lanes, Mask, N_LANES, Real};
-use scene::geometry::{Ray, RayStream, Shear};
+use math::simd::{self, InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
+use scene::geometry::{Ray, RayStream, Shear, dominant_axis};
 
 /// Cosine of the largest angle, 11 degrees, between the first ray of a packet and another.
 const MIN_COSINE: f32 = 0.98;
@@ -58,12 +58,9 @@ impl RaySoa {
     /// Returns one of the rays.
     #[inline(always)]
     pub(super) fn ray(&self, ray: usize) -> Ray {
-        let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
-        let at =
-            |[x, y, z]: &[PerRay<f32>; 3]| Vec3::new(x[half][lane], y[half][lane], z[half][lane]);
         Ray {
-            origin: at(&self.origins),
-            direction: at(&self.directions),
+            origin: at(&self.origins, ray),
+            direction: at(&self.directions, ray),
         }
     }
 
@@ -72,11 +69,11 @@ impl RaySoa {
     #[inline(always)]
     pub(super) fn coherent_with_first<I: InstructionSet>(&self, set: I) -> u16 {
         let first = self.ray(0).direction;
-        let dominant_axis = Shear::along(first).axes[2];
+        let axis = Shear::along(first).axes[2];
         let [x, y, z] = &self.directions;
         u16::from_le_bytes([
-            coherent_lanes(set, [&x[0], &y[0], &z[0]], first, dominant_axis),
-            coherent_lanes(set, [&x[1], &y[1], &z[1]], first, dominant_axis),
+            coherent_lanes(set, [&x[0], &y[0], &z[0]], first, axis),
+            coherent_lanes(set, [&x[1], &y[1], &z[1]], first, axis),
         ])
     }
 
@@ -95,6 +92,13 @@ impl RaySoa {
     }
 }
 
+/// Returns the vector of a ray.
+#[inline(always)]
+pub(super) fn at([x, y, z]: &[PerRay<f32>; 3], ray: usize) -> Vec3 {
+    let (half, lane) = (ray / N_LANES % N_HALVES, ray % N_LANES);
+    Vec3::new(x[half][lane], y[half][lane], z[half][lane])
+}
+
 /// Returns the directions, as bits, that are coherent with the first one, whose dominant axis is
 /// given.
 #[inline(always)]
@@ -102,7 +106,7 @@ fn coherent_lanes<I: InstructionSet>(
     set: I,
     [x, y, z]: [&LaneArray; 3],
     first: Vec3,
-    dominant_axis: usize,
+    axis: usize,
 ) -> u8 {
     let (x, y, z) = (set.load(x), set.load(y), set.load(z));
     let (first_x, first_y, first_z) = (set.splat(first.x), set.splat(first.y), set.splat(first.z));
@@ -113,11 +117,10 @@ fn coherent_lanes<I: InstructionSet>(
     // Compare the angle with the first ray.
     let cosine = x * first_x + y * first_y + z * first_z;
     let is_near = set.splat(MIN_COSINE).le(cosine).bits();
-    // Compare the dominant axes, found as in `Shear::along`.
-    let (x, y, z) = (x.abs(), y.abs(), z.abs());
-    let is_y = x.lt(y).bits();
-    let is_z = x.max(y).lt(z).bits();
-    let same_axis = match dominant_axis {
+    // Compare the dominant axes.
+    let [is_y, is_z] = dominant_axis(Vector { x, y, z });
+    let (is_y, is_z) = (is_y.bits(), is_z.bits());
+    let same_axis = match axis {
         0 => !is_y & !is_z,
         1 => is_y & !is_z,
         _ => is_z,

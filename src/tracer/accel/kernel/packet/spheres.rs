@@ -2,7 +2,7 @@
 
 use super::rays::PacketRays;
 use super::searches::Searches;
-use super::soa::{PerRay, active_in_part};
+use super::soa::active_in_part;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::SPHERE_ROWS;
 use crate::accel::search::Queries;
@@ -46,16 +46,6 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 let hits = I::Wide::bits(is_hit & zero.lt(t)) & active;
                 searches.found_in_part(part, hits, t, leaf.primitive(SPHERE_ROWS, i));
             }
-        }
-    }
-
-    /// Returns the vectors of a part.
-    #[inline(always)]
-    fn part(&self, [x, y, z]: &[PerRay<f32>; 3], part: usize) -> Vector<I::Wide> {
-        Vector {
-            x: self.set.load_wide(x, part),
-            y: self.set.load_wide(y, part),
-            z: self.set.load_wide(z, part),
         }
     }
 }

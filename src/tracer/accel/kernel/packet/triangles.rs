@@ -1,5 +1,4 @@
-//! Triangle test of a packet: a leaf's triangles one after the other against all rays. The
-//! arithmetic of [`LeafIntersector`](crate::accel::kernel::leaf::LeafIntersector) with one ray per
+//! Triangle test of a packet: a leaf's triangles one after the other against all rays, one ray per
 //! lane.
 
 use super::rays::PacketRays;
@@ -9,7 +8,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::TRIANGLE_ROWS;
 use crate::accel::search::Queries;
 use math::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
-use scene::geometry::{AreaTest, Areas};
+use scene::geometry::{AreaTest, Areas, sheared};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests triangles and reports the hits.
@@ -41,8 +40,8 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 if !I::Wide::bits(areas.is_missed()) & active == 0 {
                     continue;
                 }
+                let scale = self.set.load_wide(&self.shear_constants[2], part);
                 // Report the hits at the weighted depths.
-                let scale = self.set.load_wide(&self.scale, part);
                 let AreaTest { hits, is_unsure, t } = areas.test(scale);
                 let primitive = leaf.primitive(TRIANGLE_ROWS, i);
                 let hits = I::Wide::bits(hits & zero.lt(t)) & active;
@@ -74,15 +73,13 @@ impl<I: InstructionSet> PacketRays<'_, I> {
     /// part.
     #[inline(always)]
     fn sheared(&self, part: usize, [x, y, z]: [f32; 3]) -> Vector<I::Wide> {
-        let (set, [slope_x, slope_y]) = (self.set, &self.slopes);
+        let set = self.set;
         let [origin_x, origin_y, origin_z] = &self.permuted_origins;
-        let x = set.splat_wide(x) - set.load_wide(origin_x, part);
-        let y = set.splat_wide(y) - set.load_wide(origin_y, part);
-        let z = set.splat_wide(z) - set.load_wide(origin_z, part);
-        Vector {
-            x: x - set.load_wide(slope_x, part) * z,
-            y: y - set.load_wide(slope_y, part) * z,
-            z,
-        }
+        let from_origin = Vector {
+            x: set.splat_wide(x) - set.load_wide(origin_x, part),
+            y: set.splat_wide(y) - set.load_wide(origin_y, part),
+            z: set.splat_wide(z) - set.load_wide(origin_z, part),
+        };
+        sheared(from_origin, self.part(&self.shear_constants, part))
     }
 }
