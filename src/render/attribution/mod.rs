@@ -6,9 +6,9 @@
 //! that the rays of a pixel sum to its `time_ns`, which was measured without an observer. The time
 //! of a ray is divided evenly among its steps, the node visits and primitive tests.
 //!
-//! The [`Observer`] is a third way to render a pixel, besides single rays and streams of rays, with
-//! the same rays, hits and counters. It is slow and records everything: the hit of each ray, the
-//! nodes and primitives it was tested against, its time, and its contribution to the pixel.
+//! The [`Observer`] follows paths in the loop of single rays, with the same rays, hits and counters.
+//! It is slow and records everything: the hit of each ray, the nodes and primitives it was tested
+//! against, its time, and its contribution to the pixel.
 
 mod tree;
 mod observer;

@@ -5,13 +5,12 @@ use glam::Vec3;
 
 use super::stopwatch::{Stopwatch, ThreadTimer, is_spike};
 use super::view::View;
-use super::{SampleSums, TileRenderer};
+use super::{PathProbe, TileRenderer, follow};
 use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
 use crate::schedule::Tile;
 use base::stop;
-use math::simd::Vector;
 use scene::config::Image;
-use tracer::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe, RayKind};
+use tracer::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe};
 use tracer::shade::{LightSample, PathRay};
 use tracer::trace::SurfacePoint;
 
@@ -170,44 +169,74 @@ impl PixelRenderer<'_> {
     /// Never inlined, so that the same code is timed the first time and again.
     #[inline(never)]
     fn render_pixel(&mut self, place: PixelPlace, i: usize) {
-        let Self {
-            view,
-            pixels,
-            costs,
-            bounces,
-            paths,
-        } = self;
         let PixelPlace { at, index } = place;
-        bounces.reset_pixel(index);
-        let pixel = &mut pixels[i];
+        self.bounces.reset_pixel(index);
+        let pixel = &mut self.pixels[i];
         *pixel = Pixel::default();
-        // A local variable, which stays in registers.
-        let mut cost = Cost::default();
-        let probe = &mut cost;
-        // Render rounds of samples until the pixel is no longer noisy.
-        let mut sums = SampleSums::zero(0.0);
-        let mut round = view.rounds.first();
-        while !round.is_empty() {
-            for sample in round.clone() {
-                // Trace the camera ray; the middle sample stores the visible surface.
-                let path = view.camera_path(at, sample);
-                let met = view.tracer.trace(&path.ray, RayKind::Camera, probe);
-                if let Some(point) = met
-                    && sample == view.middle
-                {
-                    pixel.set_surface(&point);
-                }
-                // Follow the path.
-                let mut counted = |bounce| bounces.add(index, bounce, 1);
-                let color = radiance(view, path, met, paths, probe, &mut counted);
-                sums.add(view.limited(Vector::from(color)));
-            }
-            round = view.rounds.next(&sums, round.end);
-        }
+        let mut probe = CountedPixel {
+            view: &self.view,
+            pixel,
+            cost: Cost::default(),
+            bounces: &mut self.bounces,
+            index,
+        };
+        let (sums, n_samples) = follow(&self.view, at, &mut self.paths, &mut probe);
+        self.costs[i] = probe.cost;
         // Average the samples.
         pixel.color = sums.colors.into();
-        view.finish(pixel, round.end, at);
-        costs[i] = cost;
+        self.view.finish(pixel, n_samples, at);
+    }
+}
+
+/// Counts the rays of a pixel, and keeps what it sees.
+struct CountedPixel<'a> {
+    view: &'a View<'a>,
+    pixel: &'a mut Pixel,
+    cost: Cost,
+    bounces: &'a mut BounceCounts,
+    /// Number of the pixel in the tile.
+    index: usize,
+}
+
+impl PathProbe for CountedPixel<'_> {
+    #[inline]
+    fn trace(&mut self, path: &PathRay) -> Option<SurfacePoint> {
+        self.cost.bounce(path.depth);
+        self.bounces.add(self.index, path.depth, 1);
+        let tracer = &self.view.tracer;
+        let hit = tracer.trace_after(path.length, &path.ray, path.kind, &mut self.cost);
+        // The camera ray of the middle sample stores the visible surface.
+        if path.depth == 0
+            && path.id.sample == self.view.middle
+            && let Some(point) = &hit
+        {
+            self.pixel.set_surface(point);
+        }
+        hit
+    }
+
+    #[inline]
+    fn shade(
+        &mut self,
+        eye: Vec3,
+        path: &PathRay,
+        met: Option<&SurfacePoint>,
+        next: &mut Vec<PathRay>,
+    ) -> Vec3 {
+        let View { tracer, shader, .. } = self.view;
+        // End in the background, or shade the point by the lights that are not shadowed.
+        let Some(point) = met else {
+            return shader.miss(path);
+        };
+        let mut is_shadowed = |sample: &LightSample| {
+            self.bounces.add(self.index, path.depth, 1);
+            tracer.is_shadowed(&sample.shadow, &mut self.cost)
+        };
+        let lights = shader
+            .light_samples(path, point)
+            .filter(|sample| !shader.casts_shadows() || !is_shadowed(sample))
+            .map(|sample| sample.light);
+        shader.shade(eye, path, point, lights, next)
     }
 }
 
@@ -240,54 +269,6 @@ impl TileRenderer for SingleRayRenderer<'_> {
             n_rejected: &self.n_rejected[..n_pixels],
             warm_up_ns,
         }
-    }
-}
-
-/// Returns the radiance along a camera ray, the start of a path, given the point that it hit.
-/// `paths` is a reused buffer; `bounces` gets the bounces before each ray.
-fn radiance<P: Probe>(
-    view: &View,
-    camera_path: PathRay,
-    first: Option<SurfacePoint>,
-    paths: &mut Vec<PathRay>,
-    probe: &mut P,
-    bounces: &mut impl FnMut(u32),
-) -> Vec3 {
-    let View { tracer, shader, .. } = view;
-    let mut color = Vec3::ZERO;
-    let (mut path, mut met) = (camera_path, shader.met_in_fog(&camera_path, first));
-    let eye = camera_path.ray.origin;
-    paths.clear();
-    bounces(0);
-    // All rays of a depth before the rays of the next, as in waves.
-    let mut n_traced = 0;
-    loop {
-        color += match met {
-            Some(point) => {
-                // Shade the point by the lights that are not shadowed, or end in the background.
-                let mut is_shadowed = |sample: &LightSample| {
-                    bounces(path.depth);
-                    tracer.is_shadowed(&sample.shadow, probe)
-                };
-                let lights = shader
-                    .light_samples(&path, &point)
-                    .filter(|sample| !shader.casts_shadows() || !is_shadowed(sample))
-                    .map(|sample| sample.light);
-                shader.shade(eye, &path, &point, lights, paths)
-            }
-            None => shader.miss(&path),
-        };
-        // Take the next ray of the paths, or end.
-        let Some(&next) = paths.get(n_traced) else {
-            return color;
-        };
-        n_traced += 1;
-        path = next;
-        probe.bounce(path.depth);
-        bounces(path.depth);
-        // Trace it to the next point.
-        let hit = tracer.trace_after(path.length, &path.ray, path.kind, probe);
-        met = shader.met_in_fog(&path, hit);
     }
 }
 

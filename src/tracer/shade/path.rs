@@ -26,7 +26,7 @@ pub struct PathRay {
     /// no choice.
     pub(super) density: f32,
     /// The sample that the path belongs to.
-    pub(super) id: SampleId<u32>,
+    pub id: SampleId<u32>,
 }
 
 impl PathRay {
