@@ -2,14 +2,13 @@
 #![expect(unsafe_code, reason = "intrinsics, proved by `Avx512::detect`")]
 
 use std::arch::x86_64::*;
-use std::ops::{BitAnd, BitOr, Not};
 
 use super::avx2::Avx2;
 use super::lanes::SimdKernel;
-use super::real::Mask;
+use super::real::BitMask;
 use super::registers::Registers;
 use super::wide::Sixteen;
-use super::zmm::{WideMask16, WideRegisters, Zmm};
+use super::zmm::{WideRegisters, Zmm};
 
 /// Proof that the CPU has AVX2, AVX-512F and AVX-512VL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,50 +34,10 @@ impl Avx512 {
     }
 }
 
-/// One boolean per lane: bit `i` for lane `i`.
-#[derive(Clone, Copy)]
-pub struct MaskRegister(__mmask8);
-
-impl Mask for MaskRegister {
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == u8::MAX
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0
-    }
-}
-
-impl BitAnd for MaskRegister {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for MaskRegister {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Not for MaskRegister {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
 impl WideRegisters for Avx512 {}
 
 impl Registers for Avx512 {
-    type Mask = MaskRegister;
+    type Mask = BitMask<u8>;
     type Wide = Zmm<Self>;
 
     #[inline(always)]
@@ -92,35 +51,35 @@ impl Registers for Avx512 {
     }
 
     #[inline(always)]
-    fn wide_mask_of(self, bits: u16) -> WideMask16 {
-        WideMask16(bits)
+    fn wide_mask_of(self, bits: u16) -> BitMask<u16> {
+        BitMask(bits)
     }
 
     #[inline(always)]
-    fn mask_of(self, bits: u8) -> MaskRegister {
-        MaskRegister(bits)
+    fn mask_of(self, bits: u8) -> BitMask<u8> {
+        BitMask(bits)
     }
 
     #[inline(always)]
-    fn lt(self, a: __m256, b: __m256) -> MaskRegister {
+    fn lt(self, a: __m256, b: __m256) -> BitMask<u8> {
         // SAFETY: `self` proves AVX-512.
-        MaskRegister(unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
+        BitMask(unsafe { _mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
     }
 
     #[inline(always)]
-    fn le(self, a: __m256, b: __m256) -> MaskRegister {
+    fn le(self, a: __m256, b: __m256) -> BitMask<u8> {
         // SAFETY: `self` proves AVX-512.
-        MaskRegister(unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
+        BitMask(unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
     }
 
     #[inline(always)]
-    fn select(self, mask: MaskRegister, this: __m256, other: __m256) -> __m256 {
+    fn select(self, mask: BitMask<u8>, this: __m256, other: __m256) -> __m256 {
         // SAFETY: `self` proves AVX-512.
         unsafe { _mm256_mask_blend_ps(mask.0, other, this) }
     }
 
     #[inline(always)]
-    fn compress(self, mask: MaskRegister, lanes: __m256) -> __m256 {
+    fn compress(self, mask: BitMask<u8>, lanes: __m256) -> __m256 {
         // SAFETY: `self` proves AVX-512.
         unsafe { _mm256_maskz_compress_ps(mask.0, lanes) }
     }

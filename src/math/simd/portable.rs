@@ -1,9 +1,9 @@
 //! Lanes as plain arrays, which the compiler vectorizes for the target: SSE2, NEON.
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
-use super::real::{Double, Integer, LookupTable, Mask, Real};
+use super::real::{BitMask, Double, Integer, LookupTable, Real};
 use super::wide::Sixteen;
 
 /// Evaluates an expression for each lane. Loops would do the same, but compile times grow faster
@@ -64,7 +64,7 @@ impl InstructionSet for Portable {
     }
 
     #[inline(always)]
-    fn mask(self, bits: u8) -> BitMask {
+    fn mask(self, bits: u8) -> BitMask<u8> {
         BitMask(bits)
     }
 
@@ -85,46 +85,6 @@ impl InstructionSet for Portable {
 #[derive(Clone, Copy)]
 pub struct F32x8([f32; N_LANES]);
 
-/// One boolean per lane: bit `i` for lane `i`.
-#[derive(Clone, Copy)]
-pub struct BitMask(u8);
-
-impl Mask for BitMask {
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.bits() == u8::MAX
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0
-    }
-}
-
-impl BitAnd for BitMask {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for BitMask {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Not for BitMask {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
 impl F32x8 {
     #[inline(always)]
     fn zip(self, other: Self, op: impl Fn(f32, f32) -> f32) -> Self {
@@ -132,14 +92,14 @@ impl F32x8 {
     }
 
     #[inline(always)]
-    fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> BitMask {
+    fn compare(self, other: Self, op: impl Fn(&f32, &f32) -> bool) -> BitMask<u8> {
         let [a, b, c, d, e, f, g, h] = eight!(|i| u8::from(op(&self.0[i], &other.0[i])) << i);
         BitMask((a | b | c | d) | (e | f | g | h))
     }
 }
 
 impl Real for F32x8 {
-    type Mask = BitMask;
+    type Mask = BitMask<u8>;
     type Integer = U32x8;
     type Double = F64x8;
 
@@ -179,17 +139,17 @@ impl Real for F32x8 {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> BitMask {
+    fn lt(self, other: Self) -> BitMask<u8> {
         self.compare(other, PartialOrd::lt)
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> BitMask {
+    fn le(self, other: Self) -> BitMask<u8> {
         self.compare(other, PartialOrd::le)
     }
 
     #[inline(always)]
-    fn select(mask: BitMask, this: Self, other: Self) -> Self {
+    fn select(mask: BitMask<u8>, this: Self, other: Self) -> Self {
         Self(eight!(|i| if mask.0 >> i & 1 != 0 {
             this.0[i]
         } else {
@@ -278,7 +238,7 @@ impl Lanes for F32x8 {
     }
 
     #[inline(always)]
-    fn compress(self, mask: BitMask) -> Self {
+    fn compress(self, mask: BitMask<u8>) -> Self {
         let mut kept = self;
         let mut bits = mask.0;
         for slot in kept.0.iter_mut().take(bits.count_ones() as usize) {

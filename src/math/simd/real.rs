@@ -101,6 +101,46 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn all(self) -> bool;
 }
 
+/// One boolean per lane: bit `i` for lane `i`.
+#[derive(Clone, Copy)]
+pub struct BitMask<B>(pub(super) B);
+
+impl Mask for BitMask<u8> {
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0 == u8::MAX
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self.0
+    }
+}
+
+impl<B: BitAnd<Output = B>> BitAnd for BitMask<B> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl<B: BitOr<Output = B>> BitOr for BitMask<B> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl<B: Not<Output = B>> Not for BitMask<B> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
 /// Integers modulo 2^32.
 pub trait Integer: Copy {
     /// Returns the same integer in all lanes of `self`.

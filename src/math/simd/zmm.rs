@@ -5,8 +5,9 @@
 )]
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
+use super::real::BitMask;
 use super::wide::{Arithmetic, Sixteen, Wide};
 
 /// A set that has AVX-512F. A value proves that the CPU has the instructions.
@@ -34,10 +35,6 @@ impl<R: WideRegisters> Zmm<R> {
     }
 }
 
-/// One boolean per lane: bit `i` for lane `i`.
-#[derive(Clone, Copy)]
-pub struct WideMask16(pub(super) __mmask16);
-
 /// Defines a method or an operator by one intrinsic.
 macro_rules! binary {
     ($method:ident, $intrinsic:ident) => {
@@ -61,7 +58,7 @@ binary!(Mul: mul, _mm512_mul_ps);
 binary!(Div: div, _mm512_div_ps);
 
 impl<R: WideRegisters> Arithmetic for Zmm<R> {
-    type Mask = WideMask16;
+    type Mask = BitMask<u16>;
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self {
@@ -95,19 +92,19 @@ impl<R: WideRegisters> Arithmetic for Zmm<R> {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> WideMask16 {
+    fn lt(self, other: Self) -> BitMask<u16> {
         // SAFETY: the set in `self` proves AVX-512.
-        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        BitMask(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> WideMask16 {
+    fn le(self, other: Self) -> BitMask<u16> {
         // SAFETY: the set in `self` proves AVX-512.
-        WideMask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        BitMask(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
     }
 
     #[inline(always)]
-    fn select(mask: WideMask16, this: Self, other: Self) -> Self {
+    fn select(mask: BitMask<u16>, this: Self, other: Self) -> Self {
         // SAFETY: the set in `this` proves AVX-512.
         Self(
             unsafe { _mm512_mask_blend_ps(mask.0, other.0, this.0) },
@@ -120,7 +117,7 @@ impl<R: WideRegisters> Wide for Zmm<R> {
     const N_PARTS: usize = 1;
 
     #[inline(always)]
-    fn bits(mask: WideMask16) -> u16 {
+    fn bits(mask: BitMask<u16>) -> u16 {
         mask.0
     }
 
@@ -138,29 +135,5 @@ impl<R: WideRegisters> Wide for Zmm<R> {
     fn to_arrays(self) -> Sixteen {
         // SAFETY: both are sixteen times 32 bits.
         unsafe { std::mem::transmute(self.0) }
-    }
-}
-
-impl BitAnd for WideMask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for WideMask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Not for WideMask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
     }
 }
