@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::real::{Integer, LookupTable, Mask, Real};
+use super::real::{Arithmetic, Integer, LookupTable, Mask, Real};
 use super::vector::Vector;
-use super::wide::{Arithmetic, Sixteen, Wide};
+use super::wide::{Sixteen, Wide};
 
 /// Number of lanes.
 pub const N_LANES: usize = 8;
@@ -58,7 +58,7 @@ pub trait InstructionSet: Copy {
         self.load_bits(integers).to_integer_bits()
     }
     /// Returns the mask with bit `i` for lane `i`.
-    fn mask(self, bits: u8) -> <Self::Lanes as Real>::Mask;
+    fn mask(self, bits: u8) -> <Self::Lanes as Arithmetic>::Mask;
     /// Adds `n` to the counts whose bits are set.
     fn add_to(self, counts: &mut [u32; N_LANES], bits: u8, n: u32);
     /// Prefetches the cache line at this address, which need not be valid, into

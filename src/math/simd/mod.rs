@@ -37,10 +37,10 @@ use avx512::Avx512;
 pub use column::{VectorColumn, bits_of, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
 pub use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
-pub use real::{Double, Integer, LookupTable, Mask, Real};
+pub use real::{Arithmetic, Double, Integer, LookupTable, Mask, Real};
 pub use turns::{cos_sin, cos_sin_of_eighths, turns_of};
 pub use vector::Vector;
-pub use wide::{Arithmetic, Wide};
+pub use wide::Wide;
 
 /// An instruction set that the CPU has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,7 +102,7 @@ impl fmt::Display for Simd {
 
 #[cfg(test)]
 mod tests {
-    use super::{InstructionSet, Lanes, Mask, N_LANES, Real, Simd, SimdKernel};
+    use super::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Simd, SimdKernel};
 
     const BITS: [u32; N_LANES] = [10, 11, 12, 13, 14, 15, 16, 17];
     const DISTANCES: [f32; N_LANES] = [3.0, 0.0, 7.5, 3.0, f32::INFINITY, 1e-30, 2.0, 0.0];

@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
-use super::real::{BitMask, Double, Integer, LookupTable, Real};
+use super::real::{Arithmetic, BitMask, Double, Integer, LookupTable, Real};
 use super::wide::Sixteen;
 
 /// Evaluates an expression for each lane. Loops would do the same, but compile times grow faster
@@ -39,7 +39,7 @@ impl InstructionSet for Portable {
     }
 
     #[inline(always)]
-    fn wide_mask(self, bits: u16) -> <F32x8 as Real>::Mask {
+    fn wide_mask(self, bits: u16) -> <F32x8 as Arithmetic>::Mask {
         self.mask(bits as u8)
     }
 
@@ -98,10 +98,8 @@ impl F32x8 {
     }
 }
 
-impl Real for F32x8 {
+impl Arithmetic for F32x8 {
     type Mask = BitMask<u8>;
-    type Integer = U32x8;
-    type Double = F64x8;
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self {
@@ -110,12 +108,12 @@ impl Real for F32x8 {
 
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, Real::min)
+        self.zip(other, Arithmetic::min)
     }
 
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, Real::max)
+        self.zip(other, Arithmetic::max)
     }
 
     #[inline(always)]
@@ -125,17 +123,7 @@ impl Real for F32x8 {
 
     #[inline(always)]
     fn flip_sign_by(self, other: Self) -> Self {
-        self.zip(other, Real::flip_sign_by)
-    }
-
-    #[inline(always)]
-    fn floor(self) -> Self {
-        self.zip(self, |a, _| Real::floor(a))
-    }
-
-    #[inline(always)]
-    fn trunc(self) -> Self {
-        self.zip(self, |a, _| Real::trunc(a))
+        self.zip(other, Arithmetic::flip_sign_by)
     }
 
     #[inline(always)]
@@ -155,6 +143,21 @@ impl Real for F32x8 {
         } else {
             other.0[i]
         }))
+    }
+}
+
+impl Real for F32x8 {
+    type Integer = U32x8;
+    type Double = F64x8;
+
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.zip(self, |a, _| Real::floor(a))
+    }
+
+    #[inline(always)]
+    fn trunc(self) -> Self {
+        self.zip(self, |a, _| Real::trunc(a))
     }
 
     #[inline(always)]

@@ -6,58 +6,60 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// A number, or eight. Comparisons with NaN are false.
-pub trait Real:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+/// A number, or one per lane. Comparisons with NaN are false.
+pub trait Arithmetic:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// One boolean per number.
-    type Mask: Mask;
+    type Mask: Copy
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
+    /// Returns the same number in all lanes of `self`.
+    fn splat(self, value: f32) -> Self;
+    /// Returns `self` where it is less than `other`, else `other`.
+    fn min(self, other: Self) -> Self;
+    /// Returns `self` where it is greater than `other`, else `other`.
+    fn max(self, other: Self) -> Self;
+    /// Returns the magnitude.
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.flip_sign_by(self)
+    }
+    /// Returns the square root.
+    fn sqrt(self) -> Self;
+    /// Flips the sign where the sign bit of `other` is set.
+    fn flip_sign_by(self, other: Self) -> Self;
+    /// Returns `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Returns `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Returns `this` where `mask` is true, else `other`.
+    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
+}
+
+/// A number, or eight.
+pub trait Real: Arithmetic<Mask: Mask> + Neg<Output = Self> {
     /// One integer per number.
     type Integer: Integer;
     /// The numbers in double precision.
     type Double: Double;
 
-    /// Returns the same number in all lanes of `self`.
-    fn splat(self, value: f32) -> Self;
     /// Returns the same boolean in all lanes of `self`.
     #[inline(always)]
     fn splat_mask(self, value: bool) -> Self::Mask {
         let number = self.splat(f32::from(u8::from(value)));
         self.splat(0.0).lt(number)
     }
-    /// Returns `self` where it is less than `other`, else `other`.
-    fn min(self, other: Self) -> Self;
-    /// Returns `self` where it is greater than `other`, else `other`.
-    fn max(self, other: Self) -> Self;
-    /// Returns the square root.
-    fn sqrt(self) -> Self;
-    /// Flips the sign where the sign bit of `other` is set.
-    fn flip_sign_by(self, other: Self) -> Self;
-    /// Returns the magnitude.
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.flip_sign_by(self)
-    }
     /// Rounds toward negative infinity.
     fn floor(self) -> Self;
     /// Rounds toward zero.
     fn trunc(self) -> Self;
-    /// Returns `self < other`.
-    fn lt(self, other: Self) -> Self::Mask;
-    /// Returns `self <= other`.
-    fn le(self, other: Self) -> Self::Mask;
     /// Returns `self == other`.
     #[inline(always)]
     fn equals(self, other: Self) -> Self::Mask {
         self.le(other) & other.le(self)
     }
-    /// Returns `this` where `mask` is true, else `other`.
-    fn select(mask: Self::Mask, this: Self, other: Self) -> Self;
     /// Returns the bit pattern.
     fn to_integer_bits(self) -> Self::Integer;
     /// Returns the integer part, which must fit into 32 bits.
@@ -186,10 +188,8 @@ pub trait Double: Copy + Mul<Output = Self> {
     fn map(self, f: impl Fn(f64) -> f64) -> Self;
 }
 
-impl Real for f32 {
+impl Arithmetic for f32 {
     type Mask = bool;
-    type Integer = u32;
-    type Double = f64;
 
     #[inline(always)]
     fn splat(self, value: f32) -> f32 {
@@ -217,6 +217,26 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn lt(self, other: f32) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn le(self, other: f32) -> bool {
+        self <= other
+    }
+
+    #[inline(always)]
+    fn select(mask: bool, this: f32, other: f32) -> f32 {
+        if mask { this } else { other }
+    }
+}
+
+impl Real for f32 {
+    type Integer = u32;
+    type Double = f64;
+
+    #[inline(always)]
     fn floor(self) -> f32 {
         let whole = Real::trunc(self);
         if whole > self { whole - 1.0 } else { whole }
@@ -232,21 +252,6 @@ impl Real for f32 {
         } else {
             self
         }
-    }
-
-    #[inline(always)]
-    fn lt(self, other: f32) -> bool {
-        self < other
-    }
-
-    #[inline(always)]
-    fn le(self, other: f32) -> bool {
-        self <= other
-    }
-
-    #[inline(always)]
-    fn select(mask: bool, this: f32, other: f32) -> f32 {
-        if mask { this } else { other }
     }
 
     #[inline(always)]

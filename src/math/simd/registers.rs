@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::__m256;
 
-use super::real::Mask;
-use super::wide::{Arithmetic, Sixteen, Wide};
+use super::real::{Arithmetic, Mask};
+use super::wide::{Sixteen, Wide};
 
 /// A set that has at least AVX2. A value proves that the CPU has the instructions, since only
 /// `detect` makes one: therefore each method takes `self`.

@@ -11,9 +11,9 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
-use super::real::{LookupTable, Real};
+use super::real::{Arithmetic, LookupTable, Real};
 use super::registers::Registers;
-use super::wide::{self, Sixteen};
+use super::wide::Sixteen;
 use super::x86_wide::{YmmDoubles, YmmIntegers};
 
 /// Eight numbers in a register, with the set that made them as proof that the CPU has such
@@ -36,7 +36,7 @@ impl<R: Registers> InstructionSet for R {
     }
 
     #[inline(always)]
-    fn wide_mask(self, bits: u16) -> <R::Wide as wide::Arithmetic>::Mask {
+    fn wide_mask(self, bits: u16) -> <R::Wide as Arithmetic>::Mask {
         self.wide_mask_of(bits)
     }
 
@@ -124,10 +124,8 @@ impl<R: Registers> Neg for Ymm<R> {
     }
 }
 
-impl<R: Registers> Real for Ymm<R> {
+impl<R: Registers> Arithmetic for Ymm<R> {
     type Mask = R::Mask;
-    type Integer = YmmIntegers<R>;
-    type Double = YmmDoubles<R>;
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self {
@@ -135,6 +133,7 @@ impl<R: Registers> Real for Ymm<R> {
     }
 
     binary!(min, _mm256_min_ps);
+
     binary!(max, _mm256_max_ps);
 
     #[inline(always)]
@@ -154,19 +153,6 @@ impl<R: Registers> Real for Ymm<R> {
     }
 
     #[inline(always)]
-    fn floor(self) -> Self {
-        // SAFETY: the set in `self` proves AVX2.
-        Self(unsafe { _mm256_floor_ps(self.0) }, self.1)
-    }
-
-    #[inline(always)]
-    fn trunc(self) -> Self {
-        const TOWARD_ZERO: i32 = _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC;
-        // SAFETY: the set in `self` proves AVX2.
-        Self(unsafe { _mm256_round_ps::<TOWARD_ZERO>(self.0) }, self.1)
-    }
-
-    #[inline(always)]
     fn lt(self, other: Self) -> R::Mask {
         self.1.lt(self.0, other.0)
     }
@@ -179,6 +165,24 @@ impl<R: Registers> Real for Ymm<R> {
     #[inline(always)]
     fn select(mask: R::Mask, this: Self, other: Self) -> Self {
         Self(this.1.select(mask, this.0, other.0), this.1)
+    }
+}
+
+impl<R: Registers> Real for Ymm<R> {
+    type Integer = YmmIntegers<R>;
+    type Double = YmmDoubles<R>;
+
+    #[inline(always)]
+    fn floor(self) -> Self {
+        // SAFETY: the set in `self` proves AVX2.
+        Self(unsafe { _mm256_floor_ps(self.0) }, self.1)
+    }
+
+    #[inline(always)]
+    fn trunc(self) -> Self {
+        const TOWARD_ZERO: i32 = _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC;
+        // SAFETY: the set in `self` proves AVX2.
+        Self(unsafe { _mm256_round_ps::<TOWARD_ZERO>(self.0) }, self.1)
     }
 
     #[inline(always)]

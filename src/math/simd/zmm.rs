@@ -7,8 +7,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
 
-use super::real::BitMask;
-use super::wide::{Arithmetic, Sixteen, Wide};
+use super::real::{Arithmetic, BitMask};
+use super::wide::{Sixteen, Wide};
 
 /// A set that has AVX-512F. A value proves that the CPU has the instructions.
 pub(super) trait WideRegisters: Copy {}

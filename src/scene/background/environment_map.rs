@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::color::Transfer;
 use crate::picture::Picture;
 use crate::yaml;
-use math::simd::{LookupTable, Real, Vector, cos_sin, turns_of};
+use math::simd::{Arithmetic, LookupTable, Real, Vector, cos_sin, turns_of};
 
 /// An equirectangular picture around the scene, as a [panorama camera](crate::camera::Panorama)
 /// sees it: columns are at equal steps of longitude around +y, rows of latitude, with the top row
@@ -61,7 +61,7 @@ impl EnvironmentMap {
     /// Returns the radiance for a number of the picture.
     #[inline(always)]
     pub fn brightness(&self, number: f32) -> f32 {
-        Real::min(number * self.intensity, MAX_RADIANCE)
+        Arithmetic::min(number * self.intensity, MAX_RADIANCE)
     }
 
     /// Returns the position of a direction in the picture: from 0 at the left edge to 1 at the

@@ -12,7 +12,7 @@ mod tests;
 use serde::Deserialize;
 
 use levels::MipLevel;
-use math::simd::Real;
+use math::simd::{Arithmetic, Real};
 pub use texels::Texels;
 pub use wrap::Wrap;
 
@@ -142,7 +142,7 @@ impl Picture {
         let last = self.levels.len() - 1;
         // False for NaN.
         if n_texels > 1.0 && last > 0 {
-            let level = Real::min(libm::log2f(n_texels), last as f32);
+            let level = Arithmetic::min(libm::log2f(n_texels), last as f32);
             let finer = (level as usize).min(last - 1);
             let [fine, coarse] = [self.levels[finer], self.levels[finer + 1]];
             return mix(

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use math::simd::Real;
+use math::simd::{Arithmetic, Real};
 
 /// The continuation of a picture beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
@@ -31,7 +31,7 @@ impl Wrap {
             }
         };
         // `max` turns NaN into 0, also if it came from infinity.
-        Real::min(Real::max(folded, 0.0), 1.0)
+        Arithmetic::min(Arithmetic::max(folded, 0.0), 1.0)
     }
 
     /// Returns the texels, of `n` in a row, on both sides of a position from 0 to 1, and the

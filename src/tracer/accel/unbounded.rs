@@ -1,7 +1,7 @@
 //! Primitives outside the hierarchy, tested against every ray.
 
 use super::search::Search;
-use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
 use scene::geometry::{Intersectable, Plane, Ray, Shape};
 use scene::world::Primitive;
 

@@ -8,7 +8,7 @@ use super::path_tracing::survival;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::trace::{PointGroup, PointLanes, Points};
-use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, SimdKernel};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
 use scene::world::Scene;
 
 /// Collects the scattered rays of the points of a group.

@@ -5,7 +5,7 @@ use super::forests::Forests;
 use super::nodes::{BinaryNode, OpenNode};
 use super::reference::Reference;
 use crate::accel::layout::LeafKind;
-use math::simd::{InstructionSet, Real};
+use math::simd::{Arithmetic, InstructionSet};
 
 /// Writes the whole subtree and sorts its references. Returns its forests, or `None` if there are
 /// more than four references.

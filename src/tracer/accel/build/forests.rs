@@ -18,7 +18,7 @@
 use super::bounds::LaneBounds;
 use super::reference::Reference;
 use crate::accel::layout::{LeafKind, MAX_LEAF, NODE_LINES};
-use math::simd::{InstructionSet, Lanes, N_LANES, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES};
 
 /// Greatest number of roots of a forest that replaces a subtree.
 const MAX_ROOTS: usize = 7;

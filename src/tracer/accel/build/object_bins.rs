@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::bounds::LaneBounds;
 use super::reference::{Reference, center};
-use math::simd::{InstructionSet, Lanes, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes};
 
 /// From 2^23 on, floats are integers: adding 2^23 rounds, and the low bits are the integer. A
 /// conversion would cost more: it has to handle NaN.

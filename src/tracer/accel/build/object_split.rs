@@ -6,7 +6,7 @@
 use super::bounds::LaneBounds;
 use super::object_bins::{CentroidGrid, ObjectBins, TWO_TO_23};
 use super::reference::{Reference, map_reduce};
-use math::simd::{InstructionSet, Real, Simd, SimdKernel};
+use math::simd::{Arithmetic, InstructionSet, Simd, SimdKernel};
 
 /// Number of references from which they are binned in parallel.
 const PARALLEL: usize = 1 << 15;
@@ -108,7 +108,7 @@ impl ObjectSplit {
         &self,
         set: I,
         reference: &Reference,
-    ) -> <I::Lanes as Real>::Mask {
+    ) -> <I::Lanes as Arithmetic>::Mask {
         let position = set.splat(self.position(reference));
         position.lt(set.splat(self.first_right_bin))
     }

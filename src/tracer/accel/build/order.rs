@@ -1,7 +1,7 @@
 //! The order in which ordered traversals visit the children of a node.
 
 use crate::accel::layout::WideNode;
-use math::simd::{InstructionSet, Lanes, N_LANES, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES};
 
 /// The signs of the diagonals into the eight octants, one row per axis: negative where rays point
 /// down the axis. Bit 0 of an octant stands for the x axis, bit 1 for y, bit 2 for z.

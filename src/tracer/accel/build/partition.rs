@@ -6,7 +6,7 @@ use super::bounds::LaneBounds;
 use super::object_split::ObjectSplit;
 use super::reference::{Reference, center};
 use super::spatial_split::SpatialSplit;
-use math::simd::{InstructionSet, Mask, Real, Simd, SimdKernel};
+use math::simd::{Arithmetic, InstructionSet, Mask, Simd, SimdKernel};
 use scene::world::Primitive;
 
 /// References per task.

@@ -4,7 +4,7 @@
 use super::stack::{Stacks, Top};
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
-use math::simd::{InstructionSet, Lanes, Mask, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask};
 
 /// Pushes the children that the ray enters before leaving, the first to visit on top. No branch
 /// depends on the ray.

@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::accel::arena::Leaf;
 use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
-use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, Vector};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
 use scene::geometry::{
     AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, sheared, squared_length,
 };

@@ -9,7 +9,7 @@ use crate::accel::arena::Arena;
 use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::{BoxTests, Search};
 use crate::cost::Probe;
-use math::simd::{InstructionSet, Mask, N_LANES, Real, SimdKernel};
+use math::simd::{Arithmetic, InstructionSet, Mask, N_LANES, SimdKernel};
 use scene::geometry::Ray;
 
 /// Traversal of an arena, which is not empty, by one ray.

@@ -8,7 +8,7 @@ use std::mem::MaybeUninit;
 
 use crate::accel::arena::Arena;
 use crate::accel::layout::{MAX_DEPTH, NodeRef};
-use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES};
 
 /// Entries of a stack for a hierarchy of `n_levels`. Each node on a path leaves at most seven
 /// children on the stack, above the sentinel, and a push writes eight lanes.

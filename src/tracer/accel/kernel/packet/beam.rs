@@ -3,7 +3,7 @@
 use super::rays::{PacketRays, greatest, least};
 use crate::accel::layout::WideNode;
 use crate::accel::search::Search;
-use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real};
+use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES};
 
 /// Bounds of all rays of a packet: on each axis the extremes of the origins and of the reciprocal
 /// directions, which have the same sign.

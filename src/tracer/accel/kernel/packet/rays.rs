@@ -3,7 +3,7 @@
 use super::soa::{N_HALVES, PerRay, RaySoa, at};
 use crate::accel::kernel::leaf::LeafIntersector;
 use crate::accel::kernel::slab::{SlabSetup, rows};
-use math::simd::{InstructionSet, Lanes, N_LANES, Real, Vector, Wide};
+use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector, Wide};
 use scene::geometry::{Shear, shear_constants};
 
 /// The rays of a packet, prepared for tests.
@@ -125,7 +125,7 @@ fn store<W: Wide>(vectors: Vector<W>, [x, y, z]: &mut [PerRay<f32>; 3], part: us
 pub(super) fn greatest<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
     let lanes = set.load(a).max(set.load(b));
     let [a, b, c, d, ..] = lanes.max(lanes.swap_halves()).to_array();
-    Real::max(Real::max(a, b), Real::max(c, d))
+    Arithmetic::max(Arithmetic::max(a, b), Arithmetic::max(c, d))
 }
 
 /// Returns the least of the rays' numbers.
@@ -133,5 +133,5 @@ pub(super) fn greatest<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
 pub(super) fn least<I: InstructionSet>(set: I, [a, b]: &PerRay<f32>) -> f32 {
     let lanes = set.load(a).min(set.load(b));
     let [a, b, c, d, ..] = lanes.min(lanes.swap_halves()).to_array();
-    Real::min(Real::min(a, b), Real::min(c, d))
+    Arithmetic::min(Arithmetic::min(a, b), Arithmetic::min(c, d))
 }
