@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{Failure, shown};
-use base::folder::SUMMARY;
+use base::folder::{SUMMARY, is_unfinished};
 use base::text::Diagnostic;
 use base::text::numbers::counted;
 use output::results::{read_unchanged, verify};
@@ -16,14 +16,13 @@ use tools::series::{FRAMES, FrameSeries, frame_folder};
 
 /// Returns the outputs in a folder: itself, or the folders of its frames; `None` if it has none.
 pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
-    if folder.join(SUMMARY).exists() {
+    let is_output = |folder: &Path| is_unfinished(folder) || folder.join(SUMMARY).exists();
+    if is_output(folder) {
         return Some(vec![folder.to_owned()]);
     }
     let entries = fs::read_dir(folder.join(FRAMES)).ok()?.flatten();
     let folders = entries.map(|entry| entry.path());
-    let mut frames: Vec<PathBuf> = folders
-        .filter(|frame| frame.join(SUMMARY).exists())
-        .collect();
+    let mut frames: Vec<PathBuf> = folders.filter(|frame| is_output(frame)).collect();
     frames.sort();
     Some(frames).filter(|frames| !frames.is_empty())
 }

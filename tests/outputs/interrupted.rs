@@ -3,6 +3,7 @@
 #![cfg(unix)]
 
 use std::fs;
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -67,13 +68,14 @@ fn rendered(out: &Path) {
     fs::write(out.join("notes.txt"), "mine").unwrap();
 }
 
-/// Kills runs at moments spread over their duration; returns the number of killed runs.
-fn kill_runs(out: &Path, n_tries: u32) -> u32 {
+/// Kills runs at moments spread over their duration; returns how many were killed, and how many left
+/// a part of a run, which `check` names.
+fn kill_runs(out: &Path, n_tries: u32) -> [u32; 2] {
     rendered(out);
     let begin = std::time::Instant::now();
     assert_success(&render(out, 90).output().unwrap());
     let whole = begin.elapsed();
-    let mut n_killed = 0;
+    let [mut n_killed, mut n_unfinished] = [0; 2];
     for number in 0..n_tries {
         // The second half of a run writes files.
         let mut child = render(out, [80, 90][number as usize % 2]).spawn().unwrap();
@@ -81,38 +83,90 @@ fn kill_runs(out: &Path, n_tries: u32) -> u32 {
         let _ = child.kill();
         let status = child.wait().unwrap();
         n_killed += u32::from(status.signal() == Some(SIGKILL));
-        let checked = check(out);
-        assert!(checked.status.success(), "{number}: {}", message(&checked));
-        let width = image::open(out.join("image.png")).unwrap().width();
-        assert!([80, 90].contains(&width));
         assert_eq!(fs::read(out.join("notes.txt")).unwrap(), b"mine");
+        let checked = check(out);
+        if checked.status.success() {
+            let width = image::open(out.join("image.png")).unwrap().width();
+            assert!([80, 90].contains(&width));
+        } else {
+            assert_unfinished(&checked);
+            n_unfinished += 1;
+        }
     }
     assert_success(&render(out, 80).output().unwrap());
     assert_success(&check(out));
-    n_killed
+    [n_killed, n_unfinished]
+}
+
+/// Checks that a reader has refused a folder because a run was killed while it replaced files.
+fn assert_unfinished(reader: &Output) {
+    assert_eq!(reader.status.code(), Some(2), "{reader:?}");
+    let said = message(reader);
+    assert!(said.contains("only a part of its files"), "{said}");
+    assert!(said.contains("render again"), "{said}");
 }
 
 #[test]
 fn a_killed_run_leaves_one_whole_run() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
-    let n_killed = kill_runs(&out, 25);
+    let [n_killed, n_unfinished] = kill_runs(&out, 25);
     println!("{n_killed} runs were killed");
+    assert_eq!(n_unfinished, 0);
     assert_eq!(names(temporary.path()), ["out"]);
     assert!(names(&out).iter().all(|name| !name.starts_with('.')));
 }
 
 /// A folder of the user in the output folder prevents the exchange of folders.
 #[test]
-fn a_killed_run_leaves_one_whole_run_where_folders_cannot_be_exchanged() {
+fn a_killed_run_leaves_what_readers_recognize_where_folders_cannot_be_exchanged() {
     let temporary = tempfile::tempdir().unwrap();
     let out = temporary.path().join("out");
     fs::create_dir_all(out.join("mine")).unwrap();
-    let n_killed = kill_runs(&out, 25);
-    println!("{n_killed} runs were killed");
+    let [n_killed, n_unfinished] = kill_runs(&out, 25);
+    println!("{n_killed} runs were killed, {n_unfinished} left a part");
     assert_eq!(names(temporary.path()), ["out"]);
     assert!(names(&out).iter().all(|name| !name.starts_with('.')));
     assert!(out.join("mine").is_dir());
+}
+
+/// The state of a folder if the run is killed after it has moved two old files away.
+#[test]
+fn readers_name_a_part_of_a_run_and_the_next_run_puts_it_back() {
+    let temporary = tempfile::tempdir().unwrap();
+    let [out, other] = ["out", "other"].map(|name| temporary.path().join(name));
+    rendered(&out);
+    rendered(&other);
+    let before = names(&out);
+    let [new, old] = ["new", "old"].map(|name| out.join(".raycost-0").join(name));
+    fs::create_dir_all(&new).unwrap();
+    fs::create_dir(&old).unwrap();
+    fs::write(new.join("summary.json"), "{}").unwrap();
+    let moved = ["summary.json", "image.png"];
+    for name in moved {
+        fs::rename(out.join(name), old.join(name)).unwrap();
+    }
+    let plan = serde_json::json!({
+        "folder": "out",
+        "staged": fs::metadata(&new).unwrap().ino(),
+        "new": ["summary.json"],
+        "old": moved,
+        "kept": null,
+    });
+    fs::write(out.join(".raycost-0/plan.json"), plan.to_string()).unwrap();
+    assert_unfinished(&check(&out));
+    let read = |command: &str, folders: &[&Path]| {
+        let mut reader = raycost();
+        reader.arg(command).args(folders).output().unwrap()
+    };
+    assert_unfinished(&read("view", &[&out]));
+    assert_unfinished(&read("diff", &[&other, &out]));
+    // A run that ends before it commits.
+    let child = endless(&out, &["--cost=counters"]);
+    signal(&child, "TERM");
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
+    assert_eq!(names(&out), before);
+    assert_success(&check(&out));
 }
 
 #[test]

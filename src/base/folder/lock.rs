@@ -45,15 +45,16 @@ fn open(folder: &Path) -> io::Result<File> {
 }
 
 /// Returns true if both are the same file or folder.
-#[cfg(unix)]
 pub(super) fn is_same(one: &Metadata, other: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    (one.dev(), one.ino()) == (other.dev(), other.ino())
+    number_of(one) == number_of(other)
 }
 
-#[cfg(not(unix))]
-pub(super) fn is_same(_: &Metadata, _: &Metadata) -> bool {
-    true
+/// Returns the inode number of a file or folder; 0 where there are none.
+pub(super) fn number_of(metadata: &Metadata) -> u64 {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::ino(metadata);
+    #[cfg(not(unix))]
+    return (0, metadata).0;
 }
 
 #[cfg(test)]

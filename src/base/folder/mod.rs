@@ -3,18 +3,21 @@
 //! A run takes these steps, and may be killed between any two of them:
 //!
 //! 1. It locks the folder (`lock`); a second run is refused.
-//! 2. It rolls back the commit of a killed run (`journal`), and removes its temporary files
+//! 2. It takes back what a killed run left unfinished, and removes its temporary files
 //!    (`workspace`).
 //! 3. It checks that each file that it will write or remove was written by raycost (`own`). A file
 //!    of another program is refused before the first ray.
-//! 4. It writes all files into a workspace (`staged`), each with its checksum.
+//! 4. It writes all files into a workspace (`staging`), each with its checksum (`written`). The
+//!    workspace is beside the folder if it can be renamed from the one to the other, else in it.
 //! 5. It commits them. If the system supports it, the folder of new files and the output folder
 //!    exchange their names (`exchange`): a reader sees either all old files or all new ones.
-//!    Otherwise, or if the output folder contains foreign folders, is a mount point or the current
-//!    directory of a process, the run moves the files one by one with a `journal`. If it is
-//!    interrupted, the next command rolls it back. Commands that read wait for a journal, or roll
-//!    it back.
+//!    Otherwise, or if the output folder contains foreign folders or is the current directory of
+//!    the run, it replaces the files `one_by_one`: a reader that comes in between, or after a kill,
+//!    finds no summary.
 //! 6. It removes the old files last, because freeing a large file can be slow.
+//!
+//! After an exchange, another process whose current directory is the folder has the removed old
+//! one: only a list of all processes could tell beforehand, and only of the user's own.
 //!
 //! Foreign files remain, and so do the permissions of the folder and of replaced files. Without
 //! `sync`, a power cut may lose the newest files or parts of them; lengths, run IDs and checksums
@@ -23,14 +26,15 @@
 mod disk;
 mod error;
 mod exchange;
-mod journal;
 mod lock;
+mod one_by_one;
 mod own;
+mod plan;
 mod single;
-mod staged;
 mod staging;
 mod workspace;
 mod writer;
+mod written;
 #[cfg(test)]
 mod tests;
 
@@ -38,36 +42,22 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 pub use error::WriteError;
 pub use own::{Own, foreign as refuse_file};
 pub use single::{Replace, target, write_file, write_file_at};
-pub use staged::StagedFile;
 pub use staging::Staging;
 pub use writer::{FileWriter, checksum_of};
+pub use written::Written;
 
 use workspace::Workspace;
 
-use crate::provenance::Checksum;
 use crate::text::numbers;
 
 /// The name of the file that lists the other files of its folder.
 pub const SUMMARY: &str = "summary.json";
-
-/// A file that was written.
-#[derive(Debug, Clone)]
-pub struct Written {
-    /// Name in the folder.
-    pub file: String,
-    /// Length in bytes.
-    pub bytes: u64,
-    /// Checksum.
-    pub checksum: Checksum,
-    /// Wall time from the first byte to the last, in milliseconds; other files were written
-    /// concurrently.
-    pub write_ms: f64,
-}
 
 /// An output folder, locked for this run.
 #[derive(Debug)]
@@ -82,23 +72,20 @@ pub struct OutputFolder {
     lock: Mutex<Option<File>>,
 }
 
-/// Longest time that a reader waits for another run's commit.
+/// Longest time that a reader waits while a run replaces files one by one.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Longest time that a run waits for its turn to write files.
 const PATIENCE_OF_WRITERS: Duration = Duration::from_secs(60);
 
 impl OutputFolder {
-    /// Creates the folder if it does not exist, locks it, rolls back a killed run, and checks that
+    /// Creates the folder if it does not exist, locks it, takes back a killed run, and checks that
     /// it is writable and that `n_bytes` are free.
     ///
     /// # Errors
     /// The folder cannot be written, or is not raycost's to write.
     pub fn create(path: &Path, n_bytes: u64) -> Result<Self, WriteError> {
         let fail = |error| WriteError::new(path, error);
-        let place = created(path)?;
-        let lock = lock_of(path, &place)?;
-        journal::roll_back(&place)?;
-        workspace::remove_left(&place);
+        let (place, lock) = locked(path, Duration::ZERO)?;
         let this = Self {
             // Absolute, because ParaView may be started in any folder.
             path: std::path::absolute(path).map_err(fail)?,
@@ -144,14 +131,11 @@ impl OutputFolder {
     /// # Errors
     /// An I/O error.
     pub fn stage_files(&self) -> Result<Staging<'_>, WriteError> {
-        let name = self.place.file_name().unwrap_or_default();
-        let beside = exchange::parent_of(&self.place)
-            .and_then(|parent| Workspace::create(&parent, name).ok());
         let fail = |error| WriteError::new(&self.path, error);
-        let workspace = match beside {
-            Some(workspace) => workspace,
-            None => Workspace::create(&self.place, name).map_err(fail)?,
-        };
+        let name = self.place.file_name().unwrap_or_default();
+        let mut workspace = Workspace::create(&self.place, name).map_err(fail)?;
+        // It stays in a folder of another file system than its parent's, and in a mount point.
+        let _ = self.place.parent().map(|parent| workspace.move_to(parent));
         let lock = lock::lock(&workspace.new_files()).map_err(fail)?;
         Ok(Staging {
             folder: self,
@@ -189,10 +173,7 @@ impl Scratch {
 /// # Errors
 /// The folder is locked by another run, or an error of the system.
 pub fn lock_folder(path: &Path) -> Result<File, WriteError> {
-    let place = created(path)?;
-    let lock = lock_of(path, &place)?;
-    workspace::remove_left(&place);
-    Ok(lock)
+    Ok(locked(path, Duration::ZERO)?.1)
 }
 
 /// Locks a folder as [`lock_folder`] does, but waits while another run has locked it.
@@ -200,24 +181,31 @@ pub fn lock_folder(path: &Path) -> Result<File, WriteError> {
 /// # Errors
 /// Another run holds the lock for a minute, or an error of the system.
 pub fn lock_folder_in_turn(path: &Path) -> Result<File, WriteError> {
-    let begin = Instant::now();
-    loop {
-        match lock_folder(path) {
-            Err(error) if error.is_locked() && begin.elapsed() < PATIENCE_OF_WRITERS => {
-                std::thread::sleep(Duration::from_millis(20));
-            }
-            other => return other,
-        }
-    }
+    Ok(locked(path, PATIENCE_OF_WRITERS)?.1)
 }
 
-/// Creates a folder if it does not exist; returns its canonical path.
-fn created(path: &Path) -> Result<PathBuf, WriteError> {
+/// Creates a folder if it does not exist, locks it, and cleans up after killed runs; returns its
+/// canonical path and the lock.
+fn locked(path: &Path, patience: Duration) -> Result<(PathBuf, File), WriteError> {
     let fail = |error| WriteError::new(path, error);
     refuse_unprintable(path)?;
     refuse_root(path)?;
     fs::create_dir_all(path).map_err(fail)?;
-    fs::canonicalize(path).map_err(fail)
+    let place = fs::canonicalize(path).map_err(fail)?;
+    let begin = Instant::now();
+    let lock = loop {
+        match lock::lock(&place).map_err(fail)? {
+            Some(lock) => break lock,
+            None if begin.elapsed() < patience => sleep(Duration::from_millis(20)),
+            None => {
+                let why = "another run is writing to this folder";
+                let help = "wait for it, or choose another folder with `--out`";
+                return Err(WriteError::refused(path, why, help));
+            }
+        }
+    };
+    workspace::remove_left(&place)?;
+    Ok((place, lock))
 }
 
 /// Refuses the root of the file system as an output folder.
@@ -235,36 +223,18 @@ pub fn refuse_root(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-fn lock_of(path: &Path, place: &Path) -> Result<File, WriteError> {
-    let lock = lock::lock(place).map_err(|error| WriteError::new(path, error))?;
-    lock.ok_or_else(|| {
-        let help = "wait for it, or choose another folder with `--out`";
-        WriteError::refused(path, error::LOCKED, help)
-    })
-}
-
-/// Prepares a folder for reading: waits for another run's commit, and rolls back a killed one.
-///
-/// # Errors
-/// A commit that takes too long, or an I/O error.
-pub fn settle(folder: &Path) -> Result<(), WriteError> {
+/// Returns true if this folder lacks its summary because a run that replaced its files one by one
+/// was killed, or goes on; waits a few seconds for the end.
+pub fn is_unfinished(folder: &Path) -> bool {
     let begin = Instant::now();
-    while journal::is_in(folder) {
-        let lock = lock::lock(folder).map_err(|error| WriteError::new(folder, error))?;
-        if let Some(_lock) = lock {
-            return journal::roll_back(folder);
+    while !folder.join(SUMMARY).exists() && workspace::is_begun_in(folder) {
+        let is_live = matches!(lock::lock(folder), Ok(None));
+        if !is_live || begin.elapsed() > PATIENCE {
+            return true;
         }
-        if begin.elapsed() > PATIENCE {
-            let why = "another run is putting its files in place";
-            return Err(WriteError::refused(
-                folder,
-                why,
-                "try again when it has ended",
-            ));
-        }
-        std::thread::sleep(Duration::from_millis(5));
+        sleep(Duration::from_millis(5));
     }
-    Ok(())
+    false
 }
 
 /// Refuses a path that ParaView states, which are XML, cannot hold.

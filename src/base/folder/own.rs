@@ -57,38 +57,44 @@ impl Own {
     /// # Errors
     /// The first file that belongs to another program.
     pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
-        let (names, listed) = match self {
+        let (names, listed): (Vec<_>, _) = match self {
             Self::Listed { names, is_numbered } => {
                 let listed = listed(folder);
                 let is_other = |name: &&String| is_numbered(name) && !names.contains(name);
                 let others = listed.iter().filter(is_other);
-                (names.iter().chain(others).cloned().collect(), listed)
+                (names.iter().chain(others).cloned().collect(), Some(listed))
             }
-            Self::Marked(names) => {
-                let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-                (names, Vec::new())
-            }
+            Self::Marked(names) => (names.iter().map(ToString::to_string).collect(), None),
+        };
+        let is_own = |name: &String, path: &Path| match &listed {
+            Some(listed) => Ok(listed.contains(name)),
+            None => is_marked(path),
         };
         let mut found = Vec::new();
         for name in names {
             let path = folder.join(&name);
-            let is_own = match fs::symlink_metadata(&path) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                Err(error) => return Err(WriteError::new(path, error)),
-                Ok(at) if !at.is_file() => false,
-                Ok(_) => match self {
-                    Self::Listed { .. } => listed.contains(&name),
-                    Self::Marked(_) => {
-                        is_marked(&path).map_err(|error| WriteError::new(&path, error))?
-                    }
-                },
-            };
-            if !is_own {
-                return Err(foreign(&path));
+            if is_there(&path, || is_own(&name, &path))? {
+                found.push(name);
             }
-            found.push(name);
         }
         Ok(found)
+    }
+}
+
+/// Returns true if the path has a regular file that `is_own`, and false if it has nothing.
+///
+/// # Errors
+/// The path has something else, or an I/O error.
+pub(super) fn is_there(
+    path: &Path,
+    is_own: impl FnOnce() -> io::Result<bool>,
+) -> Result<bool, WriteError> {
+    let fail = |error| WriteError::new(path, error);
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(fail(error)),
+        Ok(at) if at.is_file() && is_own().map_err(fail)? => Ok(true),
+        Ok(_) => Err(foreign(path)),
     }
 }
 

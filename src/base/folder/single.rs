@@ -4,12 +4,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::disk::change;
 use super::error::WriteError;
-use super::own::{foreign, is_marked};
-use super::staged::StagedFile;
+use super::own::{is_marked, is_there};
 use super::workspace::{self, Workspace};
 use super::writer::FileWriter;
-use super::{Written, disk};
+use super::written::Written;
 
 /// The existing files that may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,19 +30,11 @@ const STAGED: &str = "file";
 /// The path holds something that may not be replaced: a folder, a device, or a file of another
 /// program.
 pub fn target(path: &Path, replace: Replace) -> Result<PathBuf, WriteError> {
-    let fail = |error| WriteError::new(path, error);
-    let target = followed(path).map_err(fail)?;
-    match fs::symlink_metadata(&target) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        Err(error) => return Err(fail(error)),
-        Ok(at) if !at.is_file() => return Err(foreign(&target)),
-        Ok(_) if replace == Replace::Known => {}
-        Ok(_) => match is_marked(&target) {
-            Ok(true) => {}
-            Ok(false) => return Err(foreign(&target)),
-            Err(error) => return Err(fail(error)),
-        },
-    }
+    let target = followed(path).map_err(|error| WriteError::new(path, error))?;
+    is_there(&target, || match replace {
+        Replace::Marked => is_marked(&target),
+        Replace::Known => Ok(true),
+    })?;
     Ok(target)
 }
 
@@ -56,7 +48,7 @@ pub fn write_file(
     write: impl FnOnce(&mut FileWriter) -> io::Result<()>,
 ) -> Result<Written, WriteError> {
     put(path, replace, |folder| {
-        StagedFile::write(folder, STAGED, write)
+        Written::write(folder, STAGED, write)
     })
 }
 
@@ -70,14 +62,14 @@ pub fn write_file_at(
     write: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<Written, WriteError> {
     put(path, replace, |folder| {
-        StagedFile::write_at(folder, STAGED, write)
+        Written::write_at(folder, STAGED, write)
     })
 }
 
 fn put(
     path: &Path,
     replace: Replace,
-    stage: impl FnOnce(&Path) -> io::Result<StagedFile>,
+    stage: impl FnOnce(&Path) -> io::Result<Written>,
 ) -> Result<Written, WriteError> {
     let target = target(path, replace)?;
     let fail = |error| WriteError::new(path, error);
@@ -86,15 +78,15 @@ fn put(
         _ => Path::new("."),
     };
     let name = target.file_name().unwrap_or_default();
-    workspace::remove_left_of_file(folder, name);
+    workspace::remove_left_of(folder, name);
     let workspace = Workspace::create(folder, name).map_err(fail)?;
     let file = stage(&workspace.new_files()).map_err(fail)?;
     let staged = workspace.new_files().join(STAGED);
     if let Ok(at) = target.metadata() {
-        disk::set_permissions(&staged, at.permissions()).map_err(fail)?;
+        change(|| fs::set_permissions(&staged, at.permissions())).map_err(fail)?;
     }
-    disk::rename(&staged, &target).map_err(fail)?;
-    Ok(file.written())
+    change(|| fs::rename(&staged, &target)).map_err(fail)?;
+    Ok(file)
 }
 
 /// Follows a chain of symbolic links; the last path need not exist.

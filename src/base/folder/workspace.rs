@@ -1,50 +1,28 @@
 //! A temporary folder for new files.
 //!
 //! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It contains
-//! `new/` with the new files and, during a commit, a [`CommitPlan`] and the commit's own files. The
+//! `new/` with the new files and, during a commit, a [`CommitPlan`] and `old/` with old files. The
 //! process that creates a workspace locks it: a workspace that is not locked belongs to a killed
 //! process. Only its user may open it.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use super::disk;
-use super::lock::lock;
-use crate::files;
+use super::disk::change;
+use super::error::WriteError;
+use super::lock::{lock, number_of};
+use super::one_by_one;
+use super::plan::{CommitPlan, NEW, OLD, PLAN};
 use crate::provenance::checksum;
 
 /// The prefix of the names of all workspaces.
-pub(super) const PREFIX: &str = ".raycost-";
-/// The folder of new files; after an exchange, the old folder.
-const NEW: &str = "new";
-/// The folder of old files, which a rollback restores.
-const OLD: &str = "old";
-const PLAN: &str = "plan.json";
-/// Longest plan that is read, in bytes: room for the names of several thousand files.
-const MAX_PLAN: u64 = 64 << 20;
-
+const PREFIX: &str = ".raycost-";
 /// Maximum number of attempts to create a workspace.
 const N_TRIES: usize = 100;
-
-/// The steps of a commit.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct CommitPlan {
-    /// The version of raycost that commits.
-    pub(super) raycost: String,
-    /// The inode number of the folder of new files.
-    pub(super) staged: u64,
-    /// The names of the new files.
-    pub(super) new: Vec<String>,
-    /// The names of raycost's old files, which are replaced or removed.
-    pub(super) old: Vec<String>,
-    /// The names of foreign files, which remain; for an exchange only.
-    pub(super) kept: Vec<String>,
-}
 
 /// A temporary folder, removed with its content when dropped.
 #[derive(Debug)]
@@ -68,17 +46,18 @@ impl Workspace {
     }
 
     fn create_once(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
-        let mut builder = tempfile::Builder::new();
-        let prefix = prefix(folder_name);
-        let made = builder
-            .prefix(&prefix)
-            .make_in(parent, disk::create_private_dir)?;
+        let mut private = fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut private, 0o700);
+        let made = tempfile::Builder::new()
+            .prefix(&prefix(folder_name))
+            .make_in(parent, |path| change(|| private.create(path)))?;
         let path = made.into_parts().1.keep()?;
         let mut this = Self { path, lock: None };
         let locked = lock(&this.path)?;
         // A run that removes it holds the lock.
         this.lock = Some(locked.ok_or(io::ErrorKind::NotFound)?);
-        disk::create_dir(&this.new_files())?;
+        change(|| fs::create_dir(this.new_files()))?;
         Ok(this)
     }
 
@@ -87,45 +66,60 @@ impl Workspace {
         self.path.join(NEW)
     }
 
-    /// Writes the plan of a commit.
-    pub(super) fn write_plan(&self, plan: &CommitPlan) -> io::Result<()> {
-        let path = self.path.join(PLAN);
-        if path.exists() {
-            disk::remove_file(&path)?;
-        }
-        let text = serde_json::to_vec(plan)?;
-        let file = disk::create_file(&path)?;
-        let mut rest = &text[..];
-        while !rest.is_empty() {
-            let n = disk::write(&file, rest)?;
-            rest = &rest[n..];
+    /// Moves the workspace to another parent.
+    pub(super) fn move_to(&mut self, parent: &Path) -> io::Result<()> {
+        let path = parent.join(self.path.file_name().unwrap_or_default());
+        if path != self.path {
+            change(|| fs::rename(&self.path, &path))?;
+            self.path = path;
         }
         Ok(())
     }
 
-    /// Creates the folder of old files.
-    pub(super) fn create_old(&self) -> io::Result<()> {
-        disk::create_dir(&old_files(&self.path))
-    }
-
     /// Returns true if the folder of new files was exchanged.
     pub(super) fn was_exchanged(&self) -> bool {
-        was_exchanged(&self.path)
+        let new_files = self.new_files().metadata().ok();
+        CommitPlan::read(&self.path)
+            .zip(new_files)
+            .is_some_and(|(plan, new_files)| number_of(&new_files) != plan.staged)
     }
 
-    /// Finishes the commit after an exchange, and removes the workspace. If this fails, the next
-    /// run repeats it.
-    pub(super) fn settle(self, folder: &Path) {
-        let _ = twice(|| settle(&self.path, folder));
+    /// Concludes a commit: hands foreign files over after an exchange, or takes an unfinished
+    /// replacement back. If this fails, it can be repeated.
+    ///
+    /// # Errors
+    /// An I/O error, or a damaged plan.
+    fn conclude(&self) -> io::Result<()> {
+        let (path, parent) = (self.path.join(PLAN), self.path.parent());
+        let parent = parent.unwrap_or(Path::new(""));
+        match CommitPlan::read(&self.path) {
+            Some(plan) if self.was_exchanged() => {
+                hand_over(&self.new_files(), &parent.join(&plan.folder), &plan)?;
+            }
+            // Beside the folder, the workspace has nothing to take back.
+            Some(plan) => one_by_one::take_back(parent, &self.path, &plan)?,
+            None if path.exists() && self.path.join(OLD).exists() => {
+                let why = "a run was killed while it replaced files, and its plan is damaged; old \
+                           files are in the folder's `old`, new ones in `new`: save what you \
+                           need, and remove it";
+                return Err(io::Error::other(why));
+            }
+            _ => {}
+        }
+        // A repetition has nothing to do.
+        if path.exists() {
+            change(|| fs::remove_file(&path))?;
+        }
+        Ok(())
     }
 }
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        // Free a file descriptor, which reading the folder needs.
-        self.lock = None;
-        // After an exchange it may contain foreign files.
-        if !was_exchanged(&self.path) {
+        // What fails here is left to the next run.
+        if twice(|| self.conclude()).is_ok() {
+            // Free a file descriptor, which reading the folder needs.
+            self.lock = None;
             let _ = twice(|| remove(&self.path));
         }
     }
@@ -136,88 +130,69 @@ fn twice(work: impl Fn() -> io::Result<()>) -> io::Result<()> {
     work().or_else(|_| work())
 }
 
-/// Returns the path of a workspace's new files.
-pub(super) fn new_files(workspace: &Path) -> PathBuf {
-    workspace.join(NEW)
-}
-
-/// Returns the path of a workspace's old files.
-pub(super) fn old_files(workspace: &Path) -> PathBuf {
-    workspace.join(OLD)
-}
-
-/// Reads the plan of a workspace; `None` if it is missing or incomplete.
-pub(super) fn plan(workspace: &Path) -> Option<CommitPlan> {
-    let text = files::read(&workspace.join(PLAN), MAX_PLAN).ok()?;
-    serde_json::from_slice(&text).ok()
-}
-
-/// Removes the workspaces of killed runs in and beside this folder, which must be
-/// locked. Ignores errors.
-pub(super) fn remove_left(folder: &Path) {
-    let name = folder.file_name().unwrap_or_default();
-    let beside = folder.parent().map(|parent| left_in(parent, &prefix(name)));
-    let left = beside.into_iter().flatten().chain(left_in(folder, PREFIX));
-    for workspace in left {
-        if let Ok(Some(_lock)) = lock(&workspace) {
-            let _ = settle(&workspace, folder);
-        }
+/// Removes the workspaces of killed runs in and beside this folder, which must be locked.
+///
+/// # Errors
+/// A replacement one by one that cannot be taken back; other errors are ignored.
+pub(super) fn remove_left(folder: &Path) -> Result<(), WriteError> {
+    for workspace in left_in(folder, PREFIX) {
+        let concluded = workspace.conclude();
+        concluded.map_err(|error| WriteError::new(&workspace.path, error))?;
     }
+    if let (Some(parent), Some(name)) = (folder.parent(), folder.file_name()) {
+        remove_left_of(parent, name);
+    }
+    Ok(())
 }
 
-/// Removes the workspaces in a folder of killed runs that were writing a single file
-/// with this name.
-pub(super) fn remove_left_of_file(folder: &Path, name: &OsStr) {
-    for workspace in left_in(folder, &prefix(name)) {
-        if let Ok(Some(_lock)) = lock(&workspace) {
-            let _ = remove(&workspace);
-        }
-    }
+/// Removes the workspaces in a folder of killed runs that were writing a file or folder with this
+/// name.
+pub(super) fn remove_left_of(folder: &Path, name: &OsStr) {
+    left_in(folder, &prefix(name)).for_each(drop);
+}
+
+/// Returns true if the files of this folder are being replaced one by one, or were when a run was
+/// killed.
+pub(super) fn is_begun_in(folder: &Path) -> bool {
+    paths_in(folder, PREFIX).any(|workspace| workspace.join(OLD).exists())
+}
+
+/// Returns the workspaces of killed runs in `parent`, locked.
+fn left_in(parent: &Path, prefix: &str) -> impl Iterator<Item = Workspace> {
+    paths_in(parent, prefix).filter_map(|path| {
+        let lock = Some(lock(&path).ok()??);
+        Some(Workspace { path, lock })
+    })
 }
 
 /// Returns the folders in `parent` that are workspaces by name and content.
-fn left_in(parent: &Path, prefix: &str) -> Vec<PathBuf> {
+fn paths_in(parent: &Path, prefix: &str) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
-    let is_ours = |entry: &fs::DirEntry| {
+    let is_ours = move |entry: &fs::DirEntry| {
         let name = entry.file_name();
         name.to_str().is_some_and(|name| name.starts_with(prefix))
             && entry.file_type().is_ok_and(|kind| kind.is_dir())
             && holds_nothing_else(&entry.path())
     };
-    entries.filter(is_ours).map(|entry| entry.path()).collect()
+    entries.filter(is_ours).map(|entry| entry.path())
 }
 
 fn holds_nothing_else(workspace: &Path) -> bool {
-    let is_known = |name: OsString| {
+    let is_known = |entry: fs::DirEntry| {
+        let name = entry.file_name();
         let name = name.to_str().unwrap_or_default();
-        [NEW, OLD, PLAN].contains(&name) || name.starts_with(PREFIX)
+        // A link could lead to the files of others.
+        ([NEW, OLD, PLAN].contains(&name) || name.starts_with(PREFIX))
+            && entry.file_type().is_ok_and(|kind| !kind.is_symlink())
     };
-    fs::read_dir(workspace).is_ok_and(|mut entries| {
-        entries.all(|entry| entry.is_ok_and(|entry| is_known(entry.file_name())))
-    })
+    fs::read_dir(workspace).is_ok_and(|mut entries| entries.all(|entry| entry.is_ok_and(is_known)))
 }
 
-/// Finishes and removes a workspace. Foreign files that appeared in the old folder just before the
-/// exchange move to the new one.
-fn settle(workspace: &Path, folder: &Path) -> io::Result<()> {
-    if was_exchanged(workspace)
-        && let Some(plan) = plan(workspace)
-    {
-        hand_over(&new_files(workspace), folder, &plan)?;
-    }
-    remove(workspace)
-}
-
-fn was_exchanged(workspace: &Path) -> bool {
-    let number = number_of(&new_files(workspace));
-    match (number, plan(workspace)) {
-        (Ok(number), Some(plan)) => number != plan.staged,
-        _ => false,
-    }
-}
-
-/// Moves foreign files from the old folder to the new one.
+/// Moves foreign files that appeared in the old folder just before the exchange to the new one.
 fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
+    if folder.is_symlink() {
+        return Err(io::ErrorKind::NotADirectory.into());
+    }
     for entry in fs::read_dir(old)? {
         let entry = entry?;
         let name = entry.file_name();
@@ -229,68 +204,42 @@ fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
         let is_newer = match fs::symlink_metadata(&there) {
             Ok(there) => entry.metadata()?.modified()? > there.modified()?,
             // A file that was in both folders has been removed since.
-            Err(_) => !is_in(&plan.kept),
+            Err(_) => !plan.kept.as_deref().is_some_and(is_in),
         };
         if is_newer {
-            disk::rename(&entry.path(), &there)?;
+            change(|| fs::rename(entry.path(), &there))?;
         }
     }
     Ok(())
 }
 
-/// Removes a workspace: its plan last, because it identifies the rest.
-pub(super) fn remove(workspace: &Path) -> io::Result<()> {
-    // It may contain the workspace of a run that wrote into it.
-    for nested in left_in(workspace, PREFIX) {
-        remove(&nested)?;
-    }
-    for files in [new_files(workspace), old_files(workspace)] {
-        if !files.exists() {
-            continue;
-        }
+/// Removes a workspace.
+fn remove(workspace: &Path) -> io::Result<()> {
+    for files in [NEW, OLD].map(|name| workspace.join(name)) {
+        remove_files(&files);
         // An empty folder can be removed even if it cannot be read.
-        if let Ok(entries) = fs::read_dir(&files) {
-            let paths = entries.map(|entry| Ok(entry?.path()));
-            remove_files(&paths.collect::<io::Result<Vec<_>>>()?)?;
-        }
-        disk::remove_dir(&files)?;
+        let _ = change(|| fs::remove_dir(&files));
     }
-    let plan = workspace.join(PLAN);
-    if plan.exists() {
-        disk::remove_file(&plan)?;
+    if workspace.exists() && change(|| fs::remove_dir(workspace)).is_err() {
+        change(|| fs::remove_dir_all(workspace))?;
     }
-    if workspace.exists() {
-        disk::remove_dir(workspace)
-    } else {
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Removes all removable files, on the current thread pool if there is one, since freeing large
 /// files takes the system long.
-fn remove_files(paths: &[PathBuf]) -> io::Result<()> {
+fn remove_files(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    let remove = |path: &PathBuf| drop(change(|| fs::remove_file(path)));
     if rayon::current_thread_index().is_some() {
-        let each = paths.par_iter().with_max_len(1);
-        each.map(|path| disk::remove_file(path))
-            .reduce(|| Ok(()), Result::and)
+        paths.par_iter().with_max_len(1).for_each(remove);
     } else {
-        let each = paths.iter().map(|path| disk::remove_file(path));
-        each.fold(Ok(()), Result::and)
+        paths.iter().for_each(remove);
     }
 }
 
 fn prefix(folder_name: &OsStr) -> String {
     let hash = checksum(folder_name.as_encoded_bytes()).to_string();
     format!("{PREFIX}{}-", &hash[..16])
-}
-
-/// Returns the inode number of a folder.
-#[cfg(unix)]
-pub(super) fn number_of(path: &Path) -> io::Result<u64> {
-    Ok(std::os::unix::fs::MetadataExt::ino(&path.metadata()?))
-}
-
-#[cfg(not(unix))]
-pub(super) fn number_of(_: &Path) -> io::Result<u64> {
-    Ok(0)
 }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::disk;
+use super::disk::{self, change};
 use crate::files;
 use crate::provenance::{Checksum, Hasher};
 use crate::stop;
@@ -17,91 +17,29 @@ const BUFFER: usize = 1 << 15;
 /// Bytes per read.
 const READ_BUFFER: usize = 1 << 18;
 
-/// A buffered writer to a new file. Writes fail once a signal has asked the program to end.
+/// A buffered writer to a new file, which computes its checksum. Writes fail once a signal has asked
+/// the program to end.
 #[derive(Debug)]
 pub struct FileWriter {
-    file: HashedFile,
+    path: PathBuf,
+    file: File,
     buffer: Vec<u8>,
+    hasher: Hasher,
+    /// Position of the first byte in the buffer.
+    position: u64,
+    /// Length of the file in bytes, without the buffer.
+    end: u64,
+    /// True if bytes were overwritten, which makes the checksum wrong.
+    was_rewritten: bool,
 }
 
 impl FileWriter {
     /// Creates the file; fails if it exists.
     pub(super) fn create(path: PathBuf) -> io::Result<Self> {
         Ok(Self {
-            file: HashedFile::create(path)?,
-            buffer: Vec::with_capacity(BUFFER),
-        })
-    }
-
-    /// Asks the file system to reserve this many bytes, which makes writing faster; does nothing
-    /// where that is not supported.
-    pub fn reserve(&self, n_bytes: u64) {
-        disk::reserve(&self.file.file, n_bytes);
-    }
-
-    /// Writes the rest; returns the length of the file and its checksum.
-    pub(super) fn finish(mut self) -> io::Result<(u64, Checksum)> {
-        self.write_buffer()?;
-        let n_bytes = self.file.end;
-        Ok((n_bytes, self.file.checksum()?))
-    }
-
-    fn write_buffer(&mut self) -> io::Result<()> {
-        self.file.write_all(&self.buffer)?;
-        self.buffer.clear();
-        Ok(())
-    }
-}
-
-impl Write for FileWriter {
-    #[inline]
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let to_multiple = BUFFER - self.file.position as usize % BUFFER;
-        let free = to_multiple - self.buffer.len();
-        let n = bytes.len().min(free);
-        self.buffer.extend_from_slice(&bytes[..n]);
-        if n == free {
-            self.write_buffer()?;
-        }
-        Ok(n)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.write_buffer()
-    }
-}
-
-impl Seek for FileWriter {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.write_buffer()?;
-        self.file.position = self.file.file.seek(to)?;
-        Ok(self.file.position)
-    }
-
-    fn stream_position(&mut self) -> io::Result<u64> {
-        Ok(self.file.position + self.buffer.len() as u64)
-    }
-}
-
-/// A file that computes its checksum while it is written.
-#[derive(Debug)]
-struct HashedFile {
-    path: PathBuf,
-    file: File,
-    hasher: Hasher,
-    /// Position of the next byte.
-    position: u64,
-    /// Length of the file in bytes.
-    end: u64,
-    /// True if bytes were overwritten, which makes the checksum wrong.
-    was_rewritten: bool,
-}
-
-impl HashedFile {
-    fn create(path: PathBuf) -> io::Result<Self> {
-        Ok(Self {
-            file: disk::create_file(&path)?,
+            file: change(|| File::create_new(&path))?,
             path,
+            buffer: Vec::with_capacity(BUFFER),
             hasher: Hasher::default(),
             position: 0,
             end: 0,
@@ -109,31 +47,64 @@ impl HashedFile {
         })
     }
 
-    fn checksum(self) -> io::Result<Checksum> {
-        if self.was_rewritten {
-            checksum_of(&self.path)
+    /// Asks the file system to reserve this many bytes, which makes writing faster; does nothing
+    /// where that is not supported.
+    pub fn reserve(&self, n_bytes: u64) {
+        disk::reserve(&self.file, n_bytes);
+    }
+
+    /// Writes the rest; returns the length of the file and its checksum.
+    pub(super) fn finish(mut self) -> io::Result<(u64, Checksum)> {
+        self.flush()?;
+        let checksum = if self.was_rewritten {
+            checksum_of(&self.path)?
         } else {
-            Ok(self.hasher.checksum())
-        }
+            self.hasher.checksum()
+        };
+        Ok((self.end, checksum))
     }
 }
 
-impl Write for HashedFile {
+impl Write for FileWriter {
+    #[inline]
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        stop::check().map_err(io::Error::other)?;
-        let n = disk::write(&self.file, bytes)?;
-        if self.position == self.end {
-            self.hasher.add(&bytes[..n]);
-        } else {
-            self.was_rewritten = true;
+        let to_multiple = BUFFER - self.position as usize % BUFFER;
+        let free = to_multiple - self.buffer.len();
+        let n = bytes.len().min(free);
+        self.buffer.extend_from_slice(&bytes[..n]);
+        if n == free {
+            self.flush()?;
         }
-        self.position += n as u64;
-        self.end = self.end.max(self.position);
         Ok(n)
     }
 
     fn flush(&mut self) -> io::Result<()> {
+        if self.buffer.is_empty() {
+            return Ok(());
+        }
+        stop::check().map_err(io::Error::other)?;
+        change(|| self.file.write_all(&self.buffer))?;
+        if self.position == self.end {
+            self.hasher.add(&self.buffer);
+        } else {
+            self.was_rewritten = true;
+        }
+        self.position += self.buffer.len() as u64;
+        self.end = self.end.max(self.position);
+        self.buffer.clear();
         Ok(())
+    }
+}
+
+impl Seek for FileWriter {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.flush()?;
+        self.position = self.file.seek(to)?;
+        Ok(self.position)
+    }
+
+    fn stream_position(&mut self) -> io::Result<u64> {
+        Ok(self.position + self.buffer.len() as u64)
     }
 }
 

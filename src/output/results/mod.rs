@@ -24,7 +24,7 @@ pub use verify::{Verdict, verify};
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::writers::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, is_piece};
 use base::files;
-use base::folder::settle;
+use base::folder::is_unfinished;
 use base::host::advice;
 use base::provenance::checksum;
 use base::text::Diagnostic;
@@ -57,10 +57,13 @@ impl Results {
             let message = format!("`{shown}` is a file, not an output folder");
             return Err(Diagnostic::new(message).with_help(hint));
         }
-        settle(folder).map_err(|error| {
-            Diagnostic::new(error.to_string()).with_help("try again, as a user who may write there")
-        })?;
         let path = folder.join(summary::FILE);
+        if is_unfinished(folder) {
+            let message = format!("`{shown}` has only a part of its files, and no summary.json");
+            let note = "a run that replaced them one by one was killed, or is still at work";
+            let help = "render again: that first puts the old files back";
+            return Err(Diagnostic::new(message).with_note(note).with_help(help));
+        }
         if !path.exists() {
             let message = format!("`{shown}` holds no output: it has no summary.json");
             let help = match folder.join(FIRST_FRAME) {

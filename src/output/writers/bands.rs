@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::file::{FileContent, Job, OutputFile};
 use super::{Survey, Surveyor, frame, hits, picture};
-use base::folder::{StagedFile, Staging, WriteError};
+use base::folder::{Staging, WriteError, Written};
 use base::stop;
 use render::film::Film;
 use render::tiles::{Progress, StoredPicture};
@@ -156,11 +156,7 @@ impl<'a> Bands<'a> {
     }
 
     /// Writes the picture and all pieces.
-    pub(super) fn stage(
-        &self,
-        job: &Job,
-        staging: &Staging,
-    ) -> Result<Vec<StagedFile>, WriteError> {
+    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<Vec<Written>, WriteError> {
         let mut pieces = Vec::new();
         let mut failure = None;
         let staged = staging.stage(picture::NAME, |out| {
@@ -195,7 +191,7 @@ impl<'a> Bands<'a> {
         band: &Film,
         job: &Job,
         staging: &Staging,
-    ) -> Result<[StagedFile; 2], WriteError> {
+    ) -> Result<[Written; 2], WriteError> {
         let encoding = job.encoding_of_pixels();
         // Adjacent pieces of an image share a row of points.
         let overlapping = rows.start.saturating_sub(1)..rows.end;

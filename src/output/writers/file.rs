@@ -6,7 +6,7 @@ use std::path::Path;
 use super::RenderingView;
 use super::fields;
 use super::states::States;
-use base::folder::{FileWriter, StagedFile, Staging, WriteError, Written};
+use base::folder::{FileWriter, Staging, WriteError, Written};
 use base::provenance::{RunId, stamped};
 use render::film::{Column, written_columns};
 use render::instruments::Stages;
@@ -66,7 +66,7 @@ impl OutputFile {
     }
 
     /// Writes the new file.
-    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<StagedFile, WriteError> {
+    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<Written, WriteError> {
         match self.content {
             FileContent::Written(write) => staging.stage(self.name, |out| write(job, out)),
             FileContent::AtPath(write) => staging.stage_at(self.name, |path| write(job, path)),

@@ -66,7 +66,7 @@ pub use states::StateValues;
 use states::States;
 
 use crate::summary::{Build, FrameSection, OtherRuns, Partial, RanksSection, Threads};
-use base::folder::{OutputFolder, Own, Replace, StagedFile, WriteError, Written, write_file};
+use base::folder::{OutputFolder, Own, Replace, WriteError, Written, write_file};
 use math::simd::Simd;
 use math::statistics::upper_median;
 use render::attribution::CostAttribution;
@@ -319,7 +319,7 @@ pub fn write(
         is_stored: rendering.bands.is_some(),
     };
     // Write the pieces of a picture larger than memory.
-    let mut files = match rendering.bands {
+    let mut written = match rendering.bands {
         None => Vec::new(),
         Some(bands) => {
             let job = Job {
@@ -332,7 +332,6 @@ pub fn write(
             bands.stage(&job, &staging)?
         }
     };
-    let mut written: Vec<Written> = files.iter().map(StagedFile::written).collect();
     // Write the other files, group by group.
     for group in &GROUPS {
         let wanted: Vec<&OutputFile> = group
@@ -351,15 +350,14 @@ pub fn write(
             written: &written,
         };
         let stage = |file: &&OutputFile| file.stage(&job, &staging);
-        let staged: Vec<StagedFile> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
-        written.extend(staged.iter().map(StagedFile::written));
-        files.extend(staged);
+        let staged: Vec<Written> = wanted.par_iter().map(stage).collect::<Result<_, _>>()?;
+        written.extend(staged);
         if let Some(name) = group.stage {
             stages.end(name);
         }
     }
     // Replace the files of an earlier run.
-    staging.commit(&files, &own(rendering.bands.map(|bands| bands.rows)))?;
+    staging.commit(&written, &own(rendering.bands.map(|bands| bands.rows)))?;
     Ok(written)
 }
 

@@ -4,7 +4,7 @@ use std::io::{self, Seek, Write};
 
 use super::rays::{CLOUD, FILE as RAYS, Rays, Traced};
 use super::{fields, hits, states};
-use base::folder::{OutputFolder, Own, StagedFile, WriteError, Written};
+use base::folder::{OutputFolder, Own, WriteError, Written};
 use base::provenance::{Hasher, RunId, stamped};
 use vtk::{Codec, Encoding};
 
@@ -49,9 +49,8 @@ pub fn write_traced(
             out.write_all(state.as_bytes())
         })?,
     ];
-    let written = files.iter().map(StagedFile::written).collect();
     staging.commit(&files, &own())?;
-    Ok(written)
+    Ok(files.into())
 }
 
 /// Checks that [`write_traced`] would not overwrite a file of another program.

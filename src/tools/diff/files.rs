@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::file::{DiffFile, DiffJob};
 use super::gate::Gate;
 use super::{Diff, Side, json, map, state, to_json, volume};
-use base::folder::{FileWriter, OutputFolder, Own, StagedFile, WriteError, Written};
+use base::folder::{FileWriter, OutputFolder, Own, WriteError, Written};
 use base::provenance::{self, RunId, checksum};
 
 /// In the order of the report.
@@ -55,10 +55,9 @@ pub(super) fn write_files(
     }
     let staging = folder.stage_files()?;
     let stage = |name: &&str| staging.stage(*name, |out| write(name, &json, run, out));
-    let files: Vec<StagedFile> = names.par_iter().map(stage).collect::<Result<_, _>>()?;
-    let written = files.iter().map(StagedFile::written).collect();
+    let files: Vec<Written> = names.par_iter().map(stage).collect::<Result<_, _>>()?;
     staging.commit(&files, &own())?;
-    Ok(written)
+    Ok(files)
 }
 
 /// Checks that [`write()`] would not overwrite a file of another program.

@@ -1,42 +1,42 @@
-//! Each call of a commit fails, or the process is killed at it: a reader finds all old
-//! files or all new ones.
+//! Each call of a commit fails, or the process is killed at it: a reader finds all old files, all
+//! new ones or, where folders cannot be exchanged, a part that it recognizes.
 
+use super::faults::DiskFault;
 use super::*;
-use crate::folder::disk::faults;
-use crate::folder::disk::faults::DiskFault;
 
 const EIO: i32 = 5;
 const ENOSPC: i32 = 28;
 
-/// Injects each fault into each call of a run; returns the number of attempts.
-fn break_at_every_call(method: CommitMethod) -> usize {
+/// A process that is killed.
+const KILL: DiskFault = DiskFault::Errors(EIO);
+
+/// Injects each fault into each call of a run. Returns the number of attempts, and how many left a
+/// part of the files.
+fn break_at_every_call(method: CommitMethod) -> (usize, usize) {
     let faults = [
-        DiskFault::Kill,
+        KILL,
         DiskFault::Error(EIO),
         DiskFault::Error(ENOSPC),
-        DiskFault::Errors(EIO),
         DiskFault::Errors(ENOSPC),
     ];
-    let mut n_tries = 0;
+    let (mut n_tries, mut n_unfinished) = (0, 0);
     for fault in faults {
         for number in 0.. {
             let scenario = Scenario::new(method);
             let what = format!("{method:?}, {fault:?} at call {number}");
             let sync = fault == DiskFault::Error(EIO);
             let (done, n_calls) = faults::with(number, fault, || scenario.run(sync));
-            if method == CommitMethod::Journal {
-                settle(&scenario.folder()).unwrap();
-            }
-            let is_new = scenario.is_new(&what);
+            let is_unfinished = scenario.is_unfinished(&what);
+            let is_new = !is_unfinished && scenario.is_new(&what);
             let said = done.as_ref().map_err(WriteError::to_string).err();
             let is_unsure = |said: &String| said.contains("may not survive a power cut");
-            if fault != DiskFault::Kill {
-                let expected = said.as_ref().is_none_or(is_unsure);
-                assert_eq!(is_new, expected, "{what}: {said:?}");
-            }
-            if matches!(fault, DiskFault::Error(_)) && method == CommitMethod::Exchange {
+            let expected = said.as_ref().is_none_or(is_unsure);
+            assert_eq!(is_new, expected, "{what}: {said:?}");
+            if matches!(fault, DiskFault::Error(_)) {
+                assert!(!is_unfinished, "{what}");
                 scenario.assert_clean(&what);
             }
+            // The next run takes back what is unfinished.
             OutputFolder::create(&scenario.folder(), 0).unwrap();
             scenario.assert_clean(&what);
             assert_eq!(scenario.is_new(&what), is_new, "{what}");
@@ -44,40 +44,48 @@ fn break_at_every_call(method: CommitMethod) -> usize {
             assert!(scenario.is_new(&what), "{what}");
             scenario.assert_clean(&what);
             n_tries += 1;
+            n_unfinished += usize::from(is_unfinished);
             if number >= n_calls {
                 assert!(done.is_ok() && is_new, "{what}");
                 break;
             }
         }
     }
-    n_tries
+    (n_tries, n_unfinished)
 }
 
 #[test]
 #[cfg(target_os = "linux")]
 fn a_broken_exchange_leaves_all_old_files_or_all_new_ones() {
-    assert!(break_at_every_call(CommitMethod::Exchange) > 100);
+    let (n_tries, n_unfinished) = break_at_every_call(CommitMethod::Exchange);
+    assert!(n_tries > 100);
+    assert_eq!(n_unfinished, 0);
 }
 
 #[test]
-fn a_broken_journal_leaves_all_old_files_or_all_new_ones() {
-    assert!(break_at_every_call(CommitMethod::Journal) > 100);
+fn a_broken_replacement_leaves_one_whole_run_or_a_part_without_a_summary() {
+    for method in [CommitMethod::OneByOne, CommitMethod::Within] {
+        let (n_tries, n_unfinished) = break_at_every_call(method);
+        assert!(n_tries > 100);
+        assert!(n_unfinished > 0);
+    }
 }
 
-/// A rollback that is interrupted at any call can be repeated.
+/// Taking a replacement back can be repeated if it is interrupted at any call.
 #[test]
-fn a_journal_is_taken_back_however_often_that_is_broken_off() {
-    let scenario = Scenario::new(CommitMethod::Journal);
-    let (_, n_calls) = faults::with(usize::MAX, DiskFault::Kill, || scenario.run(false));
+fn a_replacement_is_taken_back_however_often_that_is_broken_off() {
+    let scenario = Scenario::new(CommitMethod::OneByOne);
+    let (_, n_calls) = faults::with(usize::MAX, KILL, || scenario.run(false));
     for first in 0..n_calls {
         for second in 0.. {
-            let scenario = Scenario::new(CommitMethod::Journal);
+            let scenario = Scenario::new(CommitMethod::OneByOne);
             let what = format!("killed at call {first}, then at {second}");
-            let _ = faults::with(first, DiskFault::Kill, || scenario.run(false));
-            let (_, n_calls) = faults::with(second, DiskFault::Kill, || settle(&scenario.folder()));
-            settle(&scenario.folder()).unwrap();
+            let _ = faults::with(first, KILL, || scenario.run(false));
+            let create = || OutputFolder::create(&scenario.folder(), 0).map(drop);
+            let (_, n_calls) = faults::with(second, KILL, create);
+            scenario.is_unfinished(&what);
+            create().unwrap();
             scenario.is_new(&what);
-            OutputFolder::create(&scenario.folder(), 0).unwrap();
             scenario.assert_clean(&what);
             if second >= n_calls {
                 break;
@@ -86,22 +94,63 @@ fn a_journal_is_taken_back_however_often_that_is_broken_off() {
     }
 }
 
+/// Files that a user adds after a kill are not overwritten or removed.
+#[test]
+fn foreign_files_that_appear_in_a_part_survive() {
+    let count = Scenario::new(CommitMethod::OneByOne);
+    let (_, n_calls) = faults::with(usize::MAX, KILL, || count.run(false));
+    for number in 0..n_calls {
+        let scenario = Scenario::new(CommitMethod::OneByOne);
+        let _ = faults::with(number, KILL, || scenario.run(false));
+        let path_of = |name: &&str| scenario.folder().join(name);
+        let free: Vec<PathBuf> = NAMES
+            .iter()
+            .map(path_of)
+            .filter(|at| !at.exists())
+            .collect();
+        free.iter().for_each(|at| fs::write(at, "mine").unwrap());
+        OutputFolder::create(&scenario.folder(), 0).unwrap();
+        for path in free {
+            assert_eq!(fs::read(&path).unwrap(), b"mine", "{number}: {path:?}");
+        }
+    }
+}
+
+#[test]
+fn a_damaged_plan_keeps_the_old_files() {
+    let scenario = Scenario::new(CommitMethod::OneByOne);
+    let left = (0..).find_map(|number| {
+        let _ = faults::with(number, KILL, || scenario.run(false));
+        let unfinished = is_unfinished(&scenario.folder());
+        unfinished.then(|| hidden(&scenario.folder()).unwrap())
+    });
+    let left = left.unwrap();
+    fs::write(left.join("plan.json"), "{").unwrap();
+    let error = OutputFolder::create(&scenario.folder(), 0).unwrap_err();
+    assert!(error.to_string().contains("plan is damaged"), "{error}");
+    assert!(left.join("old/summary.json").exists());
+}
+
+/// Returns a hidden folder.
+fn hidden(folder: &Path) -> Option<PathBuf> {
+    let is_hidden = |name: &String| name.starts_with('.');
+    let name = names(folder).into_iter().find(is_hidden)?;
+    Some(folder.join(name))
+}
+
 /// Other programs use the folder before and after the exchange.
 #[test]
 #[cfg(target_os = "linux")]
 fn files_of_others_survive_a_kill_after_the_exchange() {
     let count = Scenario::new(CommitMethod::Exchange);
-    let (_, n_calls) = faults::with(usize::MAX, DiskFault::Kill, || count.run(false));
+    let (_, n_calls) = faults::with(usize::MAX, KILL, || count.run(false));
     let killed_after_the_exchange = (0..n_calls).find_map(|number| {
         let scenario = Scenario::new(CommitMethod::Exchange);
-        let _ = faults::with(number, DiskFault::Kill, || scenario.run(false));
+        let _ = faults::with(number, KILL, || scenario.run(false));
         scenario.is_new("").then_some(scenario)
     });
     let scenario = killed_after_the_exchange.unwrap();
-    let left = fs::read_dir(scenario.temporary.path()).unwrap();
-    let left = left.map(|entry| entry.unwrap().path());
-    let left = left.into_iter().find(|path| *path != scenario.folder());
-    let old = workspace::new_files(&left.unwrap());
+    let old = hidden(scenario.temporary.path()).unwrap().join("new");
     fs::write(old.join("late.txt"), "came at the last moment").unwrap();
     fs::remove_file(scenario.folder().join("notes.txt")).unwrap();
     OutputFolder::create(&scenario.folder(), 0).unwrap();

@@ -1,6 +1,7 @@
 //! Common parts of the folder tests.
 
 mod breaking;
+pub(super) mod faults;
 mod others;
 
 use std::io::Write;
@@ -12,11 +13,15 @@ const NAMES: [&str; 5] = ["a.png", "b.vti", "c.png", "d.json", "summary.json"];
 const OLD: [&str; 4] = ["a.png", "b.vti", "c.png", "summary.json"];
 const NEW: [&str; 4] = ["a.png", "b.vti", "d.json", "summary.json"];
 
-/// The method of a commit; a user's folder prevents the exchange of folders.
+/// The method of a commit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CommitMethod {
+    /// Folders are exchanged.
     Exchange,
-    Journal,
+    /// A user's folder in the output folder prevents the exchange.
+    OneByOne,
+    /// The workspace is in the output folder, as if that were of another file system.
+    Within,
 }
 
 /// A folder with old files and foreign files.
@@ -37,7 +42,7 @@ impl Scenario {
             fs::write(folder.join(name), content(name, "old", &OLD)).unwrap();
         }
         fs::write(folder.join("notes.txt"), "the user's own").unwrap();
-        if method == CommitMethod::Journal {
+        if method == CommitMethod::OneByOne {
             fs::create_dir(folder.join("mine")).unwrap();
             fs::write(folder.join("mine/deep.txt"), "the user's own").unwrap();
         }
@@ -51,24 +56,25 @@ impl Scenario {
     /// Replaces the old files with new ones.
     fn run(&self, sync: bool) -> Result<(), WriteError> {
         let folder = OutputFolder::create(&self.folder(), 0)?.synced(sync);
-        let staging = folder.stage_files()?;
+        let mut staging = folder.stage_files()?;
+        if self.method == CommitMethod::Within {
+            let moved = staging.workspace.move_to(&folder.place);
+            moved.map_err(|error| WriteError::new(&folder.place, error))?;
+        }
         let stage = |name| {
             let text = content(name, "new", &NEW);
             staging.stage(name, |out| out.write_all(text.as_bytes()))
         };
-        let files: Vec<StagedFile> = NEW.into_iter().map(stage).collect::<Result<_, _>>()?;
+        let files: Vec<Written> = NEW.into_iter().map(stage).collect::<Result<_, _>>()?;
         staging.commit(&files, &own())
     }
 
     /// Returns true if the folder has the new files. Checks that all are old or all are new, and
     /// that the foreign files exist.
     fn is_new(&self, what: &str) -> bool {
+        self.assert_foreign(what);
         let folder = self.folder();
         let read = |name: &str| fs::read_to_string(folder.join(name));
-        assert_eq!(read("notes.txt").unwrap(), "the user's own", "{what}");
-        if self.method == CommitMethod::Journal {
-            assert_eq!(read("mine/deep.txt").unwrap(), "the user's own", "{what}");
-        }
         let is_new = read("summary.json").unwrap().contains("new");
         let (age, names): (_, &[_]) = if is_new { ("new", &NEW) } else { ("old", &OLD) };
         for name in NAMES {
@@ -78,7 +84,31 @@ impl Scenario {
         is_new
     }
 
-    /// Checks that no workspace and no journal are left.
+    /// Checks that readers recognize that a part is missing, and that no file is of another run than
+    /// the rest; or that all are old or all are new. Returns true if a part is missing.
+    fn is_unfinished(&self, what: &str) -> bool {
+        self.assert_foreign(what);
+        if !is_unfinished(&self.folder()) {
+            self.is_new(what);
+            return false;
+        }
+        let read = |name: &&str| fs::read_to_string(self.folder().join(name)).ok();
+        let texts: Vec<String> = NAMES.iter().filter_map(read).collect();
+        let n_old = texts.iter().filter(|text| text.contains("old")).count();
+        assert!(n_old == 0 || n_old == texts.len(), "{what}: {texts:?}");
+        assert!(!self.folder().join("summary.json").exists(), "{what}");
+        true
+    }
+
+    fn assert_foreign(&self, what: &str) {
+        let read = |name: &str| fs::read_to_string(self.folder().join(name)).unwrap();
+        assert_eq!(read("notes.txt"), "the user's own", "{what}");
+        if self.method == CommitMethod::OneByOne {
+            assert_eq!(read("mine/deep.txt"), "the user's own", "{what}");
+        }
+    }
+
+    /// Checks that no workspace is left.
     fn assert_clean(&self, what: &str) {
         for folder in [self.temporary.path(), &self.folder()] {
             let names = fs::read_dir(folder).unwrap();

@@ -74,7 +74,7 @@ fn marked_files_are_replaced_and_no_others() {
 #[cfg(unix)]
 fn permissions_stay() {
     use std::os::unix::fs::PermissionsExt;
-    for method in [CommitMethod::Exchange, CommitMethod::Journal] {
+    for method in [CommitMethod::Exchange, CommitMethod::OneByOne] {
         let scenario = Scenario::new(method);
         let folder = scenario.folder();
         let set = |path: &Path, mode| {
@@ -163,4 +163,42 @@ fn a_single_file_keeps_links_and_permissions_and_spares_what_is_not_ours() {
         hidden.iter().all(|name| !name.starts_with('.')),
         "{hidden:?}"
     );
+}
+
+/// Neither the links nor the plan of a hostile workspace lead to other folders.
+#[test]
+#[cfg(unix)]
+fn a_left_workspace_does_not_lead_out_of_its_folder() {
+    use std::os::unix::fs::symlink;
+    let temporary = tempfile::tempdir().unwrap();
+    let [out, home] = ["out", "home"].map(|name| temporary.path().join(name));
+    let left = out.join(".raycost-0");
+    fs::create_dir_all(&left).unwrap();
+    fs::create_dir(&home).unwrap();
+    fs::write(home.join("mine.txt"), "mine").unwrap();
+    let read = || {
+        let _ = OutputFolder::create(&out, 0);
+        fs::read_to_string(home.join("mine.txt")).unwrap()
+    };
+    symlink(&home, left.join("new")).unwrap();
+    assert_eq!(read(), "mine");
+
+    fs::remove_file(left.join("new")).unwrap();
+    fs::create_dir(left.join("new")).unwrap();
+    fs::create_dir(left.join("old")).unwrap();
+    fs::write(left.join("new/mine.txt"), "hostile").unwrap();
+    symlink(&home, out.join("link")).unwrap();
+    let number = lock::number_of(&left.join("new").metadata().unwrap());
+    for (folder, name, staged) in [
+        ("out", "../home/mine.txt", number),
+        ("../home", "mine.txt", 0),
+        ("link", "mine.txt", 0),
+    ] {
+        let plan = serde_json::json!({
+            "folder": folder, "staged": staged, "new": [name], "old": [], "kept": null,
+        });
+        fs::write(left.join("plan.json"), plan.to_string()).unwrap();
+        assert_eq!(read(), "mine");
+        assert!(left.exists());
+    }
 }
