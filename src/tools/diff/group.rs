@@ -31,12 +31,24 @@ impl Groups {
         })
     }
 
-    /// Sums another metric over each group.
-    pub(super) fn add(&mut self, metric: Metric, values: &[Vec<f64>; 2]) {
-        let objects = [0, 1].map(|side| self.by_object[side].totals(metric, &values[side]));
-        let tiles = [0, 1].map(|side| self.by_tile.totals(metric, &values[side]));
+    /// Sums another metric over each group. Returns its totals over all pixels.
+    pub(super) fn add(&mut self, metric: Metric, values: &[Vec<f64>; 2]) -> [f64; 2] {
+        let both = |side: usize| {
+            let values = &values[side];
+            rayon::join(
+                || self.by_object[side].totals(metric, values),
+                || self.by_tile.totals(metric, values),
+            )
+        };
+        let ((objects_a, tiles_a), (objects_b, tiles_b)) = rayon::join(|| both(0), || both(1));
+        let objects = [objects_a, objects_b];
+        let all = objects.each_ref().map(|totals| {
+            let totals = totals.iter();
+            totals.fold(0.0, |sum, &total| metric.combine(sum, total))
+        });
         self.object_totals.push((metric, objects));
-        self.tile_totals.push((metric, tiles));
+        self.tile_totals.push((metric, [tiles_a, tiles_b]));
+        all
     }
 
     /// Returns the objects of both sides; objects with the same name are one group.
@@ -131,10 +143,20 @@ impl Partition {
     /// Returns the total of each group.
     fn totals(&self, metric: Metric, values: &[f64]) -> Vec<f64> {
         let mut totals = vec![0.0; self.ids.len()];
+        let Some(&first) = self.of_pixel.first() else {
+            return totals;
+        };
+        // Neighbors are mostly in the same group, whose total is not stored in between.
+        let (mut last, mut total) = (first as usize, 0.0);
         for (&group, &value) in self.of_pixel.iter().zip(values) {
-            let total = &mut totals[group as usize];
-            *total = metric.combine(*total, value);
+            if group as usize != last {
+                totals[last] = total;
+                last = group as usize;
+                total = totals[last];
+            }
+            total = metric.combine(total, value);
         }
+        totals[last] = total;
         totals
     }
 

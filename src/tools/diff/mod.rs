@@ -182,17 +182,18 @@ impl Diff {
         let mut groups = Groups::new(sides)?;
         let mut totals = Totals::default();
         for metric in metrics {
-            let values = [a.values(metric)?, b.values(metric)?];
-            let cost = values.each_ref().map(|values| {
-                let values = values.iter();
-                values.fold(0.0, |sum, &value| metric.combine(sum, value))
-            });
+            let (a, b) = rayon::join(|| a.values(metric), || b.values(metric));
+            let cost = groups.add(metric, &[a?, b?]);
             totals.0.push(Total { metric, cost });
-            groups.add(metric, &values);
         }
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
+        let objects = sorted(groups.objects(sides), &ratios);
+        let tiles = sorted(groups.tiles(size), &ratios);
+        let n_other_objects = groups.n_other_objects;
+        // Each pixel's group takes memory that the arrays below need.
+        drop(groups);
         let change = Change::new(shown, &[a.values(shown)?, b.values(shown)?]);
         let noise = match totals.cost(Metric::TIME) {
             // The repeats add up other pixels, too.
@@ -206,15 +207,15 @@ impl Diff {
             totals,
             noise,
             change,
-            objects: sorted(groups.objects(sides), &ratios),
+            objects,
             reached: sorted(reached::groups(sides)?, &ratios),
-            tiles: sorted(groups.tiles(size), &ratios),
+            tiles,
             picture: PictureDifference::measure(&a.colors()?, &b.colors()?),
             light: match [a.radiance()?, b.radiance()?] {
                 [Some(a), Some(b)] => Some(LightDifference::measure(&a, &b)),
                 _ => None,
             },
-            n_other_objects: groups.n_other_objects,
+            n_other_objects,
             settings: settings::of_run(&values),
             machine: settings::of_machine(&values),
         })

@@ -273,6 +273,7 @@ impl Metric {
 
     /// Combines the values of two pixels or groups of pixels; NaN for a ratio, whose parts have to
     /// be combined.
+    #[inline]
     pub fn combine(self, a: f64, b: f64) -> f64 {
         match self.aggregation {
             Aggregation::Sum => a + b,
