@@ -133,7 +133,7 @@ fn foot<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
 fn sphere<R: Real>(to_center: Vector<R>, radius: R, direction: Vector<R>) -> [R; 2] {
     let a = squared_length(direction);
     let equation = SphereEquation::new(to_center, radius * radius, direction, a);
-    let (hits, [near, far]) = (equation.hits(), equation.roots());
+    let (hits, (near, far)) = (equation.hits(), equation.roots());
     [
         R::select(hits, near, near.splat(f32::INFINITY)),
         R::select(hits, far, far.splat(f32::NEG_INFINITY)),

@@ -25,10 +25,10 @@ pub struct Shear {
 /// Returns two booleans that select the dominant axis of a direction: it is the last axis if the
 /// second one is true, else the second axis if the first one is true, else the first axis.
 #[inline(always)]
-pub fn dominant_axis<R: Arithmetic>(direction: Vector<R>) -> [R::Mask; 2] {
+pub fn dominant_axis<R: Arithmetic>(direction: Vector<R>) -> (R::Mask, R::Mask) {
     let Vector { x, y, z } = direction;
     let (x, y, z) = (x.abs(), y.abs(), z.abs());
-    [x.lt(y), x.max(y).lt(z)]
+    (x.lt(y), x.max(y).lt(z))
 }
 
 /// Returns the shear constants for a ray in this direction, whose axes are permuted.
@@ -65,10 +65,11 @@ impl Shear {
 
     /// Returns the axes of a shear, given the [`dominant_axis`].
     #[inline(always)]
-    pub fn axes([is_y, is_z]: [bool; 2]) -> [usize; 3] {
+    pub fn axes((is_y, is_z): (bool, bool)) -> [usize; 3] {
+        /// The axes, by the last one.
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
         // No branch on the direction: it is unpredictable.
-        let last = usize::from(is_y | is_z) << u8::from(is_z);
-        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][last % 3]
+        AXES[(usize::from(is_y | is_z) << u8::from(is_z)) % 3]
     }
 
     /// Transforms a point to this space.

@@ -64,9 +64,9 @@ impl RayBlock {
         let dominant = dominant_axis(direction);
         self.shear_constants = to_arrays(shear_constants(permuted(direction, dominant)));
         self.permuted_origin = to_arrays(permuted(origin, dominant));
-        (self.is_y, self.is_z) = (dominant[0].bits(), dominant[1].bits());
+        (self.is_y, self.is_z) = (dominant.0.bits(), dominant.1.bits());
         // Spheres: the squared length of the direction.
-        let [a, inverse_a] = squared_length(direction);
+        let (a, inverse_a) = squared_length(direction);
         self.squared_length = [a.to_array(), inverse_a.to_array()];
     }
 
@@ -97,7 +97,7 @@ impl RayBlock {
     #[inline(always)]
     pub(super) fn intersector(&self, lane: usize) -> LeafIntersector {
         let lane = lane % N_LANES;
-        let dominant = [self.is_y >> lane & 1 != 0, self.is_z >> lane & 1 != 0];
+        let dominant = (self.is_y >> lane & 1 != 0, self.is_z >> lane & 1 != 0);
         let shear = Shear {
             axes: Shear::axes(dominant),
             constants: lane_of(&self.shear_constants, lane),
@@ -107,7 +107,7 @@ impl RayBlock {
                 origin: lane_of(&self.origin, lane),
                 direction: lane_of(&self.direction, lane),
             },
-            squared_length: [self.squared_length[0][lane], self.squared_length[1][lane]],
+            squared_length: (self.squared_length[0][lane], self.squared_length[1][lane]),
             shear,
             permuted_origin: lane_of(&self.permuted_origin, lane),
         }
@@ -116,7 +116,7 @@ impl RayBlock {
 
 /// Permutes the axes as in a [`Shear`], the dominant one last.
 #[inline(always)]
-fn permuted<L: Lanes>(v: Vector<L>, [is_y, is_z]: [L::Mask; 2]) -> Vector<L> {
+fn permuted<L: Lanes>(v: Vector<L>, (is_y, is_z): (L::Mask, L::Mask)) -> Vector<L> {
     let Vector { x, y, z } = v;
     let (if_x, if_y) = (Vector { x: y, y: z, z: x }, Vector { x: z, y: x, z: y });
     Vector::select(is_z, v, Vector::select(is_y, if_y, if_x))

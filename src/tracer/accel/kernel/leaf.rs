@@ -18,7 +18,7 @@ use scene::geometry::{
 pub(super) struct LeafIntersector {
     pub(super) ray: Ray,
     /// Squared length of the direction, and its reciprocal.
-    pub(super) squared_length: [f32; 2],
+    pub(super) squared_length: (f32, f32),
     pub(super) shear: Shear,
     /// The origin, its axes permuted as in the shear.
     pub(super) permuted_origin: Vec3,
@@ -129,8 +129,8 @@ impl LeafIntersector {
         };
         let to_center = center - set.splat_vector(self.ray.origin);
         let direction = set.splat_vector(self.ray.direction);
-        let [a, inverse_a] = self.squared_length;
-        let a = [set.splat(a), set.splat(inverse_a)];
+        let (a, inverse_a) = self.squared_length;
+        let a = (set.splat(a), set.splat(inverse_a));
         let equation = SphereEquation::new(to_center, set.load(leaf.row(3)), direction, a);
         let t = equation.first();
         let hits = equation.hits() & zero.lt(t) & t.lt(set.splat(search.limit()));

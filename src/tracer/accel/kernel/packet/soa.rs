@@ -118,7 +118,7 @@ fn coherent_lanes<I: InstructionSet>(
     let cosine = x * first_x + y * first_y + z * first_z;
     let is_near = set.splat(MIN_COSINE).le(cosine).bits();
     // Compare the dominant axes.
-    let [is_y, is_z] = dominant_axis(Vector { x, y, z });
+    let (is_y, is_z) = dominant_axis(Vector { x, y, z });
     let (is_y, is_z) = (is_y.bits(), is_z.bits());
     let same_axis = match axis {
         0 => !is_y & !is_z,
