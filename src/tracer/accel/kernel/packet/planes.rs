@@ -2,9 +2,9 @@
 
 use super::rays::PacketRays;
 use super::searches::Searches;
-use super::soa::{N_HALVES, PerRay, RaySoa};
+use super::soa::{N_HALVES, RaySoa};
 use crate::accel::search::Queries;
-use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector, Wide};
+use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Wide};
 use scene::geometry::Plane;
 
 impl<I: InstructionSet> PacketRays<'_, I> {
@@ -32,11 +32,5 @@ impl<I: InstructionSet> PacketRays<'_, I> {
                 searches.found_in_part(part, hits, t, *primitive);
             }
         }
-    }
-
-    /// Returns the vectors of a half of the packet.
-    #[inline(always)]
-    fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
-        self.set.load_vector(&[x[half], y[half], z[half]])
     }
 }

@@ -3,7 +3,7 @@
 use super::soa::{N_HALVES, PerRay, RaySoa, at};
 use crate::accel::kernel::leaf::LeafIntersector;
 use crate::accel::kernel::slab::{SlabSetup, rows};
-use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector, Wide};
+use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector};
 use scene::geometry::{Shear, shear_constants};
 
 /// The rays of a packet, prepared for tests.
@@ -50,30 +50,36 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
             permuted_origins: shear_axes.map(|axis| &soa.origins[axis % 3]),
             shear_constants: EMPTY,
         };
-        for part in 0..I::Wide::N_PARTS {
-            rays.prepare(part, largest);
-        }
+        rays.prepare(0, largest);
+        rays.prepare(1, largest);
         rays
     }
 
-    /// Prepares the rays of a part for tests against boxes whose coordinates are at most `largest`.
+    /// Prepares the rays of a half for tests against boxes whose coordinates are at most `largest`.
+    /// Two divisions of eight lanes take less time than one of sixteen.
     #[inline(always)]
-    fn prepare(&mut self, part: usize, largest: f32) {
+    fn prepare(&mut self, half: usize, largest: f32) {
         let (set, soa) = (self.set, self.soa);
         let [x, y, z] = self.shear_axes;
         // Slabs for boxes.
-        let origin = self.part(&soa.origins, part);
-        let slabs = SlabSetup::new(origin, self.part(&soa.directions, part), largest);
-        store(slabs.inverse_direction, &mut self.inverse_direction, part);
-        store(slabs.origin_of_near, &mut self.origin_of_near, part);
-        store(slabs.origin_of_far, &mut self.origin_of_far, part);
+        let origin = self.half(&soa.origins, half);
+        let slabs = SlabSetup::new(origin, self.half(&soa.directions, half), largest);
+        store(slabs.inverse_direction, &mut self.inverse_direction, half);
+        store(slabs.origin_of_near, &mut self.origin_of_near, half);
+        store(slabs.origin_of_far, &mut self.origin_of_far, half);
         // Shear for triangles; all rays share the dominant axis.
         let permuted = Vector {
-            x: set.load_wide(&soa.directions[x % 3], part),
-            y: set.load_wide(&soa.directions[y % 3], part),
-            z: set.load_wide(&soa.directions[z % 3], part),
+            x: set.load(&soa.directions[x % 3][half]),
+            y: set.load(&soa.directions[y % 3][half]),
+            z: set.load(&soa.directions[z % 3][half]),
         };
-        store(shear_constants(permuted), &mut self.shear_constants, part);
+        store(shear_constants(permuted), &mut self.shear_constants, half);
+    }
+
+    /// Returns the vectors of a half.
+    #[inline(always)]
+    pub(super) fn half(&self, [x, y, z]: &[PerRay<f32>; 3], half: usize) -> Vector<I::Lanes> {
+        self.set.load_vector(&[x[half], y[half], z[half]])
     }
 
     /// Returns the vectors of a part.
@@ -112,12 +118,12 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
     }
 }
 
-/// Stores the vectors of a part.
+/// Stores the vectors of a half.
 #[inline(always)]
-fn store<W: Wide>(vectors: Vector<W>, [x, y, z]: &mut [PerRay<f32>; 3], part: usize) {
-    vectors.x.store(x, part);
-    vectors.y.store(y, part);
-    vectors.z.store(z, part);
+fn store<L: Lanes>(vectors: Vector<L>, [x, y, z]: &mut [PerRay<f32>; 3], half: usize) {
+    x[half] = vectors.x.to_array();
+    y[half] = vectors.y.to_array();
+    z[half] = vectors.z.to_array();
 }
 
 /// Returns the greatest of the rays' numbers.
