@@ -48,7 +48,8 @@ pub struct ArrayTexture {
     pub map: Palette,
     /// The numbers of the first and the last color.
     pub range: ArrayRange,
-    /// The scale between these numbers.
+    /// The scale between these numbers. On `log`, numbers that are not positive have the first
+    /// color.
     pub scale: ArrayScale,
     /// The color of numbers that are NaN.
     pub nan_color: Vec3,
@@ -83,7 +84,8 @@ struct ArrayKeys {
     /// The numbers of the first and the last color.
     #[serde(default)]
     range: Option<ArrayRange>,
-    /// The scale between these numbers.
+    /// The scale between these numbers. On `log`, numbers that are not positive have the first
+    /// color.
     #[serde(default)]
     scale: Option<ArrayScale>,
     /// The color of numbers that are NaN; yellow by default.
@@ -141,7 +143,7 @@ pub enum ArrayScale {
     /// In equal steps.
     #[default]
     Linear,
-    /// In equal ratios; numbers that are not positive have the first color.
+    /// In equal ratios, of positive numbers.
     Log,
 }
 
