@@ -7,7 +7,7 @@ use crate::common::same_output::{assert_same_output, summary};
 use crate::failures::assert_refused;
 use crate::job::Job;
 
-/// A cloud that spreads, with a hierarchy that is refitted from that of the first frame.
+/// A cloud that spreads; hierarchies are refitted from the first frame's.
 fn spreading() -> Job {
     let mut job = Job::new("seed_sphere", &["--cost=counters"]);
     let scene = "image: { width: 60, height: 40 }

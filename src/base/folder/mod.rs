@@ -17,7 +17,7 @@
 //! 6. It removes the old files last, because freeing a large file can be slow.
 //!
 //! After an exchange, another process whose current directory is the folder has the removed old
-//! one: only a list of all processes could tell beforehand, and only of the user's own.
+//! one: only a list of all processes could show that, and only for the user's own.
 //!
 //! Foreign files remain, and so do the permissions of the folder and of replaced files. Without
 //! `sync`, a power cut may lose the newest files or parts of them; lengths, run IDs and checksums

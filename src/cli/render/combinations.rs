@@ -14,45 +14,19 @@ impl RenderArguments {
         let no_files = "a part writes none of the output files: leave the flag out";
         let to_merge = "give it to `raycost merge`, which writes the files";
         let endless = "the overhead takes many whole renderings: measure it in another run";
+        let part = ("part", self.part.is_some());
+        let timeout = ("timeout", self.timeout.is_some());
+        let overhead = ("measure-overhead", self.measure_overhead);
+        let counters = ("hardware-counters", self.hardware_counters);
         let pairs = [
-            (
-                "part",
-                self.part.is_some(),
-                "profile",
-                self.profile,
-                no_files,
-            ),
-            (
-                "part",
-                self.part.is_some(),
-                "measure-overhead",
-                self.measure_overhead,
-                no_files,
-            ),
-            (
-                "part",
-                self.part.is_some(),
-                "hardware-counters",
-                self.hardware_counters,
-                no_files,
-            ),
-            (
-                "part",
-                self.part.is_some(),
-                "format",
-                self.run.format.is_some(),
-                to_merge,
-            ),
-            (
-                "timeout",
-                self.timeout.is_some(),
-                "measure-overhead",
-                self.measure_overhead,
-                endless,
-            ),
+            (part, ("profile", self.profile), no_files),
+            (part, overhead, no_files),
+            (part, counters, no_files),
+            (part, ("format", self.run.format.is_some()), to_merge),
+            (timeout, overhead, endless),
         ];
-        let both = pairs.into_iter().find(|pair| pair.1 && pair.3);
-        if let Some((first, _, second, _, help)) = both {
+        let both = pairs.into_iter().find(|(one, other, _)| one.1 && other.1);
+        if let Some(((first, _), (second, _), help)) = both {
             let message = format!("`--{first}` and `--{second}` exclude each other");
             return Err(Diagnostic::new(message).with_help(help));
         }

@@ -30,7 +30,8 @@ pub(super) fn render(
     arguments: &RenderArguments,
     scene: &OpenScene,
     frames: &Frames,
-    (crew, deadline): (Option<&Crew>, Option<Instant>),
+    crew: Option<&Crew>,
+    deadline: Option<Instant>,
 ) -> Result<(), Failure> {
     let start = Instant::now();
     let out = arguments.scene.out();
@@ -192,7 +193,7 @@ impl FrameJob<'_> {
         } = self.arguments;
         let flags = format!("{:?}", (measure_overhead, hardware_counters, profile));
         let flags = flags + &self.hierarchies.flags();
-        FrameInput::read(self.scene, self.frames, number, &flags)
+        FrameInput::new(self.scene, self.frames, number, &flags)
     }
 
     /// Renders a frame, or a part of it, into its folder.

@@ -33,7 +33,7 @@ impl FrameInput {
     ///
     /// # Errors
     /// The first fault in it.
-    pub(super) fn read(
+    pub(super) fn new(
         scene: &OpenScene,
         frames: &Frames,
         number: u32,

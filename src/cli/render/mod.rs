@@ -168,9 +168,9 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     let scene = OpenScene::parse(&arguments.scene, source)?;
     let done = match &scene.frames {
         Some(frames) if arguments.picture.is_none() => {
-            frames::render(arguments, &scene, frames, (crew.as_ref(), deadline))
+            frames::render(arguments, &scene, frames, crew.as_ref(), deadline)
         }
-        _ => still(arguments, &scene, stages, (crew.as_ref(), deadline)),
+        _ => still(arguments, &scene, stages, crew.as_ref(), deadline),
     };
     if let (Some(crew), Ok(()) | Err(Failure::Partial)) = (crew, &done) {
         crew.leave();
@@ -183,7 +183,8 @@ fn still(
     arguments: &RenderArguments,
     scene: &OpenScene,
     stages: Stages,
-    (crew, deadline): (Option<&Crew>, Option<Instant>),
+    crew: Option<&Crew>,
+    deadline: Option<Instant>,
 ) -> Result<(), Failure> {
     let frame = arguments.only_frame(scene)?;
     let profiler = arguments.profile.then(start_profiler).transpose()?;

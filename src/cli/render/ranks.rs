@@ -51,7 +51,7 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
                 work_on(&Session::new(input, stages)?)?;
             }
             (Some(Order::Frame(number)), Some(frames)) => {
-                let input = FrameInput::read(&scene, frames, number, "")?;
+                let input = FrameInput::new(&scene, frames, number, "")?;
                 let frame = hierarchies.open(input, Memory::of_part, stages, &options)?;
                 work_on(&frame.session)?;
                 hierarchies.take_from(&frame)?;

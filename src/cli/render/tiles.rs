@@ -27,8 +27,8 @@ pub(super) struct Tiles {
     checkpoint: Option<Checkpoint>,
     /// The file of an interrupted run that this one does not continue.
     left: Option<PathBuf>,
-    /// True if the pixels are only in the files of tiles: those of a part, and of a picture that is
-    /// larger than memory.
+    /// True if the pixels are only in the files of tiles: for a part, and for a picture that is larger
+    /// than memory.
     is_stored: bool,
 }
 

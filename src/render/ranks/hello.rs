@@ -19,9 +19,9 @@ pub struct SceneText {
 pub enum Order {
     /// Render a picture without others: a still, or this frame of an animation.
     Still(Option<u32>),
-    /// Render this frame of an animation, of which others may follow.
+    /// Render this frame of an animation; other frames may follow.
     Frame(u32),
-    /// Leave: there are no further pictures.
+    /// Leave: all pictures are rendered.
     Leave,
 }
 

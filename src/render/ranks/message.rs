@@ -25,7 +25,7 @@ pub enum MessageKind {
     Records,
     /// From a worker: it cannot render.
     Failure,
-    /// From rank 0: the picture has no further tiles.
+    /// From rank 0: all tiles of the picture are dealt.
     End,
     /// From a worker: its work on the picture.
     Work,

@@ -23,7 +23,7 @@ pub(crate) trait PathProbe {
     ) -> Vec3;
 }
 
-/// Follows the paths of a pixel in rounds of samples until it is no longer noisy. Returns the sums
+/// Follows the paths of a pixel in rounds of samples until its noise is low enough. Returns the sums
 /// of the samples and their number. `paths` is a reused buffer.
 pub(crate) fn follow(
     view: &View,

@@ -157,15 +157,14 @@ impl Material {
             MaterialKind::Principled { surface, .. } => surface.facets(masking),
             MaterialKind::Dielectric { roughness, .. }
             | MaterialKind::Conductor { roughness, .. } => Ggx::of_roughness(*roughness, masking)?,
-            MaterialKind::Opaque { .. } | MaterialKind::Particles(_) if self.specular > 0.0 => {
+            MaterialKind::Opaque { .. } | MaterialKind::Particles(_) => {
                 // As wide as the highlight: Walter et al., EGSR 2007.
                 let alpha = (2.0 / (2.0 + self.exponent)).sqrt();
-                Ggx {
+                (self.specular > 0.0).then_some(Ggx {
                     alpha: alpha.max(Ggx::MIN_ALPHA),
                     masking,
-                }
+                })?
             }
-            MaterialKind::Opaque { .. } | MaterialKind::Particles(_) => return None,
         };
         let index = self.kind.medium().map(|medium| medium.index);
         Some(Arc::new(

@@ -154,7 +154,7 @@ impl Side {
         let array = self.results.frame()?.read(metric.name)?;
         match array.n_components {
             1 => {
-                let values = array.values.to_f64();
+                let values: Vec<f64> = array.values.iter().collect();
                 Ok(if self.is_cut() {
                     self.compared(&values, 1)
                 } else {

@@ -61,13 +61,6 @@ macro_rules! values {
                 match self { $(Self::$kind(numbers) => numbers[index] as f64,)* }
             }
 
-            /// Returns the numbers as [`Self::at`] converts them.
-            pub fn to_f64(&self) -> Vec<f64> {
-                match self {
-                    $(Self::$kind(numbers) => numbers.iter().map(|&number| number as f64).collect(),)*
-                }
-            }
-
             /// Returns the bytes of the numbers in native order.
             pub fn bytes(&self) -> &[u8] {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice(numbers),)* }

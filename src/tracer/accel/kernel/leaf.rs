@@ -1,6 +1,6 @@
 //! Intersection of a ray with all primitives of a leaf at once, one primitive per lane.
 //!
-//! The formulas are those of `geometry`: each lane has the same `t` as
+//! The formulas are `geometry`'s: each lane has the same `t` as
 //! [`Triangle`](scene::geometry::Triangle), [`Sphere`](scene::geometry::Sphere) or [`Capsule`], to
 //! the bit.
 

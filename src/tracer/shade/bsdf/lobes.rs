@@ -31,7 +31,7 @@ struct Choice {
 }
 
 impl<'a> Lobes<'a> {
-    /// Reads the fractions `diffuse` and `specular`, and takes that of the mirror; all are scaled down where they
+    /// Reads the fractions `diffuse` and `specular`, and takes the fraction of the mirror; all are scaled down where they
     /// sum to more than 1.
     pub(super) fn new(material: &'a Material, reflection: f32) -> Self {
         let sum = material.diffuse + material.specular + reflection;
