@@ -65,14 +65,14 @@ fn main() {
     let path = |name| folder.join(format!("raycost-bench-{name}"));
     let frame = path("frame.vti");
     let mut rows = compare("frame.vti", &film, write_frame, &frame, || {
-        let mut frame = FrameFile::open(&frame).unwrap();
+        let frame = FrameFile::open(&frame).unwrap();
         for info in frame.arrays().to_vec() {
             black_box(frame.read(&info.name).unwrap());
         }
     });
     let hits = path("hits.vtu");
     rows.extend(compare("hits.vtu", &film, write_hits, &hits, || {
-        let mut hits = HitsFile::open(&hits).unwrap();
+        let hits = HitsFile::open(&hits).unwrap();
         for info in hits.arrays().to_vec() {
             black_box(hits.read(&info.name).unwrap());
         }

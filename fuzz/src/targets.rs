@@ -133,7 +133,7 @@ fn data_set(path: &Path) {
 pub fn vtk(input: &[u8]) {
     FOLDERS.with(|[folder, _]| {
         let path = folder.write("a.vtk", input);
-        if let Ok(mut frame) = FrameFile::open(&path) {
+        if let Ok(frame) = FrameFile::open(&path) {
             let n_pixels = frame.width() as usize * frame.height() as usize;
             for info in frame.arrays().to_vec() {
                 if let Ok(array) = frame.read(&info.name) {
@@ -144,7 +144,7 @@ pub fn vtk(input: &[u8]) {
                 }
             }
         }
-        if let Ok(mut hits) = HitsFile::open(&path) {
+        if let Ok(hits) = HitsFile::open(&path) {
             for info in hits.arrays().to_vec() {
                 if let Ok(array) = hits.read(&info.name) {
                     let n_points = hits.n_points();

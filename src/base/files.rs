@@ -64,6 +64,26 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8 text"))
 }
 
+/// Reads a file from a position on. Other readers of the file have positions of their own, so that
+/// threads can share it.
+pub struct PositionedReader<'a> {
+    /// The file.
+    pub file: &'a File,
+    /// Byte offset of the next byte to read.
+    pub position: u64,
+}
+
+impl Read for PositionedReader<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        #[cfg(unix)]
+        let n_bytes = std::os::unix::fs::FileExt::read_at(self.file, into, self.position)?;
+        #[cfg(windows)]
+        let n_bytes = std::os::windows::fs::FileExt::seek_read(self.file, into, self.position)?;
+        self.position += n_bytes as u64;
+        Ok(n_bytes)
+    }
+}
+
 fn check(found: &Metadata) -> io::Result<()> {
     if found.is_file() {
         return Ok(());

@@ -6,6 +6,7 @@
 //! `summary.json`, which lists every file.
 
 use std::fmt;
+use std::io::{self, Write};
 use std::str::FromStr;
 
 use serde_json::Value;
@@ -49,6 +50,17 @@ impl Hasher {
     /// Returns the checksum of all bytes so far.
     pub fn checksum(&self) -> Checksum {
         Checksum(self.0.finish_128())
+    }
+}
+
+impl Write for Hasher {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.add(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

@@ -1,8 +1,9 @@
 //! `raycost diff`.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde::Serialize;
 
 use super::{Failure, on_threads, shell_word, shown};
 use base::folder::{OutputFolder, Written};
@@ -10,7 +11,7 @@ use base::text::numbers::bytes;
 use base::text::{self, Diagnostic};
 use output::results::read_unchanged;
 use tools::diff::foreign::{self, ForeignDiff, ForeignFile};
-use tools::diff::{self, Diff, Gate, Limit, Side};
+use tools::diff::{self, Diff, DiffJson, Gate, Limit, Side};
 use tracer::cost::Metric;
 
 /// Compare the costs of two outputs, or an output with the file of another program
@@ -89,7 +90,7 @@ fn compare_outputs(arguments: &DiffArguments) -> Result<(), Failure> {
     diff::refuse_foreign(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
     let text = if arguments.json {
-        json_text(&diff::to_json(&diff, &sides, gate.as_ref()))
+        json_text(&DiffJson::new(&diff, &sides, gate.as_ref()))?
     } else {
         let report = diff::report(&diff, &sides, gate.as_ref());
         report + &written_line(&out, &written) + &next_line(&out)
@@ -123,7 +124,7 @@ fn compare_with_file(
     diff::refuse_foreign(&folder)?;
     let written = foreign::write(&diff, &folder)?;
     let text = if arguments.json {
-        json_text(&foreign::to_json(&diff))
+        json_text(&foreign::to_json(&diff))?
     } else {
         format!(
             "{}\n{}",
@@ -142,8 +143,9 @@ fn out(arguments: &DiffArguments, [a, b]: [&str; 2]) -> PathBuf {
     }
 }
 
-fn json_text(json: &Value) -> String {
-    text::visible_json(&format!("{json:#}\n"))
+fn json_text(json: &impl Serialize) -> io::Result<String> {
+    let json = serde_json::to_string_pretty(json)?;
+    Ok(text::visible_json(&(json + "\n")))
 }
 
 fn written_line(out: &Path, written: &[Written]) -> String {

@@ -35,23 +35,21 @@ fn assert_same_data(whole: &Path, bands: &Path) {
             found.name
         );
     };
-    let [mut frame, mut pieces] = [&one, &other].map(|results| results.frame().unwrap());
+    let [frame, pieces] = [&one, &other].map(|results| results.frame().unwrap());
     assert_eq!(frame.arrays(), pieces.arrays());
     for array in frame.arrays().to_vec() {
-        let [found, expected] =
-            [&mut pieces, &mut frame].map(|file| file.read(&array.name).unwrap());
+        let [found, expected] = [&pieces, &frame].map(|file| file.read(&array.name).unwrap());
         check(&found, &expected);
         let (columns, rows) = ([0, 7, 1023], [0, 1, 31, 32, 500, 899]);
-        let [found, expected] = [&mut pieces, &mut frame]
-            .map(|file| file.read_selected(&array.name, &columns, &rows).unwrap());
+        let [found, expected] =
+            [&pieces, &frame].map(|file| file.read_selected(&array.name, &columns, &rows).unwrap());
         check(&found, &expected);
     }
-    let [mut hits, mut pieces] = [&one, &other].map(|results| results.hits().unwrap());
+    let [hits, pieces] = [&one, &other].map(|results| results.hits().unwrap());
     assert_eq!(hits.arrays(), pieces.arrays());
     assert!(hits.read_points().unwrap() == pieces.read_points().unwrap());
     for array in hits.arrays().to_vec() {
-        let [found, expected] =
-            [&mut pieces, &mut hits].map(|file| file.read(&array.name).unwrap());
+        let [found, expected] = [&pieces, &hits].map(|file| file.read(&array.name).unwrap());
         check(&found, &expected);
     }
     let pixels = |folder: &Path| image::open(folder.join("image.png")).unwrap();

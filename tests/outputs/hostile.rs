@@ -224,7 +224,7 @@ fn selected_pixels_are_those_of_the_frame() {
     for codec in [Codec::None, Codec::Lz4, Codec::Zlib] {
         let film = noise(37, 23, CostMode::Time, 1);
         write_frame(&film, codec, &mut fs::File::create(&path).unwrap()).unwrap();
-        let mut frame = FrameFile::open(&path).unwrap();
+        let frame = FrameFile::open(&path).unwrap();
         for (columns, rows) in [
             (vec![0, 5, 36], vec![0, 1, 22]),
             (vec![3], vec![7]),

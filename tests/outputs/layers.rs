@@ -52,7 +52,7 @@ fn floats(samples: &FlatSamples) -> &[f32] {
 /// NaN; returns the number of its channels.
 fn assert_is_array(
     channels: &BTreeMap<String, FlatSamples>,
-    frame: &mut FrameFile,
+    frame: &FrameFile,
     [layer, array]: [&str; 2],
     names: &[&str],
     miss: f64,
@@ -84,13 +84,13 @@ fn every_array_is_a_layer() {
         let folder = tempfile::tempdir().unwrap();
         render("trellis", folder.path(), flags);
         let results = Results::open(folder.path()).unwrap();
-        let mut frame = results.frame().unwrap();
+        let frame = results.frame().unwrap();
         let (channels, run) = channels(folder.path());
         assert_eq!(results.summary.run.unwrap().to_string(), run);
         // `P`, `albedo` and `Z`, which VTK files do not have.
         let mut n = 7;
-        n += assert_is_array(&channels, &mut frame, ["", "radiance"], &COLOR, 0.0);
-        n += assert_is_array(&channels, &mut frame, ["N.", "Normals"], &SPACE, 0.0);
+        n += assert_is_array(&channels, &frame, ["", "radiance"], &COLOR, 0.0);
+        n += assert_is_array(&channels, &frame, ["N.", "Normals"], &SPACE, 0.0);
         let arrays: Vec<String> = (frame.arrays().iter().map(|array| array.name.clone()))
             .filter(|name| !["RGB", "Normals", "radiance"].contains(&name.as_str()))
             .collect();
@@ -101,7 +101,7 @@ fn every_array_is_a_layer() {
             };
             let far = f64::from(1e10_f32);
             let miss = if array == "distance" { far } else { 0.0 };
-            n += assert_is_array(&channels, &mut frame, [layer, array], &["X"], miss);
+            n += assert_is_array(&channels, &frame, [layer, array], &["X"], miss);
         }
         assert_eq!(channels.len(), n);
     }
@@ -112,7 +112,7 @@ fn depth_is_along_the_view_and_positions_are_those_of_the_cloud() {
     let folder = tempfile::tempdir().unwrap();
     render("trellis", folder.path(), &["--cost=none"]);
     let (channels, _) = channels(folder.path());
-    let mut hits = Results::open(folder.path()).unwrap().hits().unwrap();
+    let hits = Results::open(folder.path()).unwrap().hits().unwrap();
     let pixels: Vec<f64> = hits.read("pixel").unwrap().values.iter().collect();
     let points = hits.read_points().unwrap();
     // Those of the scene's `look_at`.

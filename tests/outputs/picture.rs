@@ -40,7 +40,7 @@ fn both_depths_are_the_nearest_numbers() {
             }
             other => panic!("{:?}", other.color()),
         };
-        let mut frame = Results::open(&out).unwrap().frame().unwrap();
+        let frame = Results::open(&out).unwrap().frame().unwrap();
         let radiance = frame.read("radiance").unwrap();
         assert_eq!(numbers.len(), radiance.values.len());
         for (number, light) in numbers.into_iter().zip(radiance.values.iter()) {

@@ -44,12 +44,12 @@ proptest! {
             bytes[from + at] = byte;
             fs::write(path, bytes).unwrap();
         }
-        if let Ok(mut frame) = FrameFile::open(&frame) {
+        if let Ok(frame) = FrameFile::open(&frame) {
             for info in frame.arrays().to_vec() {
                 let _ = frame.read(&info.name);
             }
         }
-        if let Ok(mut hits) = HitsFile::open(&hits) {
+        if let Ok(hits) = HitsFile::open(&hits) {
             for info in hits.arrays().to_vec() {
                 let _ = hits.read(&info.name);
             }
@@ -69,7 +69,7 @@ fn write(film: &Film, codec: Codec, folder: &Path) -> (PathBuf, PathBuf) {
 fn check(film: &Film, codec: Codec) {
     let folder = tempfile::tempdir().unwrap();
     let (frame, hits) = write(film, codec, folder.path());
-    let (mut frame, mut hits) = (
+    let (frame, hits) = (
         FrameFile::open(&frame).unwrap(),
         HitsFile::open(&hits).unwrap(),
     );
@@ -94,6 +94,11 @@ fn check(film: &Film, codec: Codec) {
         let array = frame.read(column.name).unwrap();
         assert_eq!(array.n_components, column.n_components);
         assert!(array.values.bytes() == all, "{}", column.name);
+        let rows = film.grid.height / 3..film.grid.height.div_ceil(2);
+        let row_bytes = all.len() / film.grid.height as usize;
+        let of_rows = &all[rows.start as usize * row_bytes..rows.end as usize * row_bytes];
+        let array = frame.read_rows(column.name, rows).unwrap();
+        assert!(array.values.bytes() == of_rows, "{}", column.name);
 
         let of_hits: Vec<u8> = all
             .chunks(column.stride())
@@ -156,7 +161,7 @@ fn a_rendering_is_read() {
     let folder = tempfile::tempdir().unwrap();
     render(folder.path(), &[]);
     let results = Results::open(folder.path()).unwrap();
-    let mut frame = results.frame().unwrap();
+    let frame = results.frame().unwrap();
     let visits = frame.read("node_visits").unwrap().values;
     let total = results.summary.cost.total("node_visits");
     assert_eq!(total, Some(visits.iter().sum()));
@@ -175,7 +180,7 @@ fn a_rendering_is_read() {
 fn the_error_of_a_missing_array_names_the_option_that_writes_it() {
     let folder = tempfile::tempdir().unwrap();
     let missing = |name| {
-        let mut frame = Results::open(folder.path()).unwrap().frame().unwrap();
+        let frame = Results::open(folder.path()).unwrap().frame().unwrap();
         frame.read(name).unwrap_err().to_string()
     };
     render(folder.path(), &["--cost", "counters"]);
@@ -282,7 +287,7 @@ fn a_foreign_file_is_refused() {
     let opened = |text: &str| {
         let bytes: Vec<u8> = text.chars().map(|c| c as u8).collect();
         fs::write(&path, bytes).unwrap();
-        let read = |mut frame: FrameFile| frame.read("RGB").map(drop);
+        let read = |frame: FrameFile| frame.read("RGB").map(drop);
         FrameFile::open(&path)
             .and_then(read)
             .unwrap_err()

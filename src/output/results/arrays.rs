@@ -1,5 +1,7 @@
 //! The arrays of points of a VTK file.
 
+use std::ops::Range;
+
 use base::text::Diagnostic;
 use render::film::{Column, columns};
 use scene::config::{CostMode, Repeats};
@@ -30,11 +32,9 @@ pub struct LoadedArray {
 }
 
 impl LoadedArray {
-    /// Appends the tuples of the same array in the next piece, except for the first `n_skipped`;
-    /// false if the types differ.
-    pub(super) fn append(&mut self, next: &Self, n_skipped: usize) -> bool {
-        let is_same = self.n_components == next.n_components;
-        is_same && (self.values).append(&next.values, n_skipped * next.n_components)
+    /// Appends the tuples of the same array in the next piece; false if the types differ.
+    pub(super) fn append(&mut self, next: &Self) -> bool {
+        self.n_components == next.n_components && self.values.append(&next.values)
     }
 }
 
@@ -81,13 +81,19 @@ impl Arrays {
         self.position(name).ok_or_else(|| self.missing(name))
     }
 
-    /// Reads an array that the file stores in this many rows, bottom row first.
-    pub(super) fn read(&self, name: &str, n_rows: usize) -> Result<LoadedArray, Diagnostic> {
+    /// Reads rows of an array that the file stores in `n_rows` rows, bottom row first; returns the
+    /// upper row first.
+    pub(super) fn read(
+        &self,
+        name: &str,
+        n_rows: usize,
+        rows: Range<usize>,
+    ) -> Result<LoadedArray, Diagnostic> {
         let index = self.index(name)?;
         Ok(LoadedArray {
             name: name.to_owned(),
             n_components: self.infos[index].n_components,
-            values: self.file.read(&self.places[index], n_rows)?,
+            values: self.file.read_rows(&self.places[index], n_rows, rows)?,
         })
     }
 

@@ -119,8 +119,8 @@ impl FrameFile {
     }
 
     /// Returns the pieces from top to bottom; a frame in one file is one piece.
-    pub fn pieces(&mut self) -> &mut [FramePiece] {
-        &mut self.pieces
+    pub fn pieces(&self) -> &[FramePiece] {
+        &self.pieces
     }
 
     /// Reads an array, row-major, `width * height` tuples, row 0 on top as in the film; the file
@@ -128,8 +128,23 @@ impl FrameFile {
     ///
     /// # Errors
     /// The array is missing or damaged; the message says how to write it.
-    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
-        self.joined(|piece| Ok(Some(piece.read_shared(name)?)))
+    pub fn read(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        self.read_rows(name, 0..self.height)
+    }
+
+    /// Reads these rows of an array, at least one, as [`Self::read`] does. Needs memory for these
+    /// rows.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_rows(&self, name: &str, rows: Range<u32>) -> Result<LoadedArray, Diagnostic> {
+        self.joined(|piece| {
+            let [start, end] =
+                [rows.start, rows.end].map(|row| row.clamp(piece.rows.start, piece.rows.end));
+            (start < end)
+                .then(|| piece.read_rows(name, start..end))
+                .transpose()
+        })
     }
 
     /// Reads the pixels of an array at the intersections of `columns` and `rows`, both ascending,
@@ -138,7 +153,7 @@ impl FrameFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn read_selected(
-        &mut self,
+        &self,
         name: &str,
         columns: &[u32],
         rows: &[u32],
@@ -167,7 +182,7 @@ impl FrameFile {
                 joined = Some(array);
                 continue;
             };
-            if !joined.append(&array, 0) {
+            if !joined.append(&array) {
                 return Err(piece.arrays.file.foreign("its arrays differ from others"));
             }
         }
@@ -211,24 +226,14 @@ impl FramePiece {
     ///
     /// # Errors
     /// As [`FrameFile::read`].
-    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
-        self.read_shared(name)
+    pub fn read(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        self.read_rows(name, self.rows.clone())
     }
 
-    /// Reads as [`read`](Self::read) does, by one thread at a time.
-    fn read_shared(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
-        let stored = self.arrays.read(name, self.stored.len())?;
-        let n_skipped = (self.rows.start - self.stored.start) as usize * self.width as usize;
-        if n_skipped == 0 {
-            return Ok(stored);
-        }
-        let mut array = LoadedArray {
-            values: stored.values.none_of_type(),
-            name: stored.name.clone(),
-            n_components: stored.n_components,
-        };
-        array.append(&stored, n_skipped);
-        Ok(array)
+    /// Reads rows of the picture that it stores.
+    fn read_rows(&self, name: &str, rows: Range<u32>) -> Result<LoadedArray, Diagnostic> {
+        let [start, end] = [rows.start, rows.end].map(|row| (row - self.stored.start) as usize);
+        self.arrays.read(name, self.stored.len(), start..end)
     }
 }
 
@@ -319,7 +324,7 @@ mod tests {
         let mut file = SparseFile(File::create(&path).unwrap());
         appended::write(&image, Codec::None.into(), &mut file).unwrap();
         assert!(path.metadata().unwrap().len() > 4 * n);
-        let mut frame = FrameFile::open(&path).unwrap();
+        let frame = FrameFile::open(&path).unwrap();
         assert_eq!([frame.width(), frame.height()], size);
         // The last pixels of the file belong to the upper row.
         let columns = [0, size[0] - 2, size[0] - 1];

@@ -74,19 +74,19 @@ impl HitsFile {
     }
 
     /// Returns the pieces in the order of the pixels; a cloud in one file is one piece.
-    pub fn pieces(&mut self) -> &mut [HitsPiece] {
-        &mut self.pieces
+    pub fn pieces(&self) -> &[HitsPiece] {
+        &self.pieces
     }
 
     /// Reads an array, in the order of the pixels, row 0 on top.
     ///
     /// # Errors
     /// The array is missing or damaged; the message says how to write it.
-    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
-        let (first, others) = self.pieces.split_at_mut(1);
+    pub fn read(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        let (first, others) = self.pieces.split_at(1);
         let mut joined = first[0].read(name)?;
         for piece in others {
-            if !joined.append(&piece.read(name)?, 0) {
+            if !joined.append(&piece.read(name)?) {
                 return Err(piece.arrays.file.foreign("its arrays differ from others"));
             }
         }
@@ -97,8 +97,8 @@ impl HitsFile {
     ///
     /// # Errors
     /// The points are damaged, or are neither `Float32` nor `Float64`.
-    pub fn read_points(&mut self) -> Result<Vec<[f64; 3]>, Diagnostic> {
-        let of_pieces = self.pieces.iter_mut().map(HitsPiece::read_points);
+    pub fn read_points(&self) -> Result<Vec<[f64; 3]>, Diagnostic> {
+        let of_pieces = self.pieces.iter().map(HitsPiece::read_points);
         Ok(of_pieces.collect::<Result<Vec<_>, _>>()?.concat())
     }
 }
@@ -136,16 +136,16 @@ impl HitsPiece {
     ///
     /// # Errors
     /// As [`HitsFile::read`].
-    pub fn read(&mut self, name: &str) -> Result<LoadedArray, Diagnostic> {
-        self.arrays.read(name, 1)
+    pub fn read(&self, name: &str) -> Result<LoadedArray, Diagnostic> {
+        self.arrays.read(name, 1, 0..1)
     }
 
     /// Reads its points in world space.
     ///
     /// # Errors
     /// As [`HitsFile::read_points`].
-    pub fn read_points(&mut self) -> Result<Vec<[f64; 3]>, Diagnostic> {
-        let numbers: Vec<f64> = match self.arrays.file.read(&self.points, 1)? {
+    pub fn read_points(&self) -> Result<Vec<[f64; 3]>, Diagnostic> {
+        let numbers: Vec<f64> = match self.arrays.file.read(&self.points)? {
             ArrayValues::F32(numbers) => numbers.into_iter().map(f64::from).collect(),
             ArrayValues::F64(numbers) => numbers,
             _ => {

@@ -1,6 +1,7 @@
 //! The change of one metric in every pixel.
 
-use super::ratio;
+use super::{Side, ratio};
+use base::text::Diagnostic;
 use tracer::cost::Metric;
 
 /// The change of one metric in every pixel.
@@ -16,29 +17,43 @@ pub struct Change {
 }
 
 impl Change {
-    /// Computes the change from `a` to `b`, both row-major, row 0 on top.
-    pub(super) fn new(metric: Metric, [a, b]: &[Vec<f64>; 2]) -> Self {
-        let pairs = || a.iter().zip(b);
-        Self {
-            metric,
-            differences: pairs().map(|(a, b)| (b - a) as f32).collect(),
-            max_ratio: robust_max(pairs().map(|(&a, &b)| ratio([a, b]).log2().abs())).exp2(),
+    /// Computes the change of a metric from A to B.
+    ///
+    /// # Errors
+    /// The metric cannot be read.
+    pub(super) fn measure([a, b]: &[Side; 2], metric: Metric) -> Result<Self, Diagnostic> {
+        let mut differences = Vec::new();
+        let mut changes = Vec::new();
+        for rows in a.bands() {
+            let (a, b) = (a.costs(metric, rows.clone())?, b.costs(metric, rows)?);
+            differences.extend(a.iter().zip(&b).map(|(a, b)| (b - a) as f32));
+            changes.extend(a.iter().zip(&b).filter_map(|(&a, &b)| log2_change([a, b])));
         }
+        Ok(Self {
+            metric,
+            differences,
+            max_ratio: f64::from(robust_max(changes)).exp2(),
+        })
     }
 }
 
 /// Least range of a color map, as a logarithm to base 2: smaller changes, of less than 5 %, are
 /// noise.
-const MIN_LOG2: f64 = 0.07;
+const MIN_LOG2: f32 = 0.07;
 
-/// Returns the 98 % quantile of the finite values; at least [`MIN_LOG2`].
-fn robust_max(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+/// Returns the size of the logarithm to base 2 of the ratio B / A; `None` if it is infinite.
+fn log2_change(cost: [f64; 2]) -> Option<f32> {
+    let change = ratio(cost).log2().abs() as f32;
+    change.is_finite().then_some(change)
+}
+
+/// Returns the 98 % quantile of the values; at least [`MIN_LOG2`].
+fn robust_max(mut values: Vec<f32>) -> f32 {
     let rank = values.len() * 98 / 100;
     if rank >= values.len() {
         return MIN_LOG2;
     }
-    let (_, quantile, _) = values.select_nth_unstable_by(rank, f64::total_cmp);
+    let (_, quantile, _) = values.select_nth_unstable_by(rank, f32::total_cmp);
     quantile.max(MIN_LOG2)
 }
 
@@ -48,13 +63,11 @@ mod tests {
 
     #[test]
     fn outliers_do_not_widen_the_range() {
-        let mut a = vec![100.0; 1000];
-        let mut b = vec![50.0; 1000];
-        (a[3], b[4], a[5]) = (0.0, 0.0, 1.0);
-        let change = Change::new(Metric::TIME, &[a, b]);
-        assert_eq!(change.max_ratio, 2.0);
-        assert_eq!(change.differences[..5], [-50.0, -50.0, -50.0, 50.0, -100.0]);
-        let same = Change::new(Metric::TIME, &[vec![0.0; 9], vec![0.0; 9]]);
-        assert!(same.max_ratio > 1.0 && same.max_ratio < 1.06);
+        let mut costs = vec![[100.0, 50.0]; 1000];
+        (costs[3][0], costs[4][1], costs[5][0]) = (0.0, 0.0, 1.0);
+        let max =
+            |costs: Vec<[f64; 2]>| robust_max(costs.into_iter().filter_map(log2_change).collect());
+        assert_eq!(max(costs), 1.0);
+        assert_eq!(max(vec![[0.0; 2]; 9]), MIN_LOG2);
     }
 }

@@ -2,9 +2,7 @@
 
 use std::io;
 
-use serde_json::Value;
-
-use super::{Diff, Side};
+use super::{Diff, Gate, Side};
 use base::folder::{FileWriter, OutputFolder};
 use base::provenance::RunId;
 
@@ -20,8 +18,7 @@ pub(super) struct DiffJob<'a> {
     pub(super) diff: &'a Diff,
     pub(super) sides: &'a [Side; 2],
     pub(super) folder: &'a OutputFolder,
-    /// The diff as JSON, with the ID.
-    pub(super) json: &'a Value,
+    pub(super) gate: Option<&'a Gate>,
     /// The ID that the file has to hold.
     pub(super) run: RunId,
 }

@@ -3,13 +3,14 @@
 use std::io;
 
 use rayon::prelude::*;
-use serde_json::Value;
+use serde::Serialize;
 
 use super::file::{DiffFile, DiffJob};
 use super::gate::Gate;
-use super::{Diff, Side, json, map, state, to_json, volume};
+use super::json::{self, DiffJson};
+use super::{Diff, Side, map, state, volume};
 use base::folder::{FileWriter, OutputFolder, Own, WriteError, Written};
-use base::provenance::{self, RunId, checksum};
+use base::provenance::{Hasher, RunId};
 
 /// In the order of the report.
 const FILES: [DiffFile; 4] = [map::FILE, volume::FILE, state::FILE, json::FILE];
@@ -25,13 +26,13 @@ pub fn write(
     folder: &OutputFolder,
 ) -> Result<Vec<Written>, WriteError> {
     let names = FILES.map(|file| file.name);
-    let json = to_json(diff, sides, gate);
-    write_files(&names, json, folder, |name, json, run, out| {
+    let json = DiffJson::new(diff, sides, gate);
+    write_files(&names, &json, folder, |name, run, out| {
         let job = DiffJob {
             diff,
             sides,
             folder,
-            json,
+            gate,
             run,
         };
         let file = FILES.iter().find(|file| file.name == name);
@@ -39,25 +40,28 @@ pub fn write(
     })
 }
 
-/// Writes the files of a comparison with these names; `write` gets the name of the file, the
-/// comparison as JSON with the ID, and the ID, which the file has to hold. Removes the other files
-/// of an earlier comparison.
+/// Writes the files of a comparison with these names; `write` gets the name of the file, and the ID
+/// of the comparison, which the file has to hold. Removes the other files of an earlier comparison.
 pub(super) fn write_files(
     names: &[&str],
-    mut json: Value,
+    comparison: &impl Serialize,
     folder: &OutputFolder,
-    write: impl Fn(&str, &Value, RunId, &mut FileWriter) -> io::Result<()> + Sync,
+    write: impl Fn(&str, RunId, &mut FileWriter) -> io::Result<()> + Sync,
 ) -> Result<Vec<Written>, WriteError> {
-    let run: RunId = checksum(json.to_string().as_bytes()).into();
-    if let Some(entries) = json.as_object_mut() {
-        // In front: a file is recognized by its first bytes.
-        entries.shift_insert(0, provenance::KEY.to_owned(), serde_json::json!(run));
-    }
+    let run = run_id(comparison);
     let staging = folder.stage_files()?;
-    let stage = |name: &&str| staging.stage(*name, |out| write(name, &json, run, out));
+    let stage = |name: &&str| staging.stage(*name, |out| write(name, run, out));
     let files: Vec<Written> = names.par_iter().map(stage).collect::<Result<_, _>>()?;
     staging.commit(&files, &own())?;
     Ok(files)
+}
+
+/// Returns the ID of a comparison: the hash of its JSON.
+fn run_id(comparison: &impl Serialize) -> RunId {
+    let mut hasher = Hasher::default();
+    // Fails neither in the hasher nor by keys that are not text.
+    let _ = serde_json::to_writer(&mut hasher, comparison);
+    hasher.checksum().into()
 }
 
 /// Checks that [`write()`] would not overwrite a file of another program.

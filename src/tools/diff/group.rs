@@ -1,54 +1,109 @@
 //! Sums the cost over the pixels of each object and of each tile.
 
 use std::collections::HashMap;
+use std::ops::Range;
+
+use rayon::prelude::*;
 
 use super::{CostGroup, Side, Total, Totals};
 use base::text::Diagnostic;
 use tracer::cost::Metric;
 
-/// The pixels grouped by object and by tile, and the sums of the metrics added so far.
+/// The pixels grouped by object and by tile, and the sums of the metrics over each group.
 pub(super) struct Groups {
-    /// One partition per side, since objects may have moved.
-    by_object: [Partition; 2],
+    /// One grouping per side, since objects may have moved.
+    by_object: [Grouping; 2],
     /// The tiles of B.
-    by_tile: Partition,
-    object_totals: Vec<(Metric, [Vec<f64>; 2])>,
-    tile_totals: Vec<(Metric, [Vec<f64>; 2])>,
+    by_tile: Grouping,
+    tile_bounds: Vec<PixelBounds>,
+    sums: Vec<MetricSums>,
     /// Pixels that show different objects in A and B.
     pub(super) n_other_objects: u64,
 }
 
+/// The sums of a metric over each group, of A and B.
+struct MetricSums {
+    metric: Metric,
+    objects: [Vec<f64>; 2],
+    tiles: [Vec<f64>; 2],
+}
+
 impl Groups {
-    pub(super) fn new([a, b]: &[Side; 2]) -> Result<Self, Diagnostic> {
-        let objects = [a.ids("object")?, b.ids("object")?];
-        let differ = objects[0].iter().zip(&objects[1]).filter(|(a, b)| a != b);
-        Ok(Self {
-            n_other_objects: differ.count() as u64,
-            by_object: [Partition::by(&objects[0]), Partition::by(&objects[1])],
-            by_tile: Partition::by(&b.ids("tile")?),
-            object_totals: Vec::new(),
-            tile_totals: Vec::new(),
+    /// Sums these metrics over the pixels of both sides.
+    ///
+    /// # Errors
+    /// An array cannot be read.
+    pub(super) fn sum(sides: &[Side; 2], metrics: Vec<Metric>) -> Result<Self, Diagnostic> {
+        let nothing = |metric| MetricSums {
+            metric,
+            objects: Default::default(),
+            tiles: Default::default(),
+        };
+        let mut groups = Self {
+            by_object: Default::default(),
+            by_tile: Grouping::default(),
+            tile_bounds: Vec::new(),
+            sums: metrics.into_iter().map(nothing).collect(),
+            n_other_objects: 0,
+        };
+        for rows in sides[0].bands() {
+            groups.add(sides, rows)?;
+        }
+        Ok(groups)
+    }
+
+    /// Adds the pixels in `rows`.
+    fn add(&mut self, sides: &[Side; 2], rows: Range<u32>) -> Result<(), Diagnostic> {
+        let [a, b] = sides;
+        let first_row = rows.start as usize;
+        let ids = [(a, "object"), (b, "object"), (b, "tile")];
+        let ids = ids
+            .into_par_iter()
+            .map(|(side, name)| side.ids(name, rows.clone()));
+        let ids: Vec<Vec<i32>> = ids.collect::<Result<_, _>>()?;
+        let differ = ids[0].iter().zip(&ids[1]).filter(|(a, b)| a != b);
+        self.n_other_objects += differ.count() as u64;
+        let objects = [0, 1].map(|side| self.by_object[side].groups(&ids[side]));
+        let tiles = self.by_tile.groups(&ids[2]);
+        self.tile_bounds
+            .resize(self.by_tile.ids.len(), PixelBounds::EMPTY);
+        for (row, y) in tiles.chunks_exact(b.size()[0] as usize).zip(first_row..) {
+            for (&tile, x) in row.iter().zip(0..) {
+                self.tile_bounds[tile as usize].include(x, y);
+            }
+        }
+        let n_objects = self.by_object.each_ref().map(|objects| objects.ids.len());
+        let n_tiles = self.by_tile.ids.len();
+        self.sums.par_iter_mut().try_for_each(|sums| {
+            let MetricSums { metric, .. } = *sums;
+            for (side, output) in sides.iter().enumerate() {
+                let costs = output.costs(metric, rows.clone())?;
+                let of_objects = &mut sums.objects[side];
+                of_objects.resize(n_objects[side], 0.0);
+                add_costs(metric, &objects[side], &costs, of_objects);
+                let of_tiles = &mut sums.tiles[side];
+                of_tiles.resize(n_tiles, 0.0);
+                add_costs(metric, &tiles, &costs, of_tiles);
+            }
+            Ok(())
         })
     }
 
-    /// Sums another metric over each group. Returns its totals over all pixels.
-    pub(super) fn add(&mut self, metric: Metric, values: &[Vec<f64>; 2]) -> [f64; 2] {
-        let both = |side: usize| {
-            let values = &values[side];
-            rayon::join(
-                || self.by_object[side].totals(metric, values),
-                || self.by_tile.totals(metric, values),
-            )
+    /// Returns the totals of each metric over all pixels.
+    pub(super) fn totals(&self) -> Totals {
+        let total = |&MetricSums {
+                         metric,
+                         ref objects,
+                         ..
+                     }: &MetricSums| {
+            let all = |sums: &Vec<f64>| {
+                sums.iter()
+                    .fold(0.0, |sum, &cost| metric.combine(sum, cost))
+            };
+            let cost = objects.each_ref().map(all);
+            Total { metric, cost }
         };
-        let ((objects_a, tiles_a), (objects_b, tiles_b)) = rayon::join(|| both(0), || both(1));
-        let objects = [objects_a, objects_b];
-        let all = objects.each_ref().map(|totals| {
-            let totals = totals.iter();
-            totals.fold(0.0, |sum, &total| metric.combine(sum, total))
-        });
-        self.object_totals.push((metric, objects));
-        self.tile_totals.push((metric, [tiles_a, tiles_b]));
-        all
+        Totals(self.sums.iter().map(total).collect())
     }
 
     /// Returns the objects of both sides; objects with the same name are one group.
@@ -59,11 +114,11 @@ impl Groups {
             for (index, &id) in self.by_object[side].ids.iter().enumerate() {
                 let name = output.object_name(id);
                 let group = *group_of.entry(name.clone()).or_insert_with(|| {
-                    let nothing = |(metric, _): &(Metric, _)| Total {
-                        metric: *metric,
+                    let nothing = |&MetricSums { metric, .. }: &MetricSums| Total {
+                        metric,
                         cost: [0.0; 2],
                     };
-                    let totals = Totals(self.object_totals.iter().map(nothing).collect());
+                    let totals = Totals(self.sums.iter().map(nothing).collect());
                     groups.push(CostGroup {
                         name,
                         bounds: None,
@@ -72,32 +127,30 @@ impl Groups {
                     groups.len() - 1
                 });
                 let totals = &mut groups[group].totals.0;
-                for (total, (metric, sums)) in totals.iter_mut().zip(&self.object_totals) {
+                for (total, sums) in totals.iter_mut().zip(&self.sums) {
                     let cost = &mut total.cost[side];
-                    *cost = metric.combine(*cost, sums[side][index]);
+                    *cost = sums.metric.combine(*cost, sums.objects[side][index]);
                 }
             }
         }
         groups
     }
 
-    /// Returns the tiles of B with their bounds in a frame of this size.
-    pub(super) fn tiles(&self, [width, _]: [u32; 2]) -> Vec<CostGroup> {
-        let bounds = self.by_tile.bounds(width as usize);
-        let group = |(index, id): (usize, &i32)| CostGroup {
-            name: format!("tile {id}"),
-            bounds: Some(bounds[index]),
-            totals: Totals(
-                self.tile_totals
-                    .iter()
-                    .map(|(metric, sums)| Total {
-                        metric: *metric,
-                        cost: [sums[0][index], sums[1][index]],
-                    })
-                    .collect(),
-            ),
+    /// Returns the tiles of B with their bounds.
+    pub(super) fn tiles(&self) -> Vec<CostGroup> {
+        let group = |(index, (id, &bounds)): (usize, (&i32, &PixelBounds))| {
+            let total = |sums: &MetricSums| Total {
+                metric: sums.metric,
+                cost: sums.tiles.each_ref().map(|tiles| tiles[index]),
+            };
+            CostGroup {
+                name: format!("tile {id}"),
+                bounds: Some(bounds),
+                totals: Totals(self.sums.iter().map(total).collect()),
+            }
         };
-        self.by_tile.ids.iter().enumerate().map(group).collect()
+        let tiles = self.by_tile.ids.iter().zip(&self.tile_bounds);
+        tiles.enumerate().map(group).collect()
     }
 }
 
@@ -110,19 +163,19 @@ pub(super) fn sorted(mut groups: Vec<CostGroup>, ratios: &[Metric]) -> Vec<CostG
     groups
 }
 
-/// A partition of the pixels of a frame into groups.
-struct Partition {
+/// Groups pixels with the same ID.
+#[derive(Default)]
+struct Grouping {
     /// ID of each group in the array, in the order of its first pixel.
     ids: Vec<i32>,
-    /// The group of each pixel, as an index into `ids`.
-    of_pixel: Vec<u32>,
+    /// The index in `ids` of each ID.
+    index_of: HashMap<i32, u32>,
 }
 
-impl Partition {
-    /// Groups pixels with the same ID.
-    fn by(pixel_ids: &[i32]) -> Self {
-        let mut ids = Vec::new();
-        let mut index_of: HashMap<i32, u32> = HashMap::new();
+impl Grouping {
+    /// Returns the groups of pixels with these IDs, as indices into [`Self::ids`].
+    fn groups(&mut self, pixel_ids: &[i32]) -> Vec<u32> {
+        let Self { ids, index_of } = self;
         // Neighbors are mostly in the same group.
         let mut last = None;
         let mut group_of = |id: i32| match last {
@@ -136,38 +189,27 @@ impl Partition {
                 group
             }
         };
-        let of_pixel = pixel_ids.iter().map(|&id| group_of(id)).collect();
-        Self { ids, of_pixel }
+        pixel_ids.iter().map(|&id| group_of(id)).collect()
     }
+}
 
-    /// Returns the total of each group.
-    fn totals(&self, metric: Metric, values: &[f64]) -> Vec<f64> {
-        let mut totals = vec![0.0; self.ids.len()];
-        let Some(&first) = self.of_pixel.first() else {
-            return totals;
-        };
-        // Neighbors are mostly in the same group, whose total is not stored in between.
-        let (mut last, mut total) = (first as usize, 0.0);
-        for (&group, &value) in self.of_pixel.iter().zip(values) {
-            if group as usize != last {
-                totals[last] = total;
-                last = group as usize;
-                total = totals[last];
-            }
-            total = metric.combine(total, value);
+/// Adds the cost of each pixel to the sum of its group.
+fn add_costs(metric: Metric, groups: &[u32], costs: &[f64], sums: &mut [f64]) {
+    let Some(&first) = groups.first() else {
+        return;
+    };
+    // Neighbors are mostly in the same group, whose sum is not stored in between.
+    let mut last = first as usize;
+    let mut sum = sums[last];
+    for (&group, &cost) in groups.iter().zip(costs) {
+        if group as usize != last {
+            sums[last] = sum;
+            last = group as usize;
+            sum = sums[last];
         }
-        totals[last] = total;
-        totals
+        sum = metric.combine(sum, cost);
     }
-
-    /// Returns the bounds of each group in a frame of this width.
-    fn bounds(&self, width: usize) -> Vec<PixelBounds> {
-        let mut bounds = vec![PixelBounds::EMPTY; self.ids.len()];
-        for (i, &group) in self.of_pixel.iter().enumerate() {
-            bounds[group as usize].include(i % width, i / width);
-        }
-        bounds
-    }
+    sums[last] = sum;
 }
 
 /// A rectangle of pixels in a frame; both ends are inclusive.
@@ -197,25 +239,26 @@ mod tests {
 
     #[test]
     fn pixels_are_summed_by_their_ids() {
-        let partition = Partition::by(&[7, 7, -1, 7, -1, 3]);
-        assert_eq!(partition.ids, [7, -1, 3]);
-        let values = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-        assert_eq!(partition.totals(Metric::TIME, &values), [11.0, 20.0, 32.0]);
-        assert_eq!(partition.totals(Metric::DEPTH, &values), [8.0, 16.0, 32.0]);
-        let bounds = partition.bounds(3);
-        assert_eq!(
-            bounds[0],
-            PixelBounds {
-                x: [0, 1],
-                y: [0, 1]
-            }
-        );
-        assert_eq!(
-            bounds[2],
-            PixelBounds {
-                x: [2, 2],
-                y: [1, 1]
-            }
-        );
+        let mut grouping = Grouping::default();
+        let bands = [[7, 7, -1], [7, -1, 3]].map(|ids| grouping.groups(&ids));
+        assert_eq!(grouping.ids, [7, -1, 3]);
+        assert_eq!(bands, [[0, 0, 1], [0, 1, 2]]);
+        let sums = |metric| {
+            let mut sums = [0.0; 3];
+            add_costs(metric, &bands[0], &[1.0, 2.0, 4.0], &mut sums);
+            add_costs(metric, &bands[1], &[8.0, 16.0, 32.0], &mut sums);
+            sums
+        };
+        assert_eq!(sums(Metric::TIME), [11.0, 20.0, 32.0]);
+        assert_eq!(sums(Metric::DEPTH), [8.0, 16.0, 32.0]);
+    }
+
+    #[test]
+    fn bounds_include_their_pixels() {
+        let mut bounds = PixelBounds::EMPTY;
+        bounds.include(2, 1);
+        bounds.include(0, 4);
+        let (x, y) = ([0, 2], [1, 4]);
+        assert_eq!(bounds, PixelBounds { x, y });
     }
 }

@@ -2,49 +2,121 @@
 
 use std::io::{self, Write};
 
+use indexmap::IndexMap;
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::file::DiffFile;
 use super::gate::Gate;
-use super::{CostGroup, Diff, Side, Total, Totals, ratio};
+use super::group::PixelBounds;
+use super::settings::Setting;
+use super::{
+    CostGroup, Diff, LightDifference, Noise, PictureDifference, Side, Total, Totals, ratio,
+};
+use base::provenance::RunId;
 use math::statistics::CONFIDENCE;
 use tracer::cost::MetricUnit;
 
 /// The file.
 pub(super) const FILE: DiffFile = DiffFile {
     name: "diff.json",
-    write: |job, out| write(job.json, out),
+    write: |job, out| write(&DiffJson::new(job.diff, job.sides, job.gate), job.run, out),
 };
 
-/// Writes a comparison.
-pub(super) fn write(json: &Value, out: &mut impl Write) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *out, json)?;
-    writeln!(out)
+/// The whole diff, for JSON. A ratio B / A with A = 0 < B is infinite: null in JSON.
+#[derive(Serialize)]
+pub struct DiffJson<'a> {
+    raycost: &'static str,
+    a: Value,
+    b: Value,
+    image: Value,
+    origin: [u32; 2],
+    totals: IndexMap<&'static str, TotalJson>,
+    noise: Option<&'a Noise>,
+    confidence: f64,
+    gate: Option<&'a Gate>,
+    #[serde(serialize_with = "one_by_one")]
+    objects: &'a [CostGroup],
+    #[serde(serialize_with = "one_by_one")]
+    objects_reached: &'a [CostGroup],
+    #[serde(serialize_with = "one_by_one")]
+    tiles: &'a [CostGroup],
+    picture: &'a PictureDifference,
+    light: Option<&'a LightDifference>,
+    n_pixels_of_other_objects: u64,
+    settings: &'a [Setting],
+    machine: &'a [Setting],
 }
 
-/// Returns the whole diff as JSON. A ratio B / A with A = 0 < B is infinite: null in
-/// JSON.
-pub fn to_json(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> Value {
-    let [a, b] = sides.each_ref().map(side);
-    json!({
-        "raycost": env!("CARGO_PKG_VERSION"),
-        "a": a,
-        "b": b,
-        "image": { "width": diff.size[0], "height": diff.size[1] },
-        "origin": sides[0].origin(),
-        "totals": totals(&diff.totals, |total| diff.ratio(total)),
-        "noise": diff.noise,
-        "confidence": CONFIDENCE,
-        "gate": gate,
-        "objects": groups(&diff.objects),
-        "objects_reached": groups(&diff.reached),
-        "tiles": groups(&diff.tiles),
-        "picture": diff.picture,
-        "light": diff.light,
-        "n_pixels_of_other_objects": diff.n_other_objects,
-        "settings": diff.settings,
-        "machine": diff.machine,
-    })
+#[derive(Serialize)]
+struct TotalJson {
+    a: NumberJson,
+    b: NumberJson,
+    difference: NumberJson,
+    ratio: f64,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum NumberJson {
+    Count(i64),
+    Other(f64),
+}
+
+#[derive(Serialize)]
+struct GroupJson<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    bounds: Option<PixelBounds>,
+    totals: IndexMap<&'static str, TotalJson>,
+}
+
+/// A comparison with the ID of its files in front: a file is recognized by its first bytes.
+#[derive(Serialize)]
+struct Stamped<'a, T> {
+    raycost_run: RunId,
+    #[serde(flatten)]
+    comparison: &'a T,
+}
+
+impl<'a> DiffJson<'a> {
+    /// Describes a diff of `sides`, and the result of `--fail-above`.
+    pub fn new(diff: &'a Diff, sides: &[Side; 2], gate: Option<&'a Gate>) -> Self {
+        let [a, b] = sides.each_ref().map(side);
+        Self {
+            raycost: env!("CARGO_PKG_VERSION"),
+            a,
+            b,
+            image: json!({ "width": diff.size[0], "height": diff.size[1] }),
+            origin: sides[0].origin(),
+            totals: totals(&diff.totals, |total| diff.ratio(total)),
+            noise: diff.noise.as_ref(),
+            confidence: CONFIDENCE,
+            gate,
+            objects: &diff.objects,
+            objects_reached: &diff.reached,
+            tiles: &diff.tiles,
+            picture: &diff.picture,
+            light: diff.light.as_ref(),
+            n_pixels_of_other_objects: diff.n_other_objects,
+            settings: &diff.settings,
+            machine: &diff.machine,
+        }
+    }
+}
+
+/// Writes a comparison with this ID.
+pub(super) fn write(
+    comparison: &impl Serialize,
+    run: RunId,
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let stamped = Stamped {
+        raycost_run: run,
+        comparison,
+    };
+    serde_json::to_writer_pretty(&mut *out, &stamped)?;
+    writeln!(out)
 }
 
 pub(super) fn side(side: &Side) -> Value {
@@ -52,30 +124,29 @@ pub(super) fn side(side: &Side) -> Value {
 }
 
 /// Returns the totals by the names of the arrays.
-fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> Value {
+fn totals(totals: &Totals, ratio_of: impl Fn(&Total) -> f64) -> IndexMap<&'static str, TotalJson> {
     let total = |total: &Total| {
+        let number = |value: f64| match total.metric.unit {
+            MetricUnit::Count => NumberJson::Count(value as i64),
+            MetricUnit::Nanoseconds | MetricUnit::Ratio => NumberJson::Other(value),
+        };
         let [a, b] = total.cost;
-        let [number_a, number_b, difference] = [a, b, b - a].map(|value| match total.metric.unit {
-            MetricUnit::Count => json!(value as i64),
-            MetricUnit::Nanoseconds | MetricUnit::Ratio => json!(value),
-        });
-        let value = json!({
-            "a": number_a, "b": number_b, "difference": difference, "ratio": ratio_of(total),
-        });
-        (total.metric.name.to_owned(), value)
+        let json = TotalJson {
+            a: number(a),
+            b: number(b),
+            difference: number(b - a),
+            ratio: ratio_of(total),
+        };
+        (total.metric.name, json)
     };
-    Value::Object(totals.0.iter().map(total).collect())
+    totals.0.iter().map(total).collect()
 }
 
-fn groups(groups: &[CostGroup]) -> Value {
-    let group = |group: &CostGroup| {
-        let totals = totals(&group.totals, |total| ratio(total.cost));
-        match group.bounds {
-            Some(bounds) => {
-                json!({ "name": group.name, "x": bounds.x, "y": bounds.y, "totals": totals })
-            }
-            None => json!({ "name": group.name, "totals": totals }),
-        }
-    };
-    groups.iter().map(group).collect()
+/// Describes each group only when it is written: a large picture has hundreds of thousands of tiles.
+fn one_by_one<S: Serializer>(groups: &[CostGroup], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(groups.iter().map(|group| GroupJson {
+        name: &group.name,
+        bounds: group.bounds,
+        totals: totals(&group.totals, |total| ratio(total.cost)),
+    }))
 }

@@ -2,6 +2,10 @@
 
 use serde::Serialize;
 
+use super::Side;
+use base::text::Diagnostic;
+use render::film::Column;
+
 /// The difference of the radiance of all pixels, which has no limit and depends neither on exposure
 /// nor on a tone curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -15,21 +19,61 @@ pub struct LightDifference {
 }
 
 impl LightDifference {
-    /// Compares the channels of all pixels.
-    pub(super) fn measure(a: &[f32], b: &[f32]) -> Self {
-        let n = a.len().max(1) as f64;
-        let mean = [a, b].map(|light| light.iter().copied().map(f64::from).sum::<f64>() / n);
-        let differences = a
+    /// Compares the radiance of all pixels of two outputs; `None` unless both have it.
+    ///
+    /// # Errors
+    /// The radiance cannot be read.
+    pub(super) fn measure(sides: &[Side; 2]) -> Result<Option<Self>, Diagnostic> {
+        if !sides
             .iter()
-            .zip(b)
-            .map(|(&a, &b)| (f64::from(b) - f64::from(a)).abs());
-        let (max, squares) = differences.fold((0.0, 0.0), |(max, squares), difference| {
-            (f64::max(max, difference), squares + difference * difference)
-        });
-        Self {
-            mean,
-            max,
-            rms: (squares / n).sqrt(),
+            .all(|side| side.has_array(Column::RADIANCE.name))
+        {
+            return Ok(None);
+        }
+        let [a, b] = sides;
+        let mut sums = LightSums::default();
+        for rows in a.bands() {
+            sums.add(&a.radiance(rows.clone())?, &b.radiance(rows)?);
+        }
+        Ok(Some(sums.difference()))
+    }
+
+    /// Compares the channels of all pixels of two pictures.
+    pub(super) fn compare(a: &[f32], b: &[f32]) -> Self {
+        let mut sums = LightSums::default();
+        sums.add(a, b);
+        sums.difference()
+    }
+}
+
+/// The sums over the channels compared so far.
+#[derive(Default)]
+struct LightSums {
+    n: usize,
+    light: [f64; 2],
+    max: f64,
+    squares: f64,
+}
+
+impl LightSums {
+    fn add(&mut self, a: &[f32], b: &[f32]) {
+        self.n += a.len();
+        for (&a, &b) in a.iter().zip(b) {
+            let [a, b] = [a, b].map(f64::from);
+            let difference = (b - a).abs();
+            self.light[0] += a;
+            self.light[1] += b;
+            self.max = self.max.max(difference);
+            self.squares += difference * difference;
+        }
+    }
+
+    fn difference(&self) -> LightDifference {
+        let n = self.n.max(1) as f64;
+        LightDifference {
+            mean: self.light.map(|sum| sum / n),
+            max: self.max,
+            rms: (self.squares / n).sqrt(),
         }
     }
 }
@@ -40,7 +84,7 @@ mod tests {
 
     #[test]
     fn differences_above_white_are_measured() {
-        let found = LightDifference::measure(&[0.0, 0.5, 4.0, 1.0], &[0.0, 0.5, 6.0, 0.0]);
+        let found = LightDifference::compare(&[0.0, 0.5, 4.0, 1.0], &[0.0, 0.5, 6.0, 0.0]);
         assert_eq!(found.mean, [1.375, 1.625]);
         assert_eq!((found.max, found.rms), (2.0, 1.25_f64.sqrt()));
     }

@@ -2,7 +2,7 @@
 //! [`foreign`] compares an output with a file of another program.
 //!
 //! Compares two folders that `raycost render` wrote. A [`Diff`] is printed by [`report()`],
-//! serialized by [`to_json`] and written to files by [`write()`]. Counters are exact: any change of
+//! serialized by [`DiffJson`] and written to files by [`write()`]. Counters are exact: any change of
 //! a counter is a change of the work. Times are noisy: a statistical test of the repeats decides if
 //! they changed.
 
@@ -28,7 +28,7 @@ pub use change::Change;
 pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::PixelBounds;
-pub use json::to_json;
+pub use json::DiffJson;
 pub use light::LightDifference;
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
@@ -179,22 +179,13 @@ impl Diff {
             }
         }
         let [a, b] = sides;
-        let mut groups = Groups::new(sides)?;
-        let mut totals = Totals::default();
-        for metric in metrics {
-            let (a, b) = rayon::join(|| a.values(metric), || b.values(metric));
-            let cost = groups.add(metric, &[a?, b?]);
-            totals.0.push(Total { metric, cost });
-        }
+        let groups = Groups::sum(sides, metrics)?;
+        let mut totals = groups.totals();
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
         let objects = sorted(groups.objects(sides), &ratios);
-        let tiles = sorted(groups.tiles(size), &ratios);
-        let n_other_objects = groups.n_other_objects;
-        // Each pixel's group takes memory that the arrays below need.
-        drop(groups);
-        let change = Change::new(shown, &[a.values(shown)?, b.values(shown)?]);
+        let tiles = sorted(groups.tiles(), &ratios);
         let noise = match totals.cost(Metric::TIME) {
             // The repeats add up other pixels, too.
             Some(_) if sides.iter().any(Side::is_cut) => Some(Noise::Cut),
@@ -206,16 +197,13 @@ impl Diff {
             size,
             totals,
             noise,
-            change,
+            change: Change::measure(sides, shown)?,
             objects,
             reached: sorted(reached::groups(sides)?, &ratios),
             tiles,
-            picture: PictureDifference::measure(&a.colors()?, &b.colors()?),
-            light: match [a.radiance()?, b.radiance()?] {
-                [Some(a), Some(b)] => Some(LightDifference::measure(&a, &b)),
-                _ => None,
-            },
-            n_other_objects,
+            picture: PictureDifference::measure(sides)?,
+            light: LightDifference::measure(sides)?,
+            n_other_objects: groups.n_other_objects,
             settings: settings::of_run(&values),
             machine: settings::of_machine(&values),
         })

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use super::Side;
+use base::text::Diagnostic;
+
 /// The difference of two pictures of the same size; color channels range from 0 to 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PictureDifference {
@@ -14,22 +17,54 @@ pub struct PictureDifference {
 }
 
 impl PictureDifference {
-    /// Compares the colors of all pixels.
-    pub(super) fn measure(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
-        let (mut n_pixels, mut max, mut squares) = (0, 0, 0_u64);
+    /// Compares the colors of all pixels of two outputs.
+    ///
+    /// # Errors
+    /// The colors cannot be read.
+    pub(super) fn measure([a, b]: &[Side; 2]) -> Result<Self, Diagnostic> {
+        let mut sums = ColorSums::default();
+        for rows in a.bands() {
+            sums.add(&a.colors(rows.clone())?, &b.colors(rows)?);
+        }
+        Ok(sums.difference())
+    }
+
+    /// Compares the colors of two pictures.
+    pub(super) fn compare(a: &[[u8; 3]], b: &[[u8; 3]]) -> Self {
+        let mut sums = ColorSums::default();
+        sums.add(a, b);
+        sums.difference()
+    }
+}
+
+/// The sums over the pixels compared so far.
+#[derive(Default)]
+struct ColorSums {
+    n_pixels: u64,
+    n_different: u64,
+    max: u8,
+    squares: u64,
+}
+
+impl ColorSums {
+    fn add(&mut self, a: &[[u8; 3]], b: &[[u8; 3]]) {
+        self.n_pixels += a.len() as u64;
         for (a, b) in a.iter().zip(b).filter(|(a, b)| a != b) {
-            n_pixels += 1;
+            self.n_different += 1;
             for (a, b) in a.iter().zip(b) {
                 let difference = a.abs_diff(*b);
-                max = max.max(difference);
-                squares += u64::from(difference).pow(2);
+                self.max = self.max.max(difference);
+                self.squares += u64::from(difference).pow(2);
             }
         }
-        let n_channels = 3 * a.len().max(1);
-        Self {
-            n_pixels,
-            max,
-            rms: (squares as f64 / n_channels as f64).sqrt(),
+    }
+
+    fn difference(&self) -> PictureDifference {
+        let n_channels = 3 * self.n_pixels.max(1);
+        PictureDifference {
+            n_pixels: self.n_different,
+            max: self.max,
+            rms: (self.squares as f64 / n_channels as f64).sqrt(),
         }
     }
 }
@@ -51,11 +86,11 @@ mod tests {
     fn differences_are_counted_and_measured() {
         let a = [[0, 0, 0], [10, 20, 30], [255, 255, 255]];
         let b = [[0, 0, 0], [10, 24, 33], [255, 255, 0]];
-        let found = PictureDifference::measure(&a, &b);
+        let found = PictureDifference::compare(&a, &b);
         assert_eq!((found.n_pixels, found.max), (2, 255));
         let mean_square = f64::from(4 * 4 + 3 * 3 + 255 * 255) / 9.0;
         assert!((found.rms - mean_square.sqrt()).abs() < 1e-12);
-        assert_eq!(PictureDifference::measure(&a, &a).n_pixels, 0);
+        assert_eq!(PictureDifference::compare(&a, &a).n_pixels, 0);
         assert_eq!(by_pixel(&a, &b), [0, 4, 255]);
     }
 }

@@ -1,27 +1,29 @@
 //! One of the two outputs that a diff compares.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::Metric;
 use base::text::Diagnostic;
-use output::results::{ObjectsTable, Results};
+use output::results::{FrameFile, LoadedArray, ObjectsTable, Results};
 use output::summary::{self, Summary};
 use render::film::Column;
 use scene::config::PictureWindow;
 use vtk::Scalar;
 
+/// The pixels of a band, unless one row has more.
+const BAND_PIXELS: u32 = 1 << 20;
+
 /// An output folder, A or B, and the pixels of it that are compared.
 #[derive(Debug)]
 pub struct Side {
     results: Results,
+    frame: FrameFile,
     label: String,
-    /// Columns and rows of the frame.
-    frame_size: [u32; 2],
     /// Columns and rows of the compared pixels.
     size: [u32; 2],
     /// Column and row of the first compared pixel in the whole picture.
     origin: [u32; 2],
-    arrays: Vec<String>,
 }
 
 impl Side {
@@ -54,13 +56,10 @@ impl Side {
     fn new(folder: &Path, label: String) -> Result<Self, Diagnostic> {
         let results = Results::open(folder)?;
         let frame = results.frame()?;
-        let names = frame.arrays().iter().map(|array| array.name.clone());
-        let frame_size = [frame.width(), frame.height()];
         Ok(Self {
-            frame_size,
-            size: frame_size,
+            size: [frame.width(), frame.height()],
             origin: results.summary.image.place().origin,
-            arrays: names.collect(),
+            frame,
             results,
             label,
         })
@@ -86,9 +85,13 @@ impl Side {
         self.origin
     }
 
+    fn frame_size(&self) -> [u32; 2] {
+        [self.frame.width(), self.frame.height()]
+    }
+
     /// Returns true if the output has pixels that are not compared.
     pub(super) fn is_cut(&self) -> bool {
-        self.size != self.frame_size
+        self.size != self.frame_size()
     }
 
     /// Returns the position in the picture.
@@ -117,7 +120,7 @@ impl Side {
     /// # Errors
     /// If some are missing; the message says which setting writes them.
     pub(super) fn require(&self, arrays: &[&str]) -> Result<(), Diagnostic> {
-        self.results.frame()?.require(arrays)
+        self.frame.require(arrays)
     }
 
     /// Reads `objects.csv`; `None` if the folder has none, or if it holds the cost of pixels that
@@ -146,62 +149,83 @@ impl Side {
 
     /// Returns true if the output has this array of the pixels.
     pub(super) fn has_array(&self, name: &str) -> bool {
-        self.arrays.iter().any(|array| array == name)
+        self.frame.has(name)
     }
 
-    /// Reads a metric of every pixel, row-major, row 0 on top.
-    pub(super) fn values(&self, metric: Metric) -> Result<Vec<f64>, Diagnostic> {
-        let array = self.results.frame()?.read(metric.name)?;
-        match array.n_components {
-            1 => {
-                let values: Vec<f64> = array.values.iter().collect();
-                Ok(if self.is_cut() {
-                    self.compared(&values, 1)
-                } else {
-                    values
-                })
-            }
-            _ => Err(self.foreign(metric.name)),
-        }
+    /// Returns the compared rows, row 0 on top.
+    pub(super) fn rows(&self) -> Range<u32> {
+        0..self.size[1]
     }
 
-    /// Reads an array of IDs, one per pixel, row-major, row 0 on top.
-    pub(super) fn ids(&self, array: &str) -> Result<Vec<i32>, Diagnostic> {
-        self.numbers(array, 1)
+    /// Returns the compared rows in bands that are read one after the other, so that no array of
+    /// all pixels is in memory.
+    pub(super) fn bands(&self) -> impl DoubleEndedIterator<Item = Range<u32>> + use<> {
+        let [width, height] = self.size;
+        let n_rows = (BAND_PIXELS / width).max(1);
+        let starts = (0..height).step_by(n_rows as usize);
+        starts.map(move |start| start..height.min(start + n_rows))
     }
 
-    /// Reads the color of every pixel, row-major, row 0 on top.
-    pub(super) fn colors(&self) -> Result<Vec<[u8; 3]>, Diagnostic> {
-        let channels: Vec<u8> = self.numbers("RGB", 3)?;
+    /// Reads a metric of the pixels in `rows`, row-major.
+    pub(super) fn costs(&self, metric: Metric, rows: Range<u32>) -> Result<Vec<f64>, Diagnostic> {
+        let array = self.read(metric.name, 1, rows)?;
+        let costs: Vec<f64> = array.values.iter().collect();
+        Ok(self.compared(costs, 1))
+    }
+
+    /// Reads an array of IDs of the pixels in `rows`, row-major.
+    pub(super) fn ids(&self, name: &str, rows: Range<u32>) -> Result<Vec<i32>, Diagnostic> {
+        self.numbers(name, 1, rows)
+    }
+
+    /// Reads the colors of the pixels in `rows`, row-major.
+    pub(super) fn colors(&self, rows: Range<u32>) -> Result<Vec<[u8; 3]>, Diagnostic> {
+        let channels: Vec<u8> = self.numbers("RGB", 3, rows)?;
         Ok(channels.as_chunks().0.to_vec())
     }
 
-    /// Reads the radiance of every pixel, three channels each, row-major, row 0 on top; `None` if
-    /// the output does not have it.
-    pub(super) fn radiance(&self) -> Result<Option<Vec<f32>>, Diagnostic> {
-        let Column { name, .. } = Column::RADIANCE;
-        let is_there = self.has_array(name);
-        is_there.then(|| self.numbers(name, 3)).transpose()
+    /// Reads the radiance of the pixels in `rows`, row-major, three channels each.
+    pub(super) fn radiance(&self, rows: Range<u32>) -> Result<Vec<f32>, Diagnostic> {
+        self.numbers(Column::RADIANCE.name, 3, rows)
     }
 
-    fn numbers<T: Scalar>(&self, name: &str, n_components: usize) -> Result<Vec<T>, Diagnostic> {
-        let array = self.results.frame()?.read(name)?;
-        let numbers = array
-            .values
-            .as_slice()
-            .filter(|_| array.n_components == n_components);
-        let numbers = numbers.ok_or_else(|| self.foreign(name))?;
-        Ok(self.compared(numbers, n_components))
+    fn numbers<T: Scalar>(
+        &self,
+        name: &str,
+        n_components: usize,
+        rows: Range<u32>,
+    ) -> Result<Vec<T>, Diagnostic> {
+        let array = self.read(name, n_components, rows)?;
+        let numbers: &[T] = array.values.as_slice().ok_or_else(|| self.foreign(name))?;
+        Ok(self.compared(numbers.to_vec(), n_components))
     }
 
-    /// Returns the values of the compared pixels out of the values of the frame.
-    fn compared<T: Copy>(&self, values: &[T], n_components: usize) -> Vec<T> {
-        let first = self.summary().image.place().origin;
-        let [x, y] = [0, 1].map(|axis| (self.origin[axis] - first[axis]) as usize);
-        let [width, height] = self.size.map(|n| n as usize);
+    /// Reads an array of all pixels of the frame in the compared `rows`.
+    fn read(
+        &self,
+        name: &str,
+        n_components: usize,
+        rows: Range<u32>,
+    ) -> Result<LoadedArray, Diagnostic> {
+        let above = self.origin[1] - self.window().origin[1];
+        let rows = rows.start + above..rows.end + above;
+        let array = self.frame.read_rows(name, rows)?;
+        if array.n_components == n_components {
+            Ok(array)
+        } else {
+            Err(self.foreign(name))
+        }
+    }
+
+    /// Returns the numbers of the compared pixels out of the numbers of rows of the frame.
+    fn compared<T: Copy>(&self, numbers: Vec<T>, n_components: usize) -> Vec<T> {
+        let [width, frame_width] = [self.size[0], self.frame.width()].map(|n| n as usize);
+        if width == frame_width {
+            return numbers;
+        }
+        let x = (self.origin[0] - self.window().origin[0]) as usize;
         let columns = x * n_components..(x + width) * n_components;
-        let rows = values.chunks_exact(self.frame_size[0] as usize * n_components);
-        let rows = rows.skip(y).take(height);
+        let rows = numbers.chunks_exact(frame_width * n_components);
         rows.flat_map(|row| &row[columns.clone()])
             .copied()
             .collect()
@@ -263,7 +287,7 @@ fn common_window([a, b]: &[Side; 2]) -> Option<([u32; 2], [u32; 2])> {
         return None;
     }
     let origin = [0, 1].map(|axis| a.origin[axis].max(b.origin[axis]));
-    let end = |side: &Side, axis: usize| side.origin[axis].saturating_add(side.frame_size[axis]);
+    let end = |side: &Side, axis: usize| side.origin[axis].saturating_add(side.frame_size()[axis]);
     let ends = [0, 1].map(|axis| end(a, axis).min(end(b, axis)));
     let is_empty = (0..2).any(|axis| ends[axis] <= origin[axis]);
     (!is_empty).then(|| (origin, [0, 1].map(|axis| ends[axis] - origin[axis])))

@@ -1,10 +1,12 @@
 //! `diff.vti`: the change of every metric in every pixel.
 
 use std::io::{self, Seek, Write};
+use std::ops::Range;
 
 use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
 use base::provenance::RunId;
+use base::text::Diagnostic;
 use output::writers::run_fields;
 use tracer::cost::{Metric, MetricUnit};
 use vtk::array::{Array, Entry};
@@ -26,7 +28,6 @@ fn write(
     run: RunId,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    let pixels = Pixels { size: diff.size };
     let names: Vec<(Metric, [String; 2])> = diff
         .totals
         .0
@@ -38,15 +39,16 @@ fn write(
         .collect();
     let mut arrays = Vec::new();
     for (metric, [difference, ratio]) in &names {
-        arrays.push(differences(*metric, difference, sides, pixels));
-        arrays.push(ratios(*metric, ratio, sides, pixels));
+        arrays.push(differences(*metric, difference, sides));
+        arrays.push(ratios(*metric, ratio, sides));
     }
     let [a, b] = sides;
-    arrays.push(pixels.array("RGB_difference", move || {
-        Ok(picture::by_pixel(&read(a.colors())?, &read(b.colors())?))
+    arrays.push(array("RGB_difference", b, move |rows| {
+        let colors = [a.colors(rows.clone())?, b.colors(rows)?];
+        Ok(picture::by_pixel(&colors[0], &colors[1]))
     }));
     for name in ["object", "tile"] {
-        arrays.push(pixels.array(name, move || read(b.ids(name))));
+        arrays.push(array(name, b, move |rows| b.ids(name, rows)));
     }
     let image = DataSet::Image {
         extent: Extent::of_size(diff.size),
@@ -62,73 +64,63 @@ fn write(
 
 /// Creates the array of a metric's differences: of times and ratios as 32-bit floats, as in `frame.vti`, of
 /// counters as 64-bit integers.
-fn differences<'a>(
-    metric: Metric,
-    name: &'a str,
-    sides: &'a [Side; 2],
-    pixels: Pixels,
-) -> Array<'a> {
-    let differences = move || {
-        let [a, b] = values(sides, metric)?;
-        io::Result::Ok(b.into_iter().zip(a).map(|(b, a)| b - a))
+fn differences<'a>(metric: Metric, name: &'a str, sides: &'a [Side; 2]) -> Array<'a> {
+    let differences = move |rows| {
+        let pairs = costs(sides, metric, rows)?;
+        Ok(pairs.map(|[a, b]| b - a))
     };
+    let [_, b] = sides;
     let differences = match metric.unit {
-        MetricUnit::Count => pixels.array(name, move || {
-            Ok(differences()?.map(|count| count as i64).collect())
+        MetricUnit::Count => array(name, b, move |rows| {
+            Ok(differences(rows)?.map(|count| count as i64).collect())
         }),
-        MetricUnit::Nanoseconds | MetricUnit::Ratio => pixels.array(name, move || {
-            Ok(differences()?.map(|value| value as f32).collect())
+        MetricUnit::Nanoseconds | MetricUnit::Ratio => array(name, b, move |rows| {
+            Ok(differences(rows)?.map(|value| value as f32).collect())
         }),
     };
     differences.in_unit(metric.unit_label())
 }
 
 /// Creates the array of a metric's ratios.
-fn ratios<'a>(metric: Metric, name: &'a str, sides: &'a [Side; 2], pixels: Pixels) -> Array<'a> {
-    pixels.array(name, move || {
-        let [a, b] = values(sides, metric)?;
-        let pairs = a.into_iter().zip(b);
-        Ok(pairs.map(|(a, b)| ratio([a, b]) as f32).collect())
+fn ratios<'a>(metric: Metric, name: &'a str, sides: &'a [Side; 2]) -> Array<'a> {
+    array(name, &sides[1], move |rows| {
+        let pairs = costs(sides, metric, rows)?;
+        Ok(pairs.map(|pair| ratio(pair) as f32).collect())
     })
 }
 
-fn values([a, b]: &[Side; 2], metric: Metric) -> io::Result<[Vec<f64>; 2]> {
-    Ok([read(a.values(metric))?, read(b.values(metric))?])
+/// Reads the costs of the pixels in `rows`, of A and B.
+fn costs(
+    [a, b]: &[Side; 2],
+    metric: Metric,
+    rows: Range<u32>,
+) -> Result<impl Iterator<Item = [f64; 2]>, Diagnostic> {
+    let a = a.costs(metric, rows.clone())?;
+    let b = b.costs(metric, rows)?;
+    Ok(a.into_iter().zip(b).map(|(a, b)| [a, b]))
 }
 
-/// Converts the error of reading an array again, which happens only if another program has changed
-/// the file since.
-fn read<T>(found: Result<T, base::text::Diagnostic>) -> io::Result<T> {
-    found.map_err(|error| io::Error::other(error.to_string()))
-}
-
-/// The pixels of the picture.
-#[derive(Clone, Copy)]
-struct Pixels {
-    /// Width and height.
-    size: [u32; 2],
-}
-
-impl Pixels {
-    /// Creates an array with one entry per pixel. `entries`, row-major, row 0 on top, is called
-    /// when the array is written; the file has the bottom row first, as VTK orders them.
-    fn array<'a, E: Entry>(
-        self,
-        name: &'a str,
-        entries: impl Fn() -> io::Result<Vec<E>> + 'a,
-    ) -> Array<'a> {
-        let [width, height] = self.size.map(|n| n as usize);
-        Array {
-            name,
-            scalar: E::SCALAR,
-            n_components: E::N_COMPONENTS,
-            n_bytes: (width * height * size_of::<E>()) as u64,
-            unit: None,
-            write: Box::new(move |out| {
-                let entries = entries()?;
+/// Creates an array with one entry per compared pixel. `entries` returns those of some rows, the
+/// upper row first; the file has the bottom row first, as VTK orders them.
+fn array<'a, E: Entry>(
+    name: &'a str,
+    side: &'a Side,
+    entries: impl Fn(Range<u32>) -> Result<Vec<E>, Diagnostic> + 'a,
+) -> Array<'a> {
+    let [width, height] = side.size().map(|n| n as usize);
+    Array {
+        name,
+        scalar: E::SCALAR,
+        n_components: E::N_COMPONENTS,
+        n_bytes: (width * height * size_of::<E>()) as u64,
+        unit: None,
+        write: Box::new(move |out| {
+            side.bands().rev().try_for_each(|rows| {
+                // Fails only if another program has changed the file since.
+                let entries = entries(rows).map_err(|error| io::Error::other(error.to_string()))?;
                 let mut bottom_up = entries.chunks_exact(width).rev();
                 bottom_up.try_for_each(|row| out.write_all(bytemuck::cast_slice(row)))
-            }),
-        }
+            })
+        }),
     }
 }

@@ -99,7 +99,7 @@ fn array<'a>(
         n_bytes: n * (n_components * scalar.size()) as u64,
         unit: None,
         write: Box::new(move |out| {
-            let values = reader.read(&place, 1).map_err(failure)?;
+            let values = reader.read(&place).map_err(failure)?;
             out.write_all(values.bytes())
         }),
     })

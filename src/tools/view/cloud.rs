@@ -22,7 +22,7 @@ impl Cloud {
     /// Reads the points of all shown pixels, so that each pixel that is marked or probed in the
     /// picture has its point.
     pub(super) fn read(
-        hits: &mut HitsFile,
+        hits: &HitsFile,
         pixels: &ShownPixels,
         origin: [f64; 3],
     ) -> Result<Self, Diagnostic> {

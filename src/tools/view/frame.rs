@@ -67,7 +67,7 @@ impl ShownPixels {
     }
 
     /// Reads the shown pixels of every array of the frame.
-    pub(super) fn read(self, frame: &mut FrameFile) -> Result<Vec<LoadedArray>, Diagnostic> {
+    pub(super) fn read(self, frame: &FrameFile) -> Result<Vec<LoadedArray>, Diagnostic> {
         let names: Vec<String> = frame
             .arrays()
             .iter()

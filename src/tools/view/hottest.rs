@@ -23,7 +23,7 @@ const MAX_PIXELS_LISTED: usize = 3;
 /// If the frame is damaged.
 pub(super) fn json(
     summary: &Summary,
-    frame: &mut FrameFile,
+    frame: &FrameFile,
     pixels: &ShownPixels,
 ) -> Result<Value, Diagnostic> {
     let mut found = Vec::new();
@@ -58,22 +58,18 @@ pub(super) fn trace_command(summary: &Summary) -> String {
     )
 }
 
-fn by_time(
-    name: &str,
-    summary: &Summary,
-    frame: &mut FrameFile,
-) -> Result<Vec<HotPixel>, Diagnostic> {
+fn by_time(name: &str, summary: &Summary, frame: &FrameFile) -> Result<Vec<HotPixel>, Diagnostic> {
     let width = frame.width() as usize;
     let n_repeats = summary.repeats.as_ref().map_or(1, |repeats| repeats.n);
     hottest_of(frame, |piece| {
-        let mut read = |name: &str| {
+        let read = |name: &str| {
             if piece.has(name) {
                 piece.read(name).map(|array| Some(array.values))
             } else {
                 Ok(None)
             }
         };
-        let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(&mut read);
+        let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(read);
         let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
         let times = Times {
             ns: rows_of_f32(ns.as_ref(), width),
@@ -91,8 +87,8 @@ fn by_time(
 /// Returns the most expensive pixels of all pieces, given the pixels of each piece with rows
 /// counted from its first row.
 fn hottest_of(
-    frame: &mut FrameFile,
-    of_piece: impl Fn(&mut FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,
+    frame: &FrameFile,
+    of_piece: impl Fn(&FramePiece) -> Result<Vec<HotPixel>, Diagnostic>,
 ) -> Result<Vec<HotPixel>, Diagnostic> {
     let mut hottest = Vec::new();
     for piece in frame.pieces() {
@@ -119,7 +115,7 @@ fn rows_of_f32(values: Option<&ArrayValues>, width: usize) -> Vec<&[f32]> {
     }
 }
 
-fn by_count(frame: &mut FrameFile, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
+fn by_count(frame: &FrameFile, name: &str) -> Result<Vec<HotPixel>, Diagnostic> {
     if !frame.has(name) {
         return Ok(Vec::new());
     }

@@ -56,15 +56,15 @@ impl Page {
 
     /// Reads the content of a page with at most `n_pixels` pixels.
     fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
-        let mut frame = results.frame()?;
+        let frame = results.frame()?;
         let pixels = ShownPixels::at_most(n_pixels, [frame.width(), frame.height()]);
         // The page cannot be drawn without these arrays: report the missing ones.
         frame.require(&["RGB", "footprint"])?;
-        let arrays = pixels.read(&mut frame)?;
+        let arrays = pixels.read(&frame)?;
         // Relative to the camera, 32 bits have enough digits for points, wherever they are.
         let camera = results.summary.camera.as_ref();
         let origin = camera.map_or([0.0; 3], |camera| camera.origin);
-        let cloud = Cloud::read(&mut results.hits()?, &pixels, origin)?;
+        let cloud = Cloud::read(&results.hits()?, &pixels, origin)?;
         let table = results.objects()?;
         let notes = [
             results
@@ -76,7 +76,7 @@ impl Page {
             about::missing(&results.summary),
         ];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
-        let hottest = hottest::json(&results.summary, &mut frame, &pixels)?;
+        let hottest = hottest::json(&results.summary, &frame, &pixels)?;
         let about = about::json(&results.summary, &pixels, &arrays, &cloud, &notes, hottest);
         let mut payloads: Vec<Payload> = arrays
             .par_iter()

@@ -1,10 +1,11 @@
 //! Decompresses the blocks of an array.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read};
 
 use crate::codec::{BLOCK, Compressor};
 use crate::compressed::table_head;
+use base::files::PositionedReader;
 
 /// Maximum number of bytes of a compressed block: noise grows a little under compression.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
@@ -36,10 +37,10 @@ impl CompressedBlocks {
         begin: u64,
         n_bytes: u64,
         compressor: &'static dyn Compressor,
-        mut file: &File,
+        file: &File,
     ) -> io::Result<Option<Self>> {
-        file.seek(SeekFrom::Start(begin))?;
-        let mut from = BufReader::new(file);
+        let position = begin;
+        let mut from = BufReader::new(PositionedReader { file, position });
         let head = table_head(n_bytes);
         for expected in head {
             if read_number(&mut from)? != expected {
@@ -64,18 +65,30 @@ impl CompressedBlocks {
         }))
     }
 
-    /// Returns a reader of the array's uncompressed bytes.
-    pub(super) fn decompress<'a>(&'a self, mut file: &'a File) -> io::Result<Decompressed<'a>> {
-        file.seek(SeekFrom::Start(self.begin))?;
-        Ok(Decompressed {
-            from: file,
+    /// Returns a reader of the array's uncompressed bytes from `first`.
+    pub(super) fn decompress<'a>(
+        &'a self,
+        file: &'a File,
+        first: u64,
+    ) -> io::Result<Decompressed<'a>> {
+        let n_blocks = (first / BLOCK as u64).min(self.lengths.len() as u64);
+        let (before, lengths) = self.lengths.split_at(n_blocks as usize);
+        let position = self.begin + before.iter().sum::<u64>();
+        let mut decompressed = Decompressed {
+            from: PositionedReader { file, position },
             compressor: self.compressor,
-            n_left: self.n_bytes,
-            lengths: self.lengths.iter(),
+            n_left: self.n_bytes - n_blocks * BLOCK as u64,
+            lengths: lengths.iter(),
             compressed: Vec::new(),
             block: Vec::new(),
             n_read: 0,
-        })
+        };
+        let n_skipped = first - n_blocks * BLOCK as u64;
+        if n_skipped > 0 {
+            decompressed.advance()?;
+            decompressed.n_read = n_skipped as usize;
+        }
+        Ok(decompressed)
     }
 }
 
@@ -87,7 +100,7 @@ fn read_number(from: &mut impl Read) -> io::Result<u64> {
 
 /// Reads the bytes of an array, decompressing one block at a time.
 pub(super) struct Decompressed<'a> {
-    from: &'a File,
+    from: PositionedReader<'a>,
     compressor: &'static dyn Compressor,
     /// Uncompressed bytes of the blocks not yet read.
     n_left: u64,
@@ -108,7 +121,8 @@ impl Decompressed<'_> {
         self.block.resize(n_bytes as usize, 0);
         if let Some(&length) = self.lengths.next() {
             self.compressed.clear();
-            self.from.take(length).read_to_end(&mut self.compressed)?;
+            let compressed = &mut self.from;
+            compressed.take(length).read_to_end(&mut self.compressed)?;
             self.compressor
                 .decompress_exact(&self.compressed, &mut self.block)?;
         }
@@ -187,7 +201,7 @@ mod tests {
         assert_eq!(piece.n_points, n as u64);
         let read = |arrays: &DataArraysElement| {
             let location = file.place(&arrays.arrays[0], n as u64).unwrap();
-            file.read(&location, 1).unwrap()
+            file.read(&location).unwrap()
         };
         let points = read(&piece.points);
         let points = points.as_slice::<f32>().unwrap().as_chunks().0.to_vec();

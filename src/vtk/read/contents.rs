@@ -1,19 +1,36 @@
 //! Reads the numbers of an array from an open VTK file.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, Read};
+use std::ops::Range;
 
 use super::reader::{ArrayLocation, LENGTH_BYTES, Storage, VtkReader, cannot_read};
 use super::values::{ArrayValues, Selection};
+use base::files::PositionedReader;
 use base::host::{available_memory, may_fail};
 use base::text::Diagnostic;
 use base::text::numbers::{self, count};
 
 impl VtkReader {
-    /// Reads an array that the file stores in `n_rows` equal rows, bottom row first.
-    pub fn read(&self, place: &ArrayLocation, n_rows: usize) -> Result<ArrayValues, Diagnostic> {
-        let fill = |values: &mut ArrayValues, from: &mut dyn Read| values.read_rows(n_rows, from);
-        self.read_by(place, place.n_numbers, fill)
+    /// Reads an array, in the file's order.
+    pub fn read(&self, place: &ArrayLocation) -> Result<ArrayValues, Diagnostic> {
+        self.read_rows(place, 1, 0..1)
+    }
+
+    /// Reads `rows` of an array that the file stores in `n_rows` equal rows, bottom row first;
+    /// returns the upper row first. Reads no other rows, and decompresses only the blocks of these.
+    pub fn read_rows(
+        &self,
+        place: &ArrayLocation,
+        n_rows: usize,
+        rows: Range<usize>,
+    ) -> Result<ArrayValues, Diagnostic> {
+        let [numbers_per_row, row_bytes] =
+            [place.n_numbers, place.n_bytes].map(|n| n / (n_rows as u64).max(1));
+        let first = (n_rows - rows.end) as u64 * row_bytes;
+        let fill = |values: &mut ArrayValues, from: &mut dyn Read| {
+            values.read_rows(row_bytes as usize, from)
+        };
+        self.read_by(place, rows.len() as u64 * numbers_per_row, first, fill)
     }
 
     /// Reads the selected pixels of an array of an image.
@@ -24,27 +41,30 @@ impl VtkReader {
     ) -> Result<ArrayValues, Diagnostic> {
         let fill =
             |values: &mut ArrayValues, from: &mut dyn Read| values.read_selected(selection, from);
-        self.read_by(place, selection.n_numbers(), fill)
+        self.read_by(place, selection.n_numbers(), 0, fill)
     }
 
-    /// Allocates `n_numbers` zeros and calls `fill` with them and a reader of the array's bytes.
+    /// Allocates `n_numbers` zeros and calls `fill` with them and a reader of the array's bytes from
+    /// `first`.
     fn read_by(
         &self,
         place: &ArrayLocation,
         n_numbers: u64,
+        first: u64,
         fill: impl FnOnce(&mut ArrayValues, &mut dyn Read) -> io::Result<()>,
     ) -> Result<ArrayValues, Diagnostic> {
         let name = &place.name;
         let mut values = self.zeros(place, n_numbers)?;
         let filled = match &place.storage {
-            Storage::Raw(begin) => self.raw(*begin).and_then(|(length, mut from)| {
+            Storage::Raw(begin) => self.length_at(*begin).and_then(|length| {
                 if length != place.n_bytes {
                     return Ok(Some(length));
                 }
+                let mut from = BufReader::new(self.from(begin + LENGTH_BYTES + first));
                 fill(&mut values, &mut from).map(|()| None)
             }),
             Storage::Compressed(blocks) => blocks
-                .decompress(&self.file)
+                .decompress(&self.file, first)
                 .and_then(|mut from| fill(&mut values, &mut from).map(|()| None)),
         };
         match filled {
@@ -80,12 +100,15 @@ impl VtkReader {
         }
     }
 
-    /// Reads the length at `begin`; returns it and a reader of the bytes after it.
-    fn raw(&self, begin: u64) -> io::Result<(u64, BufReader<&File>)> {
-        (&self.file).seek(SeekFrom::Start(begin))?;
-        let mut from = BufReader::new(&self.file);
+    /// Reads the length of an uncompressed array.
+    fn length_at(&self, begin: u64) -> io::Result<u64> {
         let mut length = [0; LENGTH_BYTES as usize];
-        from.read_exact(&mut length)?;
-        Ok((u64::from_ne_bytes(length), from))
+        self.from(begin).read_exact(&mut length)?;
+        Ok(u64::from_ne_bytes(length))
+    }
+
+    fn from(&self, position: u64) -> PositionedReader<'_> {
+        let file = &self.file;
+        PositionedReader { file, position }
     }
 }

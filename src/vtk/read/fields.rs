@@ -12,7 +12,7 @@ impl VtkReader {
         let mut fields = Vec::new();
         for array in &elements.arrays {
             let place = self.place(array, array.n_tuples.unwrap_or(0))?;
-            let values = match self.read(&place, 1)? {
+            let values = match self.read(&place)? {
                 ArrayValues::F64(numbers) => FieldValues::Floats(numbers),
                 ArrayValues::I32(numbers) => FieldValues::Integers(numbers),
                 _ => {

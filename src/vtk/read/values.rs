@@ -32,16 +32,11 @@ macro_rules! values {
                 })
             }
 
-            /// Returns no numbers, of the same type.
-            pub fn none_of_type(&self) -> Self {
-                match self { $(Self::$kind(_) => Self::$kind(Vec::new()),)* }
-            }
-
-            /// Appends the numbers of `other` from `first`; false if the types differ.
-            pub fn append(&mut self, other: &Self, first: usize) -> bool {
+            /// Appends the numbers of `other`; false if the types differ.
+            pub fn append(&mut self, other: &Self) -> bool {
                 match (self, other) {
                     $((Self::$kind(numbers), Self::$kind(others)) => {
-                        numbers.extend_from_slice(&others[first..]);
+                        numbers.extend_from_slice(&others);
                         true
                     })*
                     _ => false,
@@ -148,11 +143,9 @@ impl ArrayValues {
         (0..self.len()).map(|index| self.at(index))
     }
 
-    /// Reads the numbers from a file that stores `n_rows` equal rows, bottom row first.
-    pub(crate) fn read_rows(&mut self, n_rows: usize, from: &mut dyn Read) -> io::Result<()> {
-        let bytes = self.bytes_mut();
-        let row_bytes = (bytes.len() / n_rows.max(1)).max(1);
-        let mut rows = bytes.chunks_exact_mut(row_bytes).rev();
+    /// Reads the numbers from a file that stores rows of `row_bytes`, bottom row first.
+    pub(crate) fn read_rows(&mut self, row_bytes: usize, from: &mut dyn Read) -> io::Result<()> {
+        let mut rows = self.bytes_mut().chunks_exact_mut(row_bytes.max(1)).rev();
         rows.try_for_each(|row| from.read_exact(row))
     }
 

@@ -54,22 +54,22 @@ impl ForeignDiff {
             }
             ForeignContent::Colors(colors) => {
                 output.require(&["RGB"])?;
-                let own = output.colors()?;
+                let own = output.colors(output.rows())?;
                 let [a, b] = in_order([&own, colors], position);
                 let map = greatest_differences(a.iter().zip(b), f32::from);
                 (
-                    ForeignDifference::Picture(PictureDifference::measure(a, b)),
+                    ForeignDifference::Picture(PictureDifference::compare(a, b)),
                     map,
                 )
             }
             ForeignContent::Light(light) => {
                 output.require(&["radiance"])?;
-                let own = output.radiance()?.unwrap_or_default();
+                let own = output.radiance(output.rows())?;
                 let [a, b] = in_order([&own, light], position);
                 let pixels = a.as_chunks::<3>().0.iter().zip(b.as_chunks::<3>().0);
                 let map = greatest_differences(pixels, |channel| channel);
                 (
-                    ForeignDifference::Light(LightDifference::measure(a, b)),
+                    ForeignDifference::Light(LightDifference::compare(a, b)),
                     map,
                 )
             }
@@ -125,14 +125,14 @@ fn costs_compared(
     let by_default = by_default.into_iter().find(|metric| output.has(*metric));
     let metric = by.or(by_default).unwrap_or(Metric::NODE_VISITS);
     output.require(&[metric.name])?;
-    let own = output.values(metric)?;
+    let own = output.costs(metric, output.rows())?;
     if own.iter().all(|&cost| cost == 0.0) {
         let message = format!("`{}` has no {}", output.name(), metric.label);
         let help = "choose another metric with `--by`, such as `--by primitive_tests`";
         return Err(Diagnostic::new(message).with_help(help));
     }
     let objects = if output.has_array("object") {
-        output.ids("object")?
+        output.ids("object", output.rows())?
     } else {
         Vec::new()
     };

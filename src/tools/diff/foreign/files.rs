@@ -19,11 +19,12 @@ use output::chart::{self, CostMap, Range};
 /// The first file that could not be written; then no file of the folder has changed.
 pub fn write(diff: &ForeignDiff, folder: &OutputFolder) -> Result<Vec<Written>, WriteError> {
     let names = [map::FILE.name, json_file::FILE.name];
-    write_files(&names, to_json(diff), folder, |name, json, run, out| {
+    let json = to_json(diff);
+    write_files(&names, &json, folder, |name, run, out| {
         if name == map::FILE.name {
             write_map(diff, run, out)
         } else {
-            json_file::write(json, out)
+            json_file::write(&json, run, out)
         }
     })
 }

@@ -20,7 +20,7 @@ pub const WINDOW: [u32; 2] = [1400, 1000];
 
 /// All arrays of a rendering.
 pub fn arrays(folder: &Path) -> Vec<LoadedArray> {
-    let mut frame = Results::open(folder).unwrap().frame().unwrap();
+    let frame = Results::open(folder).unwrap().frame().unwrap();
     let names: Vec<String> = frame
         .arrays()
         .iter()
