@@ -1,8 +1,11 @@
 //! The gallery shows every scene of `configs/`, and what it says of their objects is true.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::process::Command;
+
+use serde_json::Value;
 
 use crate::common::{config, in_repository};
 
@@ -44,23 +47,38 @@ fn every_scene_has_a_section_with_its_picture() {
 /// Counters per pixel of each object, by its name and the kind of rays, from `objects.csv`.
 struct Costs(BTreeMap<(String, String), BTreeMap<String, f64>>);
 
+/// Renders a small picture of a scene.
+fn render(scene: &str, flags: &[&str]) -> tempfile::TempDir {
+    let image = config(scene).image;
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_raycost"))
+        .arg("render")
+        .arg(in_repository(&format!("configs/{scene}.yaml")))
+        .args(["--quiet", "--cost=counters", "--width=80"])
+        .arg(format!("--height={}", 80 * image.height / image.width))
+        .arg(format!("--spp={N_SAMPLES}"))
+        .args(flags)
+        .arg("--out")
+        .arg(folder.path())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{scene}: {said}");
+    folder
+}
+
+/// Renders a frame of an animation; returns the sum of a counter.
+fn sum_of_frame(scene: &str, frame: &str, counter: &str) -> f64 {
+    let folder = render(scene, &["--frames", frame]);
+    let name = format!("frames/{:04}/summary.json", frame.parse::<u32>().unwrap());
+    let summary = fs::read(folder.path().join(name)).unwrap();
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    summary["cost"]["totals"][counter].as_f64().unwrap()
+}
+
 impl Costs {
-    /// Renders a small picture of a scene.
     fn measure(scene: &str) -> Self {
-        let image = config(scene).image;
-        let folder = tempfile::tempdir().unwrap();
-        let output = Command::new(env!("CARGO_BIN_EXE_raycost"))
-            .arg("render")
-            .arg(in_repository(&format!("configs/{scene}.yaml")))
-            .args(["--quiet", "--cost=counters", "--also=objects", "--width=80"])
-            .arg(format!("--height={}", 80 * image.height / image.width))
-            .arg(format!("--spp={N_SAMPLES}"))
-            .arg("--out")
-            .arg(folder.path())
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{scene}: {said}");
+        let folder = render(scene, &["--also=objects"]);
         let table = fs::read_to_string(folder.path().join("objects.csv")).unwrap();
         let mut lines = table.lines().map(|line| line.split(',').collect());
         let head: Vec<&str> = lines.next().unwrap();
@@ -97,7 +115,7 @@ impl Costs {
     }
 }
 
-/// A claim reads `node_visits: glass cow > 1.5 * clay cow`.
+/// A claim reads `node_visits: glass cow > 1.5 * clay cow`, or `node_visits: frame 19 > 2 * frame 0`.
 #[test]
 fn the_claims_are_true() {
     let mut n_claims = 0;
@@ -109,7 +127,11 @@ fn the_claims_are_true() {
         if claims.is_empty() {
             continue;
         }
-        let costs = Costs::measure(&scene);
+        let costs = LazyCell::new(|| Costs::measure(&scene));
+        let cost = |counter: &str, subject: &str| match subject.strip_prefix("frame ") {
+            Some(frame) => sum_of_frame(&scene, frame, counter),
+            None => costs.per_pixel(counter, subject),
+        };
         for claim in claims {
             let (counter, rest) = claim.split_once(": ").unwrap();
             let (left, right) = rest.split_once(" * ").unwrap();
@@ -120,7 +142,7 @@ fn the_claims_are_true() {
                     (left, false, factor)
                 }
             };
-            let ratio = costs.per_pixel(counter, left) / costs.per_pixel(counter, right);
+            let ratio = cost(counter, left) / cost(counter, right);
             let factor: f64 = factor.parse().unwrap();
             assert_eq!(
                 ratio > factor,

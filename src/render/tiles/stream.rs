@@ -145,7 +145,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.render_round(round.clone());
             for i in 0..self.places.len() {
                 let (number, _) = self.places.get(i);
-                self.probe.rays(RayKind::Camera, number, round.len());
+                self.probe.camera_rays(number, round.len());
             }
             // Remove the pixels that are no longer noisy.
             let rounds = &self.view.rounds;
@@ -335,8 +335,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             .end(starts, wave, points, &mut self.next, &mut self.colors);
         // Count the next wave.
         let (pixels, depth) = (self.next.pixels(), self.next.depth);
-        for (i, &pixel) in pixels.iter().enumerate() {
-            self.probe.rays(self.next.kind(i), pixel as usize, 1);
+        if P::COUNTS {
+            for (kind, rays) in self.next.kinds() {
+                self.probe.rays_of_pixels(kind, &pixels[rays]);
+            }
         }
         self.probe.bounce(pixels, depth);
         self.bounces.add_to_pixels(pixels, depth);

@@ -79,10 +79,9 @@ impl Counters {
         }
     }
 
-    /// Adds `n` rays of this kind; camera rays only if they are counted.
-    #[inline(always)]
-    pub(super) fn add_rays(&mut self, kind: RayKind, pixel: usize, n: u64) {
-        self.allocated(Counter::of_rays(kind))[pixel] += n;
+    /// Adds `n` camera rays, if they are counted.
+    pub(super) fn add_camera_rays(&mut self, pixel: usize, n: u64) {
+        self.allocated(Counter::of_rays(RayKind::Camera))[pixel] += n;
     }
 
     /// Adds a ray of this kind, which is not a camera ray, to each of these pixels.
@@ -186,7 +185,7 @@ mod tests {
         assert!(counters.get(Counter::RefractionRays).is_empty());
         counters.reset(1, 0);
         assert_eq!(counters.total(), Cost::default());
-        counters.add_rays(RayKind::Camera, 0, 7);
+        counters.add_camera_rays(0, 7);
         counters.add(0, &cost);
         assert_eq!(counters.pixel(0).rays, [9, 3, 1, 0, 0]);
         assert_eq!(counters.total(), counters.pixel(0));

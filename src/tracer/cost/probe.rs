@@ -72,8 +72,8 @@ pub trait PixelProbe: Default {
     /// Resets all counters for `n_pixels` pixels with `n_samples` camera rays each; 0 if camera
     /// rays will be counted.
     fn reset(&mut self, n_pixels: usize, n_samples: u32);
-    /// Records that `n` rays of this kind start for a pixel; camera rays only if they are counted.
-    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize);
+    /// Records that `n` camera rays, if they are counted, start for a pixel.
+    fn camera_rays(&mut self, pixel: usize, n: usize);
     /// Records that the traversal of one ray of each of these pixels has ended.
     fn traversals<const N: usize>(&mut self, pixels: &[u32; N], traversals: &Traversals<N>);
     /// Records that a ray of this kind, which is not a camera ray, starts for each of these pixels.
@@ -89,7 +89,7 @@ impl PixelProbe for NoProbe {
 
     fn reset(&mut self, _: usize, _: u32) {}
     #[inline(always)]
-    fn rays(&mut self, _: RayKind, _: usize, _: usize) {}
+    fn camera_rays(&mut self, _: usize, _: usize) {}
     #[inline(always)]
     fn traversals<const N: usize>(&mut self, _: &[u32; N], _: &Traversals<N>) {}
     #[inline(always)]
@@ -109,9 +109,8 @@ impl PixelProbe for Counters {
         self.reset(n_pixels, n_samples);
     }
 
-    #[inline(always)]
-    fn rays(&mut self, kind: RayKind, pixel: usize, n: usize) {
-        self.add_rays(kind, pixel, n as u64);
+    fn camera_rays(&mut self, pixel: usize, n: usize) {
+        self.add_camera_rays(pixel, n as u64);
     }
 
     #[inline(always)]

@@ -1,5 +1,7 @@
 //! The paths of a wave.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::media::Media;
@@ -98,11 +100,17 @@ impl PathWave {
             .extend((0..self.rays.len() as u32).map(camera));
     }
 
-    /// Returns the kind of ray `i`, which continues a path.
-    #[inline(always)]
-    pub fn kind(&self, i: usize) -> RayKind {
-        let branch = self.branches.get(i);
-        branch.map_or(RayKind::Reflection, |branch| branch.kind)
+    /// Returns the kinds of the rays, which continue paths: each with the consecutive rays of this kind.
+    pub fn kinds(&self) -> impl Iterator<Item = (RayKind, Range<usize>)> {
+        let all = (RayKind::Reflection, 0..self.rays.len());
+        let runs = self.branches.chunk_by(|a, b| a.kind == b.kind);
+        let kinds = runs.scan(0, |end, run| {
+            let first = *end;
+            *end += run.len();
+            Some((run[0].kind, first..*end))
+        });
+        let all = self.branches.is_empty().then_some(all);
+        all.into_iter().chain(kinds)
     }
 
     /// Weakens the light by the media on the way to the hits.
