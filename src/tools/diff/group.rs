@@ -91,16 +91,11 @@ impl Groups {
 
     /// Returns the totals of each metric over all pixels.
     pub(super) fn totals(&self) -> Totals {
-        let total = |&MetricSums {
-                         metric,
-                         ref objects,
-                         ..
-                     }: &MetricSums| {
-            let all = |sums: &Vec<f64>| {
-                sums.iter()
-                    .fold(0.0, |sum, &cost| metric.combine(sum, cost))
-            };
-            let cost = objects.each_ref().map(all);
+        let total = |sums: &MetricSums| {
+            let metric = sums.metric;
+            let add = |sum: f64, &cost: &f64| metric.combine(sum, cost);
+            let all = |objects: &Vec<f64>| objects.iter().fold(0.0, add);
+            let cost = sums.objects.each_ref().map(all);
             Total { metric, cost }
         };
         Totals(self.sums.iter().map(total).collect())
