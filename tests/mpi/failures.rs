@@ -61,7 +61,7 @@ fn slow_job() -> Job {
     let flags = [
         "--width=160",
         "--height=120",
-        "--spp=160",
+        "--spp=640",
         "--cost=counters",
         "--also=schedule",
     ];

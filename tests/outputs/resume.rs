@@ -127,7 +127,7 @@ fn a_killed_rendering_goes_on_with_the_same_bytes() {
 /// Tears the end off, as a power cut does.
 #[test]
 fn a_torn_end_is_rendered_again() {
-    let slow = Slow::new(&["--cost=counters", "--spp=100"]);
+    let slow = Slow::new(&["--cost=counters", "--spp=200"]);
     assert_success(&slow.run("whole", &["--quiet"]));
     let n_kept = slow.kill_at("out", 12);
     assert!(n_kept > 0, "it has ended before it was killed");
@@ -155,7 +155,7 @@ fn a_torn_end_is_rendered_again() {
 
 #[test]
 fn a_stopped_run_says_what_it_has_kept_and_how_to_go_on() {
-    let slow = Slow::new(&["--cost=counters", "--spp=200"]);
+    let slow = Slow::new(&["--cost=counters", "--spp=800"]);
     let mut command = slow.command("out", &["--resume"]);
     let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
     while slow.n_kept("out") < 5 {
@@ -180,7 +180,7 @@ fn a_stopped_run_says_what_it_has_kept_and_how_to_go_on() {
 
 #[test]
 fn what_an_interrupted_run_has_kept_is_not_lost() {
-    let slow = Slow::new(&["--cost=counters", "--spp=200"]);
+    let slow = Slow::new(&["--cost=counters", "--spp=800"]);
     let child = slow.until("out", 5);
     let kill = Command::new("kill")
         .args(["-TERM", &child.id().to_string()])
