@@ -24,10 +24,8 @@ impl LightDifference {
     /// # Errors
     /// The radiance cannot be read.
     pub(super) fn measure(sides: &[Side; 2]) -> Result<Option<Self>, Diagnostic> {
-        if !sides
-            .iter()
-            .all(|side| side.has_array(Column::RADIANCE.name))
-        {
+        let has_radiance = |side: &Side| side.has_array(Column::RADIANCE.name);
+        if !sides.iter().all(has_radiance) {
             return Ok(None);
         }
         let [a, b] = sides;

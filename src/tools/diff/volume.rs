@@ -100,7 +100,7 @@ fn costs(
     Ok(a.into_iter().zip(b).map(|(a, b)| [a, b]))
 }
 
-/// Creates an array with one entry per compared pixel. `entries` returns those of some rows, the
+/// Creates an array with one entry per compared pixel. `entries` returns the entries of some rows, the
 /// upper row first; the file has the bottom row first, as VTK orders them.
 fn array<'a, E: Entry>(
     name: &'a str,

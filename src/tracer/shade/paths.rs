@@ -100,16 +100,17 @@ impl PathWave {
             .extend((0..self.rays.len() as u32).map(camera));
     }
 
-    /// Returns the kinds of the rays, which continue paths: each with the consecutive rays of this kind.
+    /// Returns the kinds of the rays, which continue paths: each with the consecutive rays of this
+    /// kind.
     pub fn kinds(&self) -> impl Iterator<Item = (RayKind, Range<usize>)> {
-        let all = (RayKind::Reflection, 0..self.rays.len());
         let runs = self.branches.chunk_by(|a, b| a.kind == b.kind);
         let kinds = runs.scan(0, |end, run| {
             let first = *end;
             *end += run.len();
             Some((run[0].kind, first..*end))
         });
-        let all = self.branches.is_empty().then_some(all);
+        let all = || (RayKind::Reflection, 0..self.rays.len());
+        let all = self.branches.is_empty().then(all);
         all.into_iter().chain(kinds)
     }
 
