@@ -3,7 +3,7 @@
 use std::{fmt, io};
 
 use super::RenderError;
-use base::host::affinity;
+use base::host::{affinity, spawn_one_of_pool};
 use base::stop::Cancellation;
 use base::text::Diagnostic;
 use render::tiles::Progress;
@@ -128,14 +128,18 @@ pub(crate) fn thread_pool(
     cancellation: &Cancellation,
 ) -> Result<rayon::ThreadPool, Diagnostic> {
     let cancellation = cancellation.clone();
-    rayon::ThreadPoolBuilder::new()
+    let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(n_threads.map_or(0, usize::from))
         .start_handler(move |_| cancellation.watch_on_this_thread())
+        .spawn_handler(spawn_one_of_pool)
         .build()
         .map_err(|error| {
             Diagnostic::new(format!("cannot start the threads: {error}"))
                 .with_help("ask for fewer with `--threads N`")
-        })
+        })?;
+    // What follows must not take the room that their signal stacks need.
+    pool.broadcast(|_| ());
+    Ok(pool)
 }
 
 impl fmt::Debug for Options<'_> {

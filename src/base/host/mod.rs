@@ -9,6 +9,7 @@ mod heap;
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 mod no_gnu_heap;
 mod cgroup;
+mod threads;
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -25,6 +26,7 @@ pub use heap::{free_heap, grow_heap};
 pub use no_gnu_heap::configure_heap;
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 pub use no_gnu_heap::{free_heap, grow_heap};
+pub use threads::spawn_one_of_pool;
 
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();
