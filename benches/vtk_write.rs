@@ -153,7 +153,7 @@ fn film(width: u32, height: u32) -> Film {
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
-    render(tracer, &plan, &Meter::new(CostMode::Time), |_| {}).0
+    render(tracer, &plan, &Meter::new(CostMode::Time), &|_| {}).0
 }
 
 /// Returns the system's folder in memory, or its temporary folder.

@@ -139,13 +139,13 @@ impl World<'_> {
         let sensor = self.tracer.scene.sensor(self.config);
         let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
         let begin = ThreadTime::now();
-        let (film, schedule) = render(self.tracer, &plan, meter, |_| {});
+        let (film, schedule) = render(self.tracer, &plan, meter, &|_| {});
         (begin.elapsed().as_nanos() as f64, busy_ns(&schedule), film)
     }
 
     /// Renders a window without a clock inside. Returns the nanoseconds of its tiles.
     fn window_ns(&self, plan: &TilePlan) -> f64 {
-        let (_, schedule) = render(self.tracer, plan, &self.counters, |_| {});
+        let (_, schedule) = render(self.tracer, plan, &self.counters, &|_| {});
         busy_ns(&schedule)
     }
 
@@ -173,7 +173,7 @@ impl World<'_> {
         let plan = TilePlan::new(self.tracer, &scene.sensor(self.config), self.config.tiles);
         let n = options.rounds.clamp(1, 255).to_string();
         let repeats: Repeats = n.parse().expect("a number of renderings");
-        let (map, ..) = repeat(repeats, self.tracer, &plan, &self.time, |_| {});
+        let (map, ..) = repeat(repeats, self.tracer, &plan, &self.time, &|_| {});
         let times: Vec<f32> = map.values(|strip| &strip.time_ns).collect();
         let places = places([image.width, image.height], options.windows);
         let window = |[x, y]: [u32; 2]| {

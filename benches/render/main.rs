@@ -95,7 +95,7 @@ fn compare(path: &Path) -> Result<Value, Diagnostic> {
     for round in 0..N_ROUNDS {
         for (meter, times) in meters.iter().zip(&mut times) {
             let start = Instant::now();
-            let (film, _) = render(tracer, &plan, meter, |_| {});
+            let (film, _) = render(tracer, &plan, meter, &|_| {});
             times[round] = start.elapsed().as_secs_f64();
             n_rays = n_rays.max(black_box(film).totals.n_rays());
         }

@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::session::{Event, Report};
+use crate::session::Event;
 use base::text::one_line;
 use render::instruments::TimeLeft;
-use render::tiles::Progress;
+use render::tiles::{Progress, Report};
 
 /// A build that takes less than this shows no bar.
 const BAR_DELAY: Duration = Duration::from_secs(1);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::options::{Event, Options, Report};
+use super::options::{Event, Options};
 use super::rendering::Measured;
 use super::scope::Scope;
 use super::{RenderError, Session};
@@ -12,7 +12,7 @@ use output::memory;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
-use render::tiles::{N_RENDERINGS, Overhead, estimate_times, least_repeats, repeat_within};
+use render::tiles::{N_RENDERINGS, Overhead, Report, estimate_times, least_repeats, repeat_within};
 use scene::config::SimdSet;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
@@ -121,7 +121,7 @@ impl Session {
         let report = |fraction| options.report(Event::Built { fraction });
         let n_rays = self.config.image.n_camera_rays();
         let base = self.base.get().map(|base| (base, n_rays));
-        let accel = Accel::of_frame(&self.scene, self.config.acceleration, base, report);
+        let accel = Accel::of_frame(&self.scene, self.config.acceleration, base, &report);
         options.report(Event::End);
         let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
         stages.end(if accel.is_refitted() {

@@ -6,11 +6,8 @@ use super::RenderError;
 use base::host::{affinity, spawn_one_of_pool};
 use base::stop::Cancellation;
 use base::text::Diagnostic;
-use render::tiles::Progress;
+use render::tiles::{Progress, Report};
 use scene::config::{Pinning, SimdSet, Traversal};
-
-/// Receives progress, from any thread.
-pub(crate) type Report<'a> = &'a (dyn Fn(Progress) + Sync);
 
 /// The way in which a scene is rendered, besides the settings of its config.
 ///

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use super::options::{Options, Report};
+use super::options::Options;
 use super::{RenderError, Session, this_build};
 use base::folder::{OutputFolder, WriteError, Written};
 use base::stop;
@@ -16,7 +16,7 @@ use render::checkpoint::Checkpoint;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
-use render::tiles::{Overhead, Repeat, StoredPicture, least_repeats};
+use render::tiles::{Overhead, Repeat, Report, StoredPicture, least_repeats};
 use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;

@@ -32,10 +32,10 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         .unwrap();
     let (mut film, mut attribution) = pool.install(|| {
         let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
-        let (film, _) = render(tracer, &plan, &meter, |_| {});
+        let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let sensor = &plan.sensor;
         let attribution =
-            CostAttribution::measure(tracer, sensor, (&film, &meter), &config.output, |_| {});
+            CostAttribution::measure(tracer, sensor, (&film, &meter), &config.output, &|_| {});
         (film, attribution)
     });
     film.keep_step_counts(std::mem::take(&mut attribution.step_counts));

@@ -158,7 +158,7 @@ pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedul
         .unwrap();
     pool.install(|| {
         let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
-        render(tracer, &plan, &Meter::new(config.cost), |_| {})
+        render(tracer, &plan, &Meter::new(config.cost), &|_| {})
     })
 }
 

@@ -36,7 +36,7 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
         let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
-        repeat(exactly(n_repeats), tracer, &plan, &meter, |_| {})
+        repeat(exactly(n_repeats), tracer, &plan, &meter, &|_| {})
     });
     (film, repeats)
 }
@@ -82,9 +82,9 @@ fn each_repeat_reports_its_pixels() {
     let report = |progress: render::tiles::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
     };
-    repeat(exactly(3), tracer, &plan, &meter, report);
+    repeat(exactly(3), tracer, &plan, &meter, &report);
     assert_eq!(n_pixels.into_inner(), 3 * 53 * 37);
-    let (film, _) = render(tracer, &plan, &meter, |_| {});
+    let (film, _) = render(tracer, &plan, &meter, &|_| {});
     assert_eq!(film.n_repeats, 1);
 }
 
@@ -119,7 +119,8 @@ fn beside_other_work_the_times_are_those_of_the_pixels() {
     // The part of the CPU time that is known, and the shares of objects.
     let measured = || {
         let before = cpu_time(&pool);
-        let (film, _, repeats) = pool.install(|| repeat(exactly(1), tracer, &plan, &meter, |_| {}));
+        let (film, _, repeats) =
+            pool.install(|| repeat(exactly(1), tracer, &plan, &meter, &|_| {}));
         let cpu_ns = (cpu_time(&pool) - before).as_nanos() as f64;
         (repeats[0].busy_ns as f64 / cpu_ns, shares(&film))
     };
@@ -276,7 +277,7 @@ fn a_single_rendering_of_auto_has_a_spread_of_zero() {
     let wait = std::time::Duration::from_millis(300);
     let first = std::sync::Once::new();
     let slowly = |_| first.call_once(|| std::thread::sleep(wait));
-    let (film, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, slowly);
+    let (film, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, &slowly);
     assert_eq!((film.n_repeats, repeats.len()), (1, 1));
     let deviations: Vec<f32> = film.values(|strip| &strip.time_mad_ns).collect();
     assert_eq!(deviations, vec![0.0; 53 * 37]);
@@ -291,7 +292,7 @@ fn auto_renders_once_without_times() {
         let tracer = Tracer::new(&scene, &accel);
         let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
         let meter = Meter::new(mode);
-        let (_, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, |_| {});
+        let (_, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, &|_| {});
         assert_eq!(repeats.len(), 1);
     }
 }

@@ -63,7 +63,7 @@ fn every_kernel_gives_the_same_film() {
                 let tracer = Tracer::new(&scene, &accel);
                 let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
                 let meter = Meter::new(CostMode::Time);
-                films.push(lasting(render(tracer, &plan, &meter, |_| {}).0));
+                films.push(lasting(render(tracer, &plan, &meter, &|_| {}).0));
             }
         }
         assert!(films.iter().all(|film| *film == films[0]), "{name}");

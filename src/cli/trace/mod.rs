@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let report = |part| bar.advance(part);
     let kind = config.acceleration;
     let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
-    let accel = pool.install(|| Accel::of_frame(&scene, kind, base, report));
+    let accel = pool.install(|| Accel::of_frame(&scene, kind, base, &report));
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
     let tracer = Tracer::new(&scene, &accel);
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     small.extra_arrays.written = WrittenArrays::default();
     let (cloud, _) = pool.install(|| {
         let plan = TilePlan::new(tracer, &small, Tiling::default());
-        render(tracer, &plan, &Meter::Off, |_| {})
+        render(tracer, &plan, &Meter::Off, &|_| {})
     });
     stop::check()?;
     let sensor = scene.sensor(&config);

@@ -51,7 +51,7 @@ impl Prediction {
     /// The hierarchy is too large.
     pub fn new(config: &Config, scene: &Scene, band_rows: Option<u32>) -> Result<Self, TooLarge> {
         // Build the hierarchy as the rendering will.
-        let accel = Accel::build(scene, config.acceleration, |_| {})?;
+        let accel = Accel::build(scene, config.acceleration, &|_| {})?;
         // Render a small picture for all that depends on the camera.
         let tracer = Tracer::new(scene, &accel);
         let preview = Preview::render(config, tracer);

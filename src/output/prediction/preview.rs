@@ -66,7 +66,7 @@ impl Preview {
         };
         let plan = TilePlan::new(tracer, &tracer.scene.sensor_of(config, small), tiling);
         let begin = Instant::now();
-        let (film, _) = render(tracer, &plan, &meter, |_| {});
+        let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let n_pixels = small.n_pixels() as f64;
         Self {
             look: Look::new(&film),

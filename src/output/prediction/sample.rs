@@ -40,7 +40,7 @@ impl<'a> RowSample<'a> {
             n_rows,
         );
         let meter = Meter::new(config.cost);
-        let (mut film, ..) = repeat(repeats, tracer, &plan, &meter, |_| {});
+        let (mut film, ..) = repeat(repeats, tracer, &plan, &meter, &|_| {});
         if !is_repeated {
             for strip in &mut film.strips {
                 strip.time_mad_ns.fill(0.0);

@@ -11,7 +11,7 @@ use super::{Survey, Surveyor, frame, hits, picture};
 use base::folder::{Staging, WriteError, Written};
 use base::stop;
 use render::film::Film;
-use render::tiles::{Progress, StoredPicture};
+use render::tiles::{Progress, Report, StoredPicture};
 use vtk::data_set::DataSet;
 use vtk::parallel::{self, PieceFiles};
 
@@ -114,7 +114,7 @@ pub struct Bands<'a> {
     picture: StoredPicture<'a>,
     pub(super) rows: BandRows,
     /// Called after each written piece.
-    report: &'a (dyn Fn(Progress) + Sync),
+    report: Report<'a>,
 }
 
 impl fmt::Debug for Bands<'_> {
@@ -140,13 +140,13 @@ impl<'a> Bands<'a> {
     }
 
     /// Returns the same, with `report` called after each written piece.
-    pub fn reporting(self, report: &'a (dyn Fn(Progress) + Sync)) -> Self {
+    pub fn reporting(self, report: Report<'a>) -> Self {
         Self { report, ..self }
     }
 
     /// Surveys all pixels on the current rayon pool; `None` if they cannot be read again, or
     /// after a request to stop.
-    pub fn survey(&self, report: impl Fn(Progress)) -> Option<Survey> {
+    pub fn survey(&self, report: Report) -> Option<Survey> {
         let mut surveyor = Surveyor::new(self.picture.film);
         for rows in self.rows.ranges() {
             surveyor.add(&self.band(&rows).ok()?);

@@ -20,7 +20,7 @@ mod attributor;
 use rayon::prelude::*;
 
 use crate::film::Film;
-use crate::tiles::Progress;
+use crate::tiles::{Progress, Report};
 use base::stop;
 use scene::config::{Acceleration, OptionalOutput, Outputs};
 use scene::world::Sensor;
@@ -82,7 +82,7 @@ impl CostAttribution {
         sensor: &Sensor,
         (film, meter): (&Film, &Meter),
         outputs: &Outputs,
-        report: impl Fn(Progress) + Sync,
+        report: Report,
     ) -> Self {
         let nodes = outputs
             .has(OptionalOutput::Bvh)

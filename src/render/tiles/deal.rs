@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use super::Progress;
 use super::canvas::Canvas;
 use super::tile_queue::{TileQueue, TileRuns};
 use crate::checkpoint::TileRecord;
@@ -12,9 +11,9 @@ use crate::ranks::{Member, Message, MessageKind, RankFailure, Team};
 use crate::schedule::{Tile, TileRun, WorkerShare, pause};
 
 /// Deals tiles and receives them, until none is left.
-struct Dealer<'a, 'f, F> {
+struct Dealer<'a, 'f> {
     team: &'a Team<'a>,
-    queue: &'a TileQueue<'a, 'f, F>,
+    queue: &'a TileQueue<'a, 'f>,
     shares: Vec<WorkerShare>,
     runs: TileRuns,
     /// The rank and the position of each tile that was dealt and has not been returned.
@@ -27,7 +26,7 @@ struct Dealer<'a, 'f, F> {
 
 /// Deals tiles of the queue to the workers of a team until all have returned theirs and none is
 /// left. Returns the tiles that they have rendered.
-pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) -> TileRuns {
+pub(super) fn deal(team: &Team, queue: &TileQueue) -> TileRuns {
     let mut dealer = Dealer {
         team,
         queue,
@@ -52,7 +51,7 @@ pub(super) fn deal<F: Fn(Progress) + Sync>(team: &Team, queue: &TileQueue<F>) ->
     dealer.runs
 }
 
-impl<F: Fn(Progress) + Sync> Dealer<'_, '_, F> {
+impl Dealer<'_, '_> {
     /// Takes the messages that have arrived and gives workers tiles; sleeps if there was nothing to
     /// do.
     fn carry(&mut self, canvas: Option<&Canvas>) {

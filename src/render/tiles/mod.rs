@@ -73,6 +73,10 @@ pub struct Progress {
     pub is_restored: bool,
 }
 
+/// Receives progress, from any thread. Not a generic parameter: each crate that renders would
+/// compile the kernels again.
+pub type Report<'a> = &'a (dyn Fn(Progress) + Sync);
+
 impl Progress {
     /// Creates the progress of pixels of average cost, with `n_rays` rays.
     pub fn of_pixels(n_pixels: u64, n_rays: u64) -> Self {
@@ -88,12 +92,7 @@ impl Progress {
 /// Renders the plan on all threads of the current rayon pool and measures every pixel with the
 /// `meter`. Any thread calls `report` after each tile. The schedule holds the time span of each
 /// tile. After a request to stop ([`base::stop`]) the remaining tiles are skipped.
-pub fn render(
-    tracer: Tracer,
-    plan: &TilePlan,
-    meter: &Meter,
-    report: impl Fn(Progress) + Sync,
-) -> (Film, Schedule) {
+pub fn render(tracer: Tracer, plan: &TilePlan, meter: &Meter, report: Report) -> (Film, Schedule) {
     let film = plan.film(tracer.scene, meter.mode());
     let view = View::new(tracer, &plan.sensor);
     render_onto(film, view, plan, &Pass::default(), meter, report)
@@ -106,7 +105,7 @@ fn render_onto(
     plan: &TilePlan,
     pass: &Pass,
     meter: &Meter,
-    report: impl Fn(Progress) + Sync,
+    report: Report,
 ) -> (Film, Schedule) {
     match meter {
         Meter::Off => {
@@ -145,13 +144,13 @@ fn render_tiles<R: TileRenderer>(
     plan: &TilePlan,
     pass: &Pass,
     renderer: impl Fn() -> R + Sync,
-    report: impl Fn(Progress) + Sync,
+    report: Report,
 ) -> (Film, Schedule) {
     let target = OnceLock::new();
     let film_to_fill = &mut film;
     let (begin, runs) = pass.keeping(|| {
         // Render: rank 0 deals tiles to the other ranks meanwhile.
-        let queue = TileQueue::new(plan, pass, &target, &report);
+        let queue = TileQueue::new(plan, pass, &target, report);
         let render_some =
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
         let render = || {
@@ -224,14 +223,14 @@ fn render_tile(
     for part in tile.parts(MAX_PIXELS) {
         let rendered = renderer.render(&plan.in_picture(&part), wait);
         run.warm_up_ns += rendered.warm_up_ns as u64;
-        if let Some(counters) = rendered.counters {
-            run.counted = run.counted.with(counters.total());
-        }
-        // Store it in the film, timed separately: page faults at the first write would show in the
-        // map of a single pixel, so groups get the mean of all stores.
+        // Add up its counters and store it in the film, timed separately: page faults at the first
+        // write would show in the map of a single pixel, so groups get the mean of all stores.
         let rendered_ns = now_ns();
         wait.is_interrupted();
         let waited_ns = wait.waited_ns();
+        if let Some(counters) = rendered.counters {
+            run.counted = run.counted.with(counters.total());
+        }
         canvas.store(&part, &rendered);
         run.end_ns = now_ns();
         wait.is_interrupted();

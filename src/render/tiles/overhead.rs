@@ -12,7 +12,7 @@ use std::hint::black_box;
 
 use cpu_time::ProcessTime;
 
-use super::{Progress, TilePlan, render};
+use super::{Report, TilePlan, render};
 use math::statistics::median;
 use scene::config::CostMode;
 use tracer::cost::Meter;
@@ -48,14 +48,14 @@ const MODES: [CostMode; 4] = [
 
 impl Overhead {
     /// Renders the picture [`N_RENDERINGS`] times on the current rayon pool.
-    pub fn measure(tracer: Tracer, plan: &TilePlan, report: impl Fn(Progress) + Sync) -> Self {
+    pub fn measure(tracer: Tracer, plan: &TilePlan, report: Report) -> Self {
         let meters = MODES.map(Meter::new);
         let mut times_ms: [Vec<f64>; 4] = Default::default();
         for round in 0..N_ROUNDS {
             for turn in 0..meters.len() {
                 let mode = (round + turn) % meters.len();
                 let begin = ProcessTime::now();
-                let (film, _) = render(tracer, plan, &meters[mode], &report);
+                let (film, _) = render(tracer, plan, &meters[mode], report);
                 times_ms[mode].push(begin.elapsed().as_secs_f64() * 1e3);
                 // Freed outside of the measured time.
                 drop(black_box(film));

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::pass::{Limits, Pass};
 use super::samples::{SAMPLE_BYTES, Samples};
 use super::time_hottest::{limit_after, time_hottest_again};
-use super::{Progress, TilePlan, View, render_onto};
+use super::{Report, TilePlan, View, render_onto};
 use crate::film::Film;
 use crate::schedule::{Schedule, TileRun};
 use scene::config::{Config, Repeats};
@@ -78,7 +78,7 @@ pub fn repeat(
     tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
-    report: impl Fn(Progress) + Sync,
+    report: Report,
 ) -> (Film, Schedule, Vec<Repeat>) {
     let limits = Limits::default();
     repeat_within(&limits, repeats, tracer, plan, meter, report)
@@ -96,7 +96,7 @@ pub fn repeat_within(
     tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
-    report: impl Fn(Progress) + Sync,
+    report: Report,
 ) -> (Film, Schedule, Vec<Repeat>) {
     // Make the film.
     let view = View::new(tracer, &plan.sensor);
@@ -116,7 +116,7 @@ pub fn repeat_within(
         let started = Instant::now();
         let pass = Pass::new(done.len() as u8, tracer.scene, *limits);
         let schedule;
-        (film, schedule) = render_onto(film, view, plan, &pass, meter, &report);
+        (film, schedule) = render_onto(film, view, plan, &pass, meter, report);
         // Drop a later rendering that a deadline cut off.
         let is_whole = schedule.rendered().count() as u32 == plan.n_tiles();
         if let Some(before) = last.take().filter(|_| !is_whole) {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::canvas::Canvas;
 use super::pass::Pass;
-use super::{Progress, TilePlan, TileRenderer, render_tile};
+use super::{Progress, Report, TilePlan, TileRenderer, render_tile};
 use crate::film::Film;
 use crate::schedule::{Tile, TileRun};
 use base::stop;
@@ -47,24 +47,24 @@ impl<'f> Target<'f> {
 }
 
 /// Tiles in the order of a plan, which threads take one by one.
-pub(super) struct TileQueue<'a, 'f, F> {
+pub(super) struct TileQueue<'a, 'f> {
     pub(super) plan: &'a TilePlan,
     pub(super) pass: &'a Pass<'a>,
     target: &'a OnceLock<Target<'f>>,
-    pub(super) report: &'a F,
+    pub(super) report: Report<'a>,
     /// The moment when the rendering started.
     pub(super) begin: Instant,
     /// Number of tiles that were taken.
     n_taken: AtomicU32,
 }
 
-impl<'a, 'f, F: Fn(Progress) + Sync> TileQueue<'a, 'f, F> {
+impl<'a, 'f> TileQueue<'a, 'f> {
     /// Queues all tiles of the plan; the target may be made meanwhile.
     pub(super) fn new(
         plan: &'a TilePlan,
         pass: &'a Pass<'a>,
         target: &'a OnceLock<Target<'f>>,
-        report: &'a F,
+        report: Report<'a>,
     ) -> Self {
         Self {
             plan,

@@ -172,7 +172,7 @@ mod tests {
         let tracer = Tracer::new(&scene, &accel);
         let plan = TilePlan::new(tracer, &scene.sensor(&config), Tiling::default());
         let meter = Meter::new(CostMode::Time);
-        let (mut film, _) = render(tracer, &plan, &meter, |_| {});
+        let (mut film, _) = render(tracer, &plan, &meter, &|_| {});
         // Neighbors, so that they are trusted; one of them is at the left edge.
         let disturbed = [(0, 20), (1, 20), (39, 29), (38, 29)];
         for place in disturbed {

@@ -60,7 +60,7 @@ use crate::camera::Camera;
 use crate::fog::Fog;
 use crate::light::Light;
 use crate::material::Material;
-use crate::yaml::{Fault, FieldPath, Merging};
+use crate::yaml::{Fault, FieldPath, Merging, Refusal, YamlFile, deserialize};
 pub use math::sampling::{PixelFilter, PixelPattern};
 use vtk::Codec;
 
@@ -134,6 +134,12 @@ pub struct Config {
     pub lights: Vec<Light>,
     /// The objects, at least one; the index in this order is the object's id.
     pub objects: Vec<Object>,
+}
+
+impl YamlFile for Config {
+    fn from_yaml(text: &str) -> Result<Self, Refusal> {
+        deserialize(text)
+    }
 }
 
 impl Config {

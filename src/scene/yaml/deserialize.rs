@@ -6,10 +6,26 @@ use super::field_path::FieldPath;
 use super::translate;
 
 /// The path of a rejected value, and the reason.
-pub(super) type Refusal = (FieldPath, serde_yaml::Error);
+pub type Refusal = (FieldPath, serde_yaml::Error);
 
-/// Deserializes a text; an error comes with the path of its value.
-pub(super) fn deserialize<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
+/// A kind of YAML file. Its parser is large: an implementation compiles it once, in the crate of
+/// the type, and not in every crate that reads such files.
+pub trait YamlFile: Sized {
+    /// Parses a text: calls [`deserialize`].
+    ///
+    /// # Errors
+    /// The first value that is rejected.
+    fn from_yaml(text: &str) -> Result<Self, Refusal>;
+}
+
+/// Returns why a text is rejected; `None` if it is accepted.
+pub(super) type Refuse<'a> = &'a dyn Fn(&str) -> Option<Refusal>;
+
+/// Deserializes a text.
+///
+/// # Errors
+/// The first value that is rejected.
+pub fn deserialize<T: DeserializeOwned>(text: &str) -> Result<T, Refusal> {
     let mut track = serde_path_to_error::Track::new();
     let yaml = serde_yaml::Deserializer::from_str(text);
     let tracked = serde_path_to_error::Deserializer::new(yaml, &mut track);

@@ -5,7 +5,7 @@ use std::path::Path;
 use indexmap::IndexMap;
 use serde::de::DeserializeOwned;
 
-use super::deserialize::deserialize;
+use super::deserialize::{Refuse, YamlFile, deserialize};
 use super::fault::{Fault, Spot};
 use super::field_path::{FieldPath, Step};
 use super::include;
@@ -182,14 +182,15 @@ impl Document {
     ///
     /// # Errors
     /// As [`Source::parse`].
-    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
+    pub fn parse<T: YamlFile>(&self) -> Result<T, Diagnostic> {
         let Some(composition) = &self.composition else {
             return self.sources[0].parse();
         };
         let text = composition.tree.text();
-        deserialize(&text).map_err(|first| {
+        T::from_yaml(&text).map_err(|first| {
+            let refuse = |text: &str| T::from_yaml(text).err();
             if !translate::is_unknown_key(&first.1)
-                && let Some(misnamed) = self.misnamed::<T>(composition, &first.0)
+                && let Some(misnamed) = self.misnamed(composition, &first.0, &refuse)
             {
                 return misnamed;
             }
@@ -199,6 +200,7 @@ impl Document {
                 self.diagnose(source, translate::fault(&source.located(), path, error))
             };
             let explain = Explain {
+                refuse: &refuse,
                 is_written: &|path| {
                     let ValuePlace { source, path } = composition.origins.place(path);
                     self.sources[source].located().has(&path)
@@ -206,16 +208,17 @@ impl Document {
                 refused: &refused,
                 fault: &|fault| self.point_at(fault),
             };
-            mistakes::find::<T>(&text, || composition.tree.clone(), first, &explain)
+            mistakes::find(&text, || composition.tree.clone(), first, &explain)
         })
     }
 
     /// Returns the fault of a setting that adds a key without which the scene would be valid; the
     /// scene was rejected at `path`.
-    fn misnamed<T: DeserializeOwned>(
+    fn misnamed(
         &self,
         composition: &Composition,
         path: &FieldPath,
+        refuse: Refuse,
     ) -> Option<Diagnostic> {
         let mut additions = composition.additions.iter();
         additions.find_map(|&(source, n_steps)| {
@@ -231,7 +234,7 @@ impl Document {
             siblings.shift_remove(key);
             let fault = no_such_key(setting, n_steps, siblings.keys());
             let without = tree.text();
-            let is_fine = is_above && deserialize::<T>(&without).is_ok();
+            let is_fine = is_above && refuse(&without).is_none();
             is_fine.then(|| self.diagnose(source, fault))
         })
     }

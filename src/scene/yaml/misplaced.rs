@@ -3,9 +3,7 @@
 //!
 //! This module does not know the keys of scenes: it moves keys and reads the scene again.
 
-use serde::de::DeserializeOwned;
-
-use super::deserialize::deserialize;
+use super::deserialize::Refuse;
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
 use super::translate;
@@ -27,10 +25,11 @@ pub(super) enum MisplacedKeys {
 
 /// Finds the place where the unknown key at `path` and its siblings belong; `None` if nowhere else,
 /// or for another error.
-pub(super) fn keys<T: DeserializeOwned>(
+pub(super) fn keys(
     tree: &Tree,
     path: &FieldPath,
     error: &serde_yaml::Error,
+    refuse: Refuse,
 ) -> Option<MisplacedKeys> {
     let (word, choices) = translate::unknown_key_of(error)?;
     let (last, above) = path.0.split_last()?;
@@ -44,16 +43,17 @@ pub(super) fn keys<T: DeserializeOwned>(
     let (own, strange): (Keys, Keys) = std::mem::take(map)
         .into_iter()
         .partition(|(key, _)| choices.contains(key));
-    under::<T>(&mut tree, above, (&own, &strange), &choices)
-        .or_else(|| beside::<T>(&mut tree, above, own, strange))
+    under(&mut tree, above, (&own, &strange), &choices, refuse)
+        .or_else(|| beside(&mut tree, above, own, strange, refuse))
 }
 
 /// Returns the missing keys under each of which the strange keys are accepted.
-fn under<T: DeserializeOwned>(
+fn under(
     tree: &mut Tree,
     above: &[Step],
     (own, strange): (&Keys, &Keys),
     choices: &[String],
+    refuse: Refuse,
 ) -> Option<MisplacedKeys> {
     let mut strange = strange.clone();
     let by_word = strange.iter().find_map(|(key, value)| match value {
@@ -68,7 +68,7 @@ fn under<T: DeserializeOwned>(
     let accepts = |choice: &&String| {
         let mut moved = own.clone();
         moved.insert((*choice).clone(), Tree::Map(strange.clone()));
-        is_accepted::<T>(tree, above, moved)
+        is_accepted(tree, above, moved, refuse)
     };
     let choices: Vec<String> = choices
         .filter(|choice| !own.contains_key(*choice))
@@ -83,11 +83,12 @@ fn under<T: DeserializeOwned>(
 }
 
 /// Returns true if the strange keys are accepted next to the mapping.
-fn beside<T: DeserializeOwned>(
+fn beside(
     tree: &mut Tree,
     above: &[Step],
     own: Keys,
     strange: Keys,
+    refuse: Refuse,
 ) -> Option<MisplacedKeys> {
     let (Step::Key(key), outer) = above.split_last()? else {
         return None;
@@ -102,20 +103,17 @@ fn beside<T: DeserializeOwned>(
             return None;
         }
     }
-    is_accepted::<T>(tree, outer, moved).then(|| MisplacedKeys::Beside { key: key.clone() })
+    is_accepted(tree, outer, moved, refuse).then(|| MisplacedKeys::Beside { key: key.clone() })
 }
 
 /// Returns true if the mapping at `path` may have these keys: then the whole tree is accepted, or
 /// rejected elsewhere.
-fn is_accepted<T: DeserializeOwned>(tree: &mut Tree, path: &[Step], keys: Keys) -> bool {
+fn is_accepted(tree: &mut Tree, path: &[Step], keys: Keys, refuse: Refuse) -> bool {
     let Some(place) = tree.at(path) else {
         return false;
     };
     *place = Tree::Map(keys);
-    match deserialize::<T>(&tree.text()) {
-        Ok(_) => true,
-        Err((refused, _)) => !refused.0.starts_with(path),
-    }
+    refuse(&tree.text()).is_none_or(|(refused, _)| !refused.0.starts_with(path))
 }
 
 impl MisplacedKeys {

@@ -3,9 +3,7 @@
 //! A deserializer stops at the first value that it rejects. That value is removed from the tree,
 //! and the rest is read again. An error that is only due to a removed value is not reported.
 
-use serde::de::DeserializeOwned;
-
-use super::deserialize::{Refusal, deserialize};
+use super::deserialize::{Refusal, Refuse};
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
 use super::misplaced;
@@ -20,8 +18,10 @@ const MOST_REMOVED: usize = 100;
 /// Maximum length of a text that is read more than once, in bytes.
 const MAX_BYTES: usize = 1 << 20;
 
-/// Functions that turn the mistakes of a text into messages.
+/// Functions that find the mistakes of a text and turn them into messages.
 pub(super) struct Explain<'a> {
+    /// Reads the text again without the values that were rejected.
+    pub(super) refuse: Refuse<'a>,
     /// True if a value is in the text itself, not copied from an anchor.
     pub(super) is_written: &'a dyn Fn(&FieldPath) -> bool,
     /// The message for a value that the deserializer rejected.
@@ -30,9 +30,8 @@ pub(super) struct Explain<'a> {
     pub(super) fault: &'a dyn Fn(Fault) -> Diagnostic,
 }
 
-/// Returns the messages for all mistakes of a text that is not a `T`, given the first; `tree`
-/// parses the text.
-pub(super) fn find<T: DeserializeOwned>(
+/// Returns the messages for all mistakes of a text, given the first; `tree` parses the text.
+pub(super) fn find(
     text: &str,
     tree: impl FnOnce() -> Tree,
     first: Refusal,
@@ -59,19 +58,21 @@ pub(super) fn find<T: DeserializeOwned>(
                 found.push(Diagnostic::new("there are more mistakes, in what follows"));
                 break;
             }
-            found.push(match misplaced::keys::<T>(&left.tree, &path, &error) {
-                Some(keys) => {
-                    // Its sibling keys are misplaced, too.
-                    path.0.pop();
-                    (explain.fault)(keys.fault(original))
-                }
-                None => (explain.refused)(original, &error),
-            });
+            found.push(
+                match misplaced::keys(&left.tree, &path, &error, explain.refuse) {
+                    Some(keys) => {
+                        // Its sibling keys are misplaced, too.
+                        path.0.pop();
+                        (explain.fault)(keys.fault(original))
+                    }
+                    None => (explain.refused)(original, &error),
+                },
+            );
         }
         if !left.remove(&path) {
             break;
         }
-        refusal = deserialize::<T>(&left.tree.text()).err();
+        refusal = (explain.refuse)(&left.tree.text());
     }
     let mut found = found.into_iter();
     let first = found

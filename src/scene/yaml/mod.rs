@@ -29,6 +29,7 @@ mod include;
 mod document;
 
 pub use color::{ColorOr, ColorPattern, RadianceOr, channels, color, hex_color, radiance};
+pub use deserialize::{Refusal, YamlFile, deserialize};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};

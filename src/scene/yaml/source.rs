@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
 
-use super::deserialize::deserialize;
+use super::deserialize::{Refusal, YamlFile, deserialize};
 use super::fault::{Fault, Spot};
 use super::field_path::FieldPath;
 use super::missing::why_missing;
@@ -151,18 +151,23 @@ impl Source {
     /// # Errors
     /// The first syntax error or duplicate key; otherwise all values that `T`'s `Deserialize`
     /// rejects, up to ten.
-    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
+    pub fn parse<T: YamlFile>(&self) -> Result<T, Diagnostic> {
+        self.parse_with(T::from_yaml)
+    }
+
+    fn parse_with<T>(&self, read: fn(&str) -> Result<T, Refusal>) -> Result<T, Diagnostic> {
         self.check()?;
-        deserialize(&self.text).map_err(|first| {
+        read(&self.text).map_err(|first| {
             let refused = |path, error: &serde_yaml::Error| {
                 self.point_at(translate::fault(&self.located(), path, error))
             };
             let explain = Explain {
+                refuse: &|text| read(text).err(),
                 is_written: &|path| self.located().has(path),
                 refused: &refused,
                 fault: &|fault| self.point_at(fault),
             };
-            mistakes::find::<T>(&self.text, || Tree::parse(&self.text), first, &explain)
+            mistakes::find(&self.text, || Tree::parse(&self.text), first, &explain)
         })
     }
 
@@ -234,8 +239,8 @@ impl Source {
 
 /// Returns why a text is rejected as a `T`: the path of the value and the message; `None` if it is
 /// accepted. The text must pass the checks that [`Source::parse`] makes first.
-pub fn refusal<T: DeserializeOwned>(text: &str) -> Option<(FieldPath, String)> {
-    let refused = deserialize::<T>(text).err()?;
+pub fn refusal<T: YamlFile>(text: &str) -> Option<(FieldPath, String)> {
+    let refused = T::from_yaml(text).err()?;
     Some((refused.0, translate::message_of(&refused.1)))
 }
 
@@ -260,5 +265,5 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
 /// # Errors
 /// The first mistake found.
 pub fn from_str<T: DeserializeOwned>(text: &str) -> Result<T, Diagnostic> {
-    Source::new("text", text).parse()
+    Source::new("text", text).parse_with(deserialize)
 }

@@ -1,9 +1,8 @@
 //! Attempts to parse a value at a path of an otherwise empty file.
 
-use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use scene::yaml::{FieldPath, Step, refusal};
+use scene::yaml::{FieldPath, Step, YamlFile, refusal};
 
 /// The parser's answer to a value.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +36,7 @@ impl Outcome {
 }
 
 /// Parses a `T` whose value at `path` is `value`.
-pub(super) fn attempt<T: DeserializeOwned>(path: &[Step], value: Value) -> Outcome {
+pub(super) fn attempt<T: YamlFile>(path: &[Step], value: Value) -> Outcome {
     let wrap = |inside: Value, step: &Step| match step {
         Step::Key(key) => Value::Object(Map::from_iter([(key.clone(), inside)])),
         Step::Index(_) => Value::Array(vec![inside]),

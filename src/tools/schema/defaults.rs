@@ -2,10 +2,9 @@
 
 use std::fmt::Debug;
 
-use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
-use scene::yaml::from_str;
+use scene::yaml::YamlFile;
 
 /// The key of a schema under which the [`Explorer`](super::explorer::Explorer) leaves an accepted
 /// value; [`add_defaults`] removes it.
@@ -23,11 +22,11 @@ type IntoFile<'a> = &'a dyn Fn(Value) -> Value;
 
 /// Adds its default to each optional key of the files that a `T` is read from, if a value can be
 /// written that means the same as leaving the key out.
-pub(super) fn add_defaults<T: DeserializeOwned + Debug + PartialEq>(root: &mut Value) {
+pub(super) fn add_defaults<T: YamlFile + Debug + PartialEq>(root: &mut Value) {
     visit::<T>(root, &|value| value);
 }
 
-fn visit<T: DeserializeOwned + Debug + PartialEq>(schema: &mut Value, in_file: IntoFile) {
+fn visit<T: YamlFile + Debug + PartialEq>(schema: &mut Value, in_file: IntoFile) {
     let Value::Object(keywords) = schema else {
         return;
     };
@@ -82,13 +81,13 @@ fn visit<T: DeserializeOwned + Debug + PartialEq>(schema: &mut Value, in_file: I
 }
 
 /// Parses a file.
-fn parsed<T: DeserializeOwned>(file: &Value) -> Option<T> {
-    from_str(&file.to_string()).ok()
+fn parsed<T: YamlFile>(file: &Value) -> Option<T> {
+    T::from_yaml(&file.to_string()).ok()
 }
 
 /// Returns the other keys of a mapping that has a key: those of the sample, but for one that
 /// excludes the key.
-fn others_of<T: DeserializeOwned>(
+fn others_of<T: YamlFile>(
     key: &str,
     of_key: &Value,
     sample: &Map<String, Value>,
@@ -112,7 +111,7 @@ fn others_of<T: DeserializeOwned>(
 
 /// Returns the value that means the same in a file as leaving its key out. Returns `None` if no
 /// value is found, or if all that are tried mean the same.
-fn default_of<T: DeserializeOwned + Debug + PartialEq>(
+fn default_of<T: YamlFile + Debug + PartialEq>(
     schema: &Value,
     with: IntoFile,
     without: Value,

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::marker::PhantomData;
 
-use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
 use super::attempt::{Outcome, attempt, quoted};
@@ -12,7 +11,7 @@ use super::doc_comments;
 use super::numbers::{self, any_of};
 use super::relations::relations;
 use scene::config::{PixelArray, RatioMetric};
-use scene::yaml::{MAX_NAME, Step};
+use scene::yaml::{MAX_NAME, Step, YamlFile};
 
 /// A word that is neither a key nor a keyword.
 const UNKNOWN: &str = "zzz";
@@ -44,7 +43,7 @@ pub(super) struct Explorer<T> {
     file: PhantomData<T>,
 }
 
-impl<T: DeserializeOwned> Explorer<T> {
+impl<T: YamlFile> Explorer<T> {
     /// Starts without knowledge.
     pub(super) fn new() -> Self {
         Self {

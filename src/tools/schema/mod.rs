@@ -14,13 +14,13 @@ mod explorer;
 
 use std::fmt::Debug;
 
-use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::study::StudyPlan;
 use defaults::add_defaults;
 use explorer::Explorer;
 use scene::config::Config;
+use scene::yaml::YamlFile;
 
 /// A kind of file that has a schema.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -60,7 +60,7 @@ impl SchemaKind {
 }
 
 /// Returns the JSON Schema of the files that a `T` is read from.
-fn schema_of<T: DeserializeOwned + Debug + PartialEq>(title: &str) -> Value {
+fn schema_of<T: YamlFile + Debug + PartialEq>(title: &str) -> Value {
     let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,

@@ -11,7 +11,7 @@ use super::{
     Case, Factor, FactorLevel, Launcher, LeftOutStep, PlotSpec, StudyPoint, StudyStep, Vary,
 };
 use math::sampling::uniform;
-use scene::yaml;
+use scene::yaml::{self, Refusal, YamlFile, deserialize};
 
 /// A study file.
 ///
@@ -98,6 +98,12 @@ pub struct PlannedRun {
     pub point: usize,
     /// The round, from 0; the first [`StudyPlan::warm_up`] rounds are warm-up.
     pub round: u32,
+}
+
+impl YamlFile for StudyPlan {
+    fn from_yaml(text: &str) -> Result<Self, Refusal> {
+        deserialize(text)
+    }
 }
 
 impl StudyPlan {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::BuildReport;
 use super::build::TooLarge;
 use super::bvh::Bvh;
 use super::level::{self, SearchLevel};
@@ -32,7 +33,7 @@ impl AccelIndex {
         world: World,
         kind: Acceleration,
         meshes: &[Arc<SearchLevel>],
-        report: impl Fn(f64) + Sync,
+        report: BuildReport,
     ) -> Result<Self, TooLarge> {
         let n_all = world.primitives.len() as f64;
         let build = |primitives: &[_]| {
@@ -150,7 +151,7 @@ mod tests {
         let [first, moved] = [0.0, 3.0].map(scene);
         let kind = Acceleration::default();
         let build = |scene: &Scene, meshes: &[Arc<SearchLevel>]| {
-            AccelIndex::build(scene.world(), kind, meshes, |_| {}).unwrap()
+            AccelIndex::build(scene.world(), kind, meshes, &|_| {}).unwrap()
         };
         let first = build(&first, &[]);
         let kept = build(&moved, &first.lower);

@@ -60,6 +60,10 @@ pub struct Accel<'a> {
     traversal: Traversal,
 }
 
+/// Receives finished shares of a build, from any thread. Not a generic parameter: each crate that
+/// builds would compile the builders again.
+pub type BuildReport<'a> = &'a (dyn Fn(f64) + Sync);
+
 impl<'a> Accel<'a> {
     /// Builds a structure of this kind over the primitives, at most [`Bvh::MAX_PRIMITIVES`], for
     /// the fastest instruction set of the CPU.
@@ -67,7 +71,7 @@ impl<'a> Accel<'a> {
     /// # Panics
     /// If the hierarchy is too large: where [`build`](Self::build) returns an error.
     pub fn new(world: impl Into<World<'a>>, kind: Acceleration) -> Self {
-        let built = Self::build(world, kind, |_| {});
+        let built = Self::build(world, kind, &|_| {});
         built.unwrap_or_else(|too_large| panic!("{too_large}"))
     }
 
@@ -79,7 +83,7 @@ impl<'a> Accel<'a> {
     pub fn build(
         world: impl Into<World<'a>>,
         kind: Acceleration,
-        report: impl Fn(f64) + Sync,
+        report: BuildReport,
     ) -> Result<Self, TooLarge> {
         Self::of_frame(world, kind, None, report)
     }

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::Accel;
 use super::build::TooLarge;
 use super::index::AccelIndex;
 use super::level::SearchLevel;
+use super::{Accel, BuildReport};
 use scene::animation::HierarchyUpdate;
 use scene::config::{Acceleration, Quality};
 use scene::world::World;
@@ -92,7 +92,7 @@ impl<'a> Accel<'a> {
         world: impl Into<World<'a>>,
         kind: Acceleration,
         base: Option<(&FrameBase, u64)>,
-        report: impl Fn(f64) + Sync,
+        report: BuildReport,
     ) -> Result<Self, TooLarge> {
         let world = world.into();
         let refitted = base.and_then(|(base, n_rays)| {
