@@ -85,8 +85,11 @@ pub(super) fn lines(
     )
 }
 
-/// Returns a line about each requested output that has nothing to show, and about what the files
-/// of meshes may have meant otherwise.
+/// Displacements of rays by at least this many pixels are visible at edges.
+const VISIBLE: f32 = 0.05;
+
+/// Returns a line about each requested output that has nothing to show, about what the files of
+/// meshes may have meant otherwise, and about an eye that is too far away.
 pub(super) fn notes(config: &Config, scene: &Scene) -> String {
     let line = |output: &OptionalOutput| {
         let name = output.name();
@@ -94,7 +97,14 @@ pub(super) fn notes(config: &Config, scene: &Scene) -> String {
     };
     let left_out = config.output.left_out().iter().map(line);
     let of_files = scene.notes.iter().map(|note| one_line(note).into_owned());
-    let notes = left_out.chain(of_files);
+    let displacement = scene.sensor(config).plane.displacement();
+    let of_eye = (displacement >= VISIBLE).then(|| {
+        format!(
+            "the eye is so far from the objects that rays of 32 bits are off by up to \
+             {displacement:.2} pixels: move it nearer, and widen a narrow angle of view"
+        )
+    });
+    let notes = left_out.chain(of_files).chain(of_eye);
     notes.map(|note| format!("note    {note}\n")).collect()
 }
 

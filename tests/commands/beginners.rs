@@ -214,6 +214,25 @@ fn boxes_of_a_hierarchy_are_left_out_where_there_is_none() {
 }
 
 #[test]
+fn an_eye_that_is_too_far_away_gets_a_note() {
+    let view = |camera: &str| {
+        let own = "look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }";
+        let scene = FINE.replace(own, camera);
+        Folder::with(&scene).text(&["check", "scene.yaml"])
+    };
+    let parallel = |far: &str| {
+        view(&format!(
+            "orthographic: {{ eye: [0, 3{far}, 4{far}], target: [0, 0, 0], height: 3 }}"
+        ))
+    };
+    assert!(!parallel("").contains("the eye is so far"));
+    assert!(!parallel("00").contains("the eye is so far"));
+    assert!(parallel("00000").contains("note    the eye is so far"));
+    let narrow = "look_at: { eye: [0, 3e5, 4e5], target: [0, 0, 0], fov_y_deg: 0.001 }";
+    assert!(view(narrow).contains("note    the eye is so far"));
+}
+
+#[test]
 fn a_main_that_returns_an_error_prints_its_message() {
     let folder = Folder::with(&FINE.replace("radius: 1", "radius: -1"));
     let error = Session::open(folder.path().join("scene.yaml")).unwrap_err();

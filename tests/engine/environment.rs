@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use math::simd::Vector;
 use scene::config::OptionalOutput;
+use scene::light::LitPoint;
 use scene::world::{LightNumbers, Scene};
 
 use crate::common::{film, in_repository, parse, scene_of};
@@ -61,7 +62,13 @@ fn integral(scene: &Scene) -> Vec3 {
 /// The same by light samples alone.
 fn by_light_samples(scene: &Scene) -> Vec3 {
     const N: u32 = 500;
-    let at = [Vec3::ZERO, Vec3::Z].map(Vector::from);
+    let [position, normal] = [Vec3::ZERO, Vec3::Z].map(Vector::from);
+    let at = LitPoint {
+        position,
+        normal,
+        geometric_normal: normal,
+        error: 0.0,
+    };
     let mut sum = DVec3::ZERO;
     for i in 0..N * N {
         let numbers = LightNumbers {
@@ -69,7 +76,7 @@ fn by_light_samples(scene: &Scene) -> Vec3 {
             shape: 0.0,
             point: [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32),
         };
-        let (light, _) = scene.lights.illuminate(0, (at, 0.0), &numbers);
+        let (light, _) = scene.lights.illuminate(0, &at, &numbers);
         let cos = light.direction.z.max(0.0);
         sum += (Vec3::from(light.radiance) * cos).as_dvec3();
     }

@@ -155,6 +155,7 @@ fn below_lamp(lamp: &str, [size, height]: [f64; 2], model: &str, place: f64) -> 
     };
     let target = place;
     let width = 10.0 * (size + height);
+    let side = 2.0 * width;
     mean(&radiance(&format!(
         "image: {{ width: 16, height: 16, samples_per_pixel: 256 }}
 camera: {{ orthographic: {{ eye: [0, {eye}, 0], target: [0, {target}, 0], up: [0, 0, 1], height: {seen} }} }}
@@ -163,13 +164,7 @@ materials:
   floor: {{ color: 0.5 }}
   lamp: {{ color: 0, emission: 1 }}
 objects:
-  - rectangle: {{ corner: [-{width}, {place}, -{width}], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
-    material: floor
-  - rectangle: {{ corner: [-{width}, {place}, 0], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
-    material: floor
-  - rectangle: {{ corner: [0, {place}, -{width}], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
-    material: floor
-  - rectangle: {{ corner: [0, {place}, 0], edges: [[0, 0, {width}], [{width}, 0, 0]] }}
+  - rectangle: {{ corner: [-{width}, {place}, -{width}], edges: [[0, 0, {side}], [{side}, 0, 0]] }}
     material: floor
   - {shape}
     material: lamp
@@ -218,6 +213,57 @@ fn lamps_light_what_is_near_and_what_is_far() {
                         error.abs() < 5e-3,
                         "{lamp}, {model}, size {size} at {place}, distance {distance}: {found}, not {expected}"
                     );
+                }
+            }
+        }
+    }
+}
+
+/// The light of a lamp of unit height above a floor of half this width, as the camera sees it.
+fn on_floor(lamp: &str, floor: &str, model: &str) -> f64 {
+    mean(&radiance(&format!(
+        "image: {{ width: 16, height: 12, samples_per_pixel: 64 }}
+camera: {{ look_at: {{ eye: [0.3, 1.2, 3], target: [0, 0, 0], fov_y_deg: 20 }} }}
+shading: {{ model: {model}, max_depth: 1 }}
+materials: {{ floor: {{ color: 0.5 }}, lamp: {{ color: 0, emission: 100 }} }}
+objects:
+  - {{ {floor}, material: floor }}
+  - {{ {lamp}, material: lamp }}
+lights: []
+"
+    )))
+    .x
+    .into()
+}
+
+#[test]
+fn a_large_floor_is_lit_as_a_small_one() {
+    let lamps = [
+        "box: { min: [-.05, 2, -.05], max: [.05, 2.1, .05] }",
+        "cylinder: { ends: [[-.5, 2, 0], [.5, 2, 0]], radius: .002 }",
+        "capsule: { ends: [[-.5, 2, 0], [.5, 2, 0]], radius: .02 }",
+        "cone: { ends: [[-.5, 2, 0], [.5, 2, 0]], radius: [.05, .01] }",
+        "rectangle: { corner: [-.5, .1, -.5], edges: [[1, 0, 0], [0, 0, 1]] }",
+        "disk: { center: [0, .1, 0], radius: .5, normal: [0, -1, 0] }",
+        "sphere: { center: [0, .6, 0], radius: .5 }",
+    ];
+    let floors: [fn(f64) -> String; 2] = [
+        |half| {
+            let side = 2.0 * half;
+            format!(
+                "rectangle: {{ corner: [-{half}, 0, -{half}], edges: [[0, 0, {side}], [{side}, 0, 0]] }}"
+            )
+        },
+        |half| format!("box: {{ min: [-{half}, -{half}, -{half}], max: [{half}, 0, {half}] }}"),
+    ];
+    for lamp in lamps {
+        for floor in floors {
+            for model in ["path", "blinn_phong, ambient: 0"] {
+                let small = on_floor(lamp, &floor(10.0), model);
+                for half in [500.0, 5e4] {
+                    let large = on_floor(lamp, &floor(half), model);
+                    let error = large / small - 1.0;
+                    assert!(error.abs() < 1e-4, "{lamp}, {half}, {model}: {error}");
                 }
             }
         }

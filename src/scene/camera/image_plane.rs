@@ -155,6 +155,15 @@ impl ImagePlane {
         }
     }
 
+    /// Returns by how many pixels rounding displaces rays where they reach the origin of render
+    /// space, which is in the scene: eyes too far away make it large.
+    pub fn displacement(&self) -> f32 {
+        let distance = self.eye.length();
+        let center = self.size.map(|n| 0.5 * n as f32);
+        let pixel = self.footprints(self.pitch(), center, distance);
+        distance * (0.5 * f32::EPSILON) / pixel
+    }
+
     /// Returns the size of a pixel at a point seen through the lens; `None` without a lens. `pitch`
     /// is the plane's.
     pub fn footprint_behind_lens(&self, pitch: f32, point: Vec3) -> Option<f32> {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, vector};
+use super::surface::{parameters_of, rounding_along, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
@@ -115,6 +115,12 @@ impl Project for Cuboid {
             z: R::select(is_z, z.sign, zero),
         };
         (point, normal)
+    }
+
+    #[inline(always)]
+    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
+        let (point, normal) = Self::project_onto(parameters, point);
+        rounding_along(normal, [point, point])
     }
 }
 

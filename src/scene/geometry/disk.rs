@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, rounding_of, vector};
+use super::surface::{parameters_of, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
 use crate::yaml;
 use math::sampling::disk;
@@ -124,8 +124,7 @@ impl Project for Disk {
 
     #[inline(always)]
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
-        let [x, y, z, ..] = *parameters;
-        rounding_of(&[x, y, z, point.x, point.y, point.z])
+        Plane::rounding(parameters, point)
     }
 }
 

@@ -7,7 +7,7 @@ use super::located::{Described, Located, located};
 use super::plane::MIN_COS;
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::spherical_rectangle::SphericalRectangle;
-use super::surface::{parameters_of, vector};
+use super::surface::{parameters_of, rounding_along, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Mask, Real, Vector};
@@ -131,6 +131,12 @@ impl Project for Rectangle {
         let corner = vector(parameters, 0);
         let (normal, _) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
         (near - normal * (near - corner).dot(normal), normal)
+    }
+
+    #[inline(always)]
+    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
+        let (normal, _) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
+        rounding_along(normal, [vector(parameters, 0), point])
     }
 }
 

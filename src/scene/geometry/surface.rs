@@ -20,8 +20,8 @@ pub trait Project {
     ) -> (Vector<R>, Vector<R>);
 
     /// Returns a bound of the distance between the surface and a point that
-    /// [`project_onto`](Self::project_onto) found: proportional to the greatest coordinate or
-    /// length that defines the shape.
+    /// [`project_onto`](Self::project_onto) found: by default proportional to the greatest
+    /// coordinate or length that defines the shape.
     #[inline(always)]
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], _point: Vector<R>) -> R {
         rounding_of(parameters)
@@ -47,6 +47,17 @@ pub(crate) fn rounding_of<R: Real>(numbers: &[R]) -> R {
         greatest = greatest.max(number.abs());
     }
     greatest * greatest.splat(ROUNDING)
+}
+
+/// Returns the rounding error bound along a unit normal, for a point of the plane through `origin`:
+/// each coordinate counts as far as the normal points along its axis.
+#[inline(always)]
+pub(super) fn rounding_along<R: Real>(normal: Vector<R>, [origin, point]: [Vector<R>; 2]) -> R {
+    let bound = |normal: R, origin: R, point: R| normal.abs() * origin.abs().max(point.abs());
+    let sum = bound(normal.x, origin.x, point.x)
+        + bound(normal.y, origin.y, point.y)
+        + bound(normal.z, origin.z, point.z);
+    sum * sum.splat(ROUNDING)
 }
 
 /// Returns the vector of three parameters, starting at index `first`.

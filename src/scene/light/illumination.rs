@@ -1,6 +1,7 @@
 //! The light that arrives at points.
 
-use math::simd::Vector;
+use crate::geometry::leaving;
+use math::simd::{Real, Vector};
 
 /// Maximum radiance of a light, so that products with highlights stay finite.
 pub(super) const MAX_RADIANCE: f32 = 1e20;
@@ -18,4 +19,26 @@ pub struct Illumination<R> {
     /// The probability density of the direction, per steradian; infinite for a light with one
     /// direction from each point.
     pub density: R,
+}
+
+/// A point of a surface, or one per lane, that light arrives at.
+#[derive(Debug, Clone, Copy)]
+pub struct LitPoint<R> {
+    /// The point.
+    pub position: Vector<R>,
+    /// The shading normal.
+    pub normal: Vector<R>,
+    /// The geometric normal.
+    pub geometric_normal: Vector<R>,
+    /// A bound of the distance of the position from the surface.
+    pub error: R,
+}
+
+impl<R: Real> LitPoint<R> {
+    /// Returns the origin of a ray in a direction that does not hit the surface again.
+    #[inline(always)]
+    pub fn origin(&self, direction: Vector<R>) -> Vector<R> {
+        let normal = self.geometric_normal;
+        leaving([self.position, normal], self.error, direction)
+    }
 }

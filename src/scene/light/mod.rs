@@ -14,7 +14,7 @@ use glam::{DAffine3, Vec3};
 use serde::Deserialize;
 
 pub use falloff::Falloff;
-pub use illumination::Illumination;
+pub use illumination::{Illumination, LitPoint};
 
 use crate::geometry::RenderSpace;
 use math::simd::{Real, Vector};

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use super::primitive::MaterialId;
 use crate::geometry::{Aabb, N_PARAMETERS, Seen, ShapeKind};
-use crate::light::Illumination;
+use crate::light::{Illumination, LitPoint};
 use crate::material::Material;
 use math::sampling::AliasTable;
 use math::simd::{Real, Vector};
@@ -71,37 +71,39 @@ impl Emitter {
         self.shapes.len()
     }
 
-    /// Returns the light that arrives at `point` from a sampled point of a shape, unless it is
-    /// occluded; a number in [0, 1) selects the shape, two more the point. `error` bounds the error
-    /// of `point`.
+    /// Returns the light that arrives at a point from a sampled point of a shape, unless it is
+    /// occluded; a number in [0, 1) selects the shape, two more the point.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
-        point: Vector<R>,
-        error: R,
+        at: &LitPoint<R>,
         which: R,
         numbers: [R; 2],
     ) -> Illumination<R> {
         let shape = R::look_up(&self.shapes[..], [self.by_area.choose(which)]);
-        let sample = self.kind.sample(&shape, point, numbers);
+        let sample = self.kind.sample(&shape, at.position, numbers);
         let density = sample.density * self.share(&shape);
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
         let weight = density.splat(FRAC_1_PI) / density.max(least);
+        // Aim at the light from the origin of the shadow ray, which is off the point's surface: the
+        // error of the point would move the ray's end across the light.
+        let seen = sample.seen;
+        let at_light = at.position + seen.direction * seen.distance;
+        let aim = at_light - at.origin(seen.direction);
+        let distance = aim.length().max(least);
         // A ray that ended on the surface itself would often hit it. It ends short of the plane by
-        // the errors of both ends and of the ray.
-        let distance = sample.seen.distance;
-        let at_light = point + sample.seen.direction * distance;
+        // the errors of the surface and of the ray.
         let on_way = distance * distance.splat(16.0 / 16_777_216.0);
-        let errors = error + self.kind.rounding(&shape, at_light) + on_way;
-        let gap = errors / sample.seen.cos.abs().max(least);
-        let is_front = zero.lt(sample.seen.cos);
+        let errors = self.kind.rounding(&shape, at_light) + on_way;
+        let gap = errors / seen.cos.abs().max(least);
+        let is_front = zero.lt(seen.cos);
         let weight = if self.is_two_sided {
             weight
         } else {
             R::select(is_front, weight, zero)
         };
         Illumination {
-            direction: sample.seen.direction,
+            direction: aim / distance,
             distance: (distance - gap).max(zero),
             radiance: Vector::splat(zero, self.radiance) * weight,
             density,

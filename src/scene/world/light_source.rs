@@ -4,7 +4,7 @@ use super::emitter::{Emitter, luminance, luminance_of_lanes as of_lanes};
 use super::environment::EnvironmentLight;
 use crate::background::Sun;
 use crate::geometry::Aabb;
-use crate::light::{Illumination, Light};
+use crate::light::{Illumination, Light, LitPoint};
 use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
 
@@ -42,15 +42,13 @@ impl LightSource {
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
-        ([point, normal], error): ([Vector<R>; 2], R),
+        at: &LitPoint<R>,
         numbers: &LightNumbers<R>,
     ) -> Illumination<R> {
         match self {
-            Self::Surroundings(distance) => surroundings(normal, *distance, numbers.point),
-            Self::Light(light) => light.illuminate(point),
-            Self::Emitter(emitter) => {
-                emitter.illuminate(point, error, numbers.shape, numbers.point)
-            }
+            Self::Surroundings(distance) => surroundings(at.normal, *distance, numbers.point),
+            Self::Light(light) => light.illuminate(at.position),
+            Self::Emitter(emitter) => emitter.illuminate(at, numbers.shape, numbers.point),
             Self::Environment(environment) => environment.illuminate(numbers.point),
             Self::Sun(sun) => sun.illuminate(numbers.point),
         }

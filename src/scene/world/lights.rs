@@ -15,7 +15,7 @@ use crate::background::Background;
 use crate::config::LightSampling;
 use crate::fog::FogSphere;
 use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind, corners};
-use crate::light::{Illumination, Light};
+use crate::light::{Illumination, Light, LitPoint};
 use crate::material::Material;
 use math::simd::{Mask, Real, Vector};
 
@@ -151,13 +151,13 @@ impl Lights {
         }
     }
 
-    /// Returns the light of sample `i` that arrives at a point with a normal, unless it is
-    /// occluded, and the index of the light; `error` bounds the error of the point.
+    /// Returns the light of sample `i` that arrives at a point, unless it is occluded, and the index
+    /// of the light.
     #[inline(always)]
     pub fn illuminate<R: Real>(
         &self,
         i: usize,
-        (at, error): ([Vector<R>; 2], R),
+        at: &LitPoint<R>,
         numbers: &LightNumbers<R>,
     ) -> (Illumination<R>, R) {
         let [number, v] = numbers.point;
@@ -167,19 +167,19 @@ impl Lights {
             number,
         } = self
             .choice
-            .choose(i, &self.sources, at[0], [numbers.source, number]);
+            .choose(i, &self.sources, at.position, [numbers.source, number]);
         let numbers = LightNumbers {
             point: [number, v],
             ..*numbers
         };
-        let light = self.of_sources(index, (at, error), &numbers);
+        let light = self.of_sources(index, at, &numbers);
         let mut light = Illumination {
             radiance: light.radiance / probability,
             density: light.density * probability,
             ..light
         };
         if let Some(fog) = &self.fog {
-            let transmittance = fog.transmittance([at[0], light.direction], light.distance);
+            let transmittance = fog.transmittance([at.position, light.direction], light.distance);
             light.radiance = light.radiance * transmittance;
         }
         (light, index)
@@ -190,10 +190,10 @@ impl Lights {
     fn of_sources<R: Real>(
         &self,
         sources: R,
-        at: ([Vector<R>; 2], R),
+        at: &LitPoint<R>,
         numbers: &LightNumbers<R>,
     ) -> Illumination<R> {
-        let (zero, ([point, _], _)) = (sources.splat(0.0), at);
+        let (zero, point) = (sources.splat(0.0), at.position);
         let mut light = Illumination {
             direction: point,
             distance: zero,

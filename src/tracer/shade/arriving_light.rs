@@ -106,8 +106,7 @@ impl SimdKernel for SampleLights<'_> {
             let point = self.points.shading(set, at);
             let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
             let numbers = numbers.light(lights, self.sample);
-            let at_point = ([point.position, point.normal], point.error);
-            let (mut light, _) = lights.illuminate(self.sample, at_point, &numbers);
+            let (mut light, _) = lights.illuminate(self.sample, &point.lit(), &numbers);
             // Weaken it by the media on the way.
             if self.scene.weakens_lights() {
                 let is_behind = point.is_backed_by(light.direction).bits();

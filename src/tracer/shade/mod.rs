@@ -136,8 +136,7 @@ impl<'a> Shader<'a> {
             Some(light) => (light.illuminate(at.position), i as f32),
             None => {
                 let numbers = self.numbers(path).light(lights, i);
-                let (light, index) =
-                    lights.illuminate(i, ([at.position, at.normal], at.error), &numbers);
+                let (light, index) = lights.illuminate(i, &at.lit(), &numbers);
                 (self.weakened_by_media(light, path, point), index)
             }
         };

@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use math::simd::{Real, Vector};
 use scene::camera::RayCone;
-use scene::geometry::{Ray, leaving};
+use scene::geometry::Ray;
+use scene::light::LitPoint;
 use scene::material::PictureFactors;
 use scene::world::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 
@@ -115,11 +116,18 @@ impl<R: Real> ShadingPoint<R> {
     /// Returns the origin of a ray in a direction that does not hit the surface again.
     #[inline(always)]
     pub fn origin(&self, direction: Vector<R>) -> Vector<R> {
-        leaving(
-            [self.position, self.geometric_normal],
-            self.error,
-            direction,
-        )
+        self.lit().origin(direction)
+    }
+
+    /// Returns the part that lights read.
+    #[inline(always)]
+    pub fn lit(&self) -> LitPoint<R> {
+        LitPoint {
+            position: self.position,
+            normal: self.normal,
+            geometric_normal: self.geometric_normal,
+            error: self.error,
+        }
     }
 
     /// Returns the surface's outward normal for one of the point's normals, whichever side the ray
