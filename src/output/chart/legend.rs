@@ -8,7 +8,9 @@ use super::entries::LegendEntries;
 use super::label::Unit;
 use super::pixels;
 use super::range::Range;
-use super::surface::{Anchor, DrawingSurface, INK, LINE, PAPER, PixelPosition, Rect, line_px, px};
+use super::surface::{
+    Anchor, DrawingSurface, INK, LINE, LINE_EM, PAPER, PixelPosition, Rect, line_px, px,
+};
 use super::text::{CAP_HEIGHT_EM, Style};
 use scene::color::Palette;
 
@@ -52,6 +54,10 @@ const LENGTH: f32 = 0.5;
 const MAX_LENGTH: f32 = 0.8;
 /// Minimum height of a picture in ems.
 const MIN_HEIGHT_EM: f32 = 24.0;
+/// Maximum width of a title that is wider than its key, as a fraction of the picture's width.
+const TITLE_WIDTH: f32 = 0.2;
+/// Maximum number of lines of a title.
+const TITLE_LINES: usize = 4;
 /// Opacity of the paper below a bar.
 const OPACITY: f32 = 0.75;
 
@@ -69,21 +75,24 @@ pub fn draw_legends(picture: &mut RgbImage, legends: &[ColorLegend]) {
         // Measure the key and its title.
         let ([inner, length], draw_key) = laid_out(&legend.key, room, em_px);
         let style = Style::new(em_px, INK);
-        let title = style.fitted(&legend.title, room[0]);
-        let inner = inner.max(px(style.width(&title).ceil()));
+        let title_width = inner.max(px(TITLE_WIDTH * width)).min(room[0]);
+        let title = style.wrapped(&legend.title, title_width, TITLE_LINES);
+        let widths = title.iter().map(|line| px(style.width(line).ceil()));
+        let inner = widths.fold(inner, f32::max);
         let left = right - inner - 3.0 * margin;
         if left < 0.0 {
             return;
         }
         // Paint the paper, the title and the key, centered vertically.
-        let title_px = px(em_px * (CAP_HEIGHT_EM + 1.0));
+        let below_first = (title.len() - 1) as f32 * LINE_EM;
+        let title_px = px(em_px * (CAP_HEIGHT_EM + 1.0 + below_first));
         let y = ((height - length - title_px) / 2.0).max(0.0).floor() - margin;
         let size = [inner, length + title_px].map(|side| side + 2.0 * margin);
         let paper = Rect::at([left, y.max(0.0)], size);
         pale(picture, paper);
         let corner = [left + margin, paper.y + margin];
         let baseline = corner[1] + px(em_px * CAP_HEIGHT_EM);
-        picture.text(&title, [corner[0], baseline], Anchor::Start, &style);
+        picture.lines(&title, [corner[0], baseline], Anchor::Start, &style);
         draw_key(picture, [corner[0], corner[1] + title_px]);
         right = left;
     }
@@ -161,6 +170,21 @@ mod tests {
             assert_eq!(shown.len(), n_shown, "{n}");
             assert!(shown.is_sorted_by(|a, b| a < b), "{shown:?}");
         }
+    }
+
+    /// A title is broken into lines and does not cover the picture.
+    #[test]
+    fn a_long_title_leaves_the_picture_visible() {
+        let mut picture = RgbImage::new(600, 400);
+        let key = LegendKey::Range {
+            map: Palette::default(),
+            range: Range::between(Scale::Linear, [0.0, 1.0], [true, true]),
+        };
+        let title = "the mean temperature of the coolant at the outlet in kelvin".to_owned();
+        draw_legends(&mut picture, &[ColorLegend { title, key }]);
+        let painted = picture.enumerate_pixels().filter(|(.., p)| p.0 != [0; 3]);
+        let left = painted.map(|(x, ..)| x).min().unwrap();
+        assert!(left > 400, "{left}");
     }
 
     #[test]
