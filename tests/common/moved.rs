@@ -193,3 +193,61 @@ fn list_of<'a>(of: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Val
         .into_iter()
         .flatten()
 }
+
+/// A rotation about the vertical axis, which turns a scene without patterns in world space.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn {
+    pub angle_deg: f64,
+}
+
+impl Turn {
+    /// The text of the turned scene; `None` for one with a camera, a light or a texture whose
+    /// directions are fixed.
+    pub fn of_text(&self, text: &str) -> Option<String> {
+        const FIXED: [&str; 8] = [
+            "checker:",
+            "planar",
+            "triplanar",
+            "spherical",
+            "sky:",
+            "environment:",
+            "window:",
+            "panorama:",
+        ];
+        if FIXED.iter().any(|word| text.contains(word)) {
+            return None;
+        }
+        let mut scene: Value = serde_yaml::from_str(text).unwrap();
+        for camera in values_of(&mut scene, "camera") {
+            self.vectors(camera, &["eye", "target", "up"]);
+        }
+        for light in list_of(&mut scene, "lights") {
+            for (_, light) in light.as_mapping_mut().unwrap() {
+                self.vectors(light, &["position", "target", "direction"]);
+            }
+        }
+        let rotate = format!(
+            "{{ rotate: {{ axis: [0, 1, 0], angle_deg: {} }} }}",
+            self.angle_deg
+        );
+        for object in list_of(&mut scene, "objects") {
+            let object = object.as_mapping_mut().unwrap();
+            let none = Value::Sequence(vec![]);
+            let steps = object.entry("transform".into()).or_insert(none);
+            let step = serde_yaml::from_str(&rotate).unwrap();
+            steps.as_sequence_mut().unwrap().push(step);
+        }
+        Some(serde_yaml::to_string(&scene).unwrap())
+    }
+
+    fn vectors(&self, of: &mut Value, keys: &[&str]) {
+        let (sin, cos) = self.angle_deg.to_radians().sin_cos();
+        for key in keys {
+            let Some(vector) = of.get_mut(*key) else {
+                continue;
+            };
+            let [x, y, z] = [0, 1, 2].map(|axis| vector[axis].as_f64().unwrap());
+            *vector = vec![cos * x + sin * z, y, cos * z - sin * x].into();
+        }
+    }
+}

@@ -4,16 +4,22 @@ use proptest::prelude::*;
 use render::film::{Film, Strip};
 use scene::config::{Config, CostMode, ShadingModel};
 
-use crate::common::moved::Similarity;
+use crate::common::moved::{Similarity, Turn};
 use crate::common::scenes::{RandomScene, scenes as random_scenes};
 use crate::common::{film, in_repository, mean, parse, radiance};
 
 const SIZE: [u32; 2] = [40, 30];
 
 /// The film of a small picture of a scene.
-fn small(mut config: Config) -> Film {
+fn small(config: Config) -> Film {
+    let n_samples = config.image.samples_per_pixel.min(4);
+    sampled(config, n_samples)
+}
+
+/// The film of a small picture of a scene with this number of samples.
+fn sampled(mut config: Config, n_samples: u32) -> Film {
     [config.image.width, config.image.height] = SIZE;
-    config.image.samples_per_pixel = config.image.samples_per_pixel.min(4);
+    config.image.samples_per_pixel = n_samples;
     config.image.adaptive = None;
     config.cost = CostMode::Counters;
     film(&config, 2)
@@ -100,31 +106,63 @@ fn powers_of_two_change_no_byte() {
     }
 }
 
-/// Scales, and distances in sizes of the scene that are whole periods of all patterns.
-const SCALES_AND_DISTANCES: [(f64, f64); 3] = [(1e-6, 240.0), (1e9, -1.2e5), (1.0, 2.4e7)];
-
-/// Makes sure that the scene at other sizes and places has about the same picture.
-fn check_moved(name: &str, text: &str) {
-    let original = small(parse(text));
-    for (scale, sizes) in SCALES_AND_DISTANCES {
-        let similarity = Similarity {
-            scale,
-            shift: [1.0, -0.5, 0.75].map(|along| along * sizes * scale),
-        };
-        let moved = small(parse(&similarity.of_text(text)));
-        let [share, mean] = difference(&original, &moved);
-        assert!(
-            share < 0.02 && mean < 0.5,
-            "{name} at {similarity:?}: {share} {mean}"
-        );
-    }
+/// Other sizes, and places that are whole periods of all patterns away.
+fn similarities() -> [Similarity; 3] {
+    [(1e-6, 240.0), (1e9, -1.2e5), (1.0, 2.4e7)].map(|(scale, sizes)| Similarity {
+        scale,
+        shift: [1.0, -0.5, 0.75].map(|along| along * sizes * scale),
+    })
 }
 
 #[test]
 fn any_size_and_place_has_the_same_picture() {
     for (name, text) in scenes() {
-        check_moved(&name, &text);
+        let original = small(parse(&text));
+        for similarity in similarities() {
+            let moved = small(parse(&similarity.of_text(&text)));
+            let [share, mean] = difference(&original, &moved);
+            assert!(
+                share < 0.02 && mean < 0.5,
+                "{name} at {similarity:?}: {share} {mean}"
+            );
+        }
     }
+}
+
+/// The mean level of each block of 10 x 10 pixels.
+fn block_means(film: &Film) -> Vec<f64> {
+    let mut sums = vec![0.0; 12];
+    for (i, level) in colors(film).into_iter().enumerate() {
+        let [x, y] = [i / 3 % 40, i / 120];
+        sums[4 * (y / 10) + x / 10] += f64::from(level) / 300.0;
+    }
+    sums
+}
+
+/// Makes sure that two scenes have the same picture within noise.
+fn check_equal(name: &str, texts: [&str; 2]) {
+    let [a, b] = texts.map(|text| block_means(&sampled(parse(text), 64)));
+    let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+    let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+    let is_noise = differences.iter().all(|block| block.abs() < 12.0);
+    assert!(
+        is_noise && mean.abs() < 1.5,
+        "{name}: {mean}, {differences:?}"
+    );
+}
+
+const TURN: Turn = Turn { angle_deg: 37.0 };
+
+#[test]
+fn a_turned_scene_has_the_same_picture() {
+    let mut n_turned = 0;
+    for (name, text) in scenes() {
+        if let Some(turned) = TURN.of_text(&text) {
+            check_equal(&name, [&text, &turned]);
+            n_turned += 1;
+        }
+    }
+    assert!(n_turned >= 8);
 }
 
 proptest! {
@@ -141,12 +179,20 @@ proptest! {
             check_scaled("random", &text, &small(parse(&text)), exponent);
         }
     }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(25))]
 
     #[test]
-    fn random_scenes_of_any_size_and_place_have_the_same_picture(scene in random_scenes()) {
+    fn random_scenes_of_any_size_place_and_direction_have_the_same_picture(scene in random_scenes()) {
         if scene.model != "seed" {
             let scene = RandomScene { size: SIZE, acceleration: "bvh", ..scene };
-            check_moved("random", &scene.text());
+            let text = scene.text();
+            let others = similarities().map(|similarity| similarity.of_text(&text));
+            for other in others.into_iter().chain(TURN.of_text(&text)) {
+                check_equal("random", [&text, &other]);
+            }
         }
     }
 }

@@ -3,7 +3,6 @@
 use std::{io, thread};
 
 use super::within_limits;
-use crate::text::numbers::memory_sizes;
 
 /// Bytes of a thread's stack.
 const STACK: usize = 2 << 20;
@@ -23,8 +22,8 @@ pub fn spawn_one_of_pool(thread: rayon::ThreadBuilder) -> io::Result<()> {
     let n_needed = STACK as u64 + (thread.index() as u64 + 1) * BESIDES_STACK;
     let n_left = within_limits();
     if n_needed > n_left {
-        let [needed, left] = memory_sizes([n_needed, n_left]);
-        let message = format!("{needed} of memory are needed, {left} are left");
+        let [needed, left] = [n_needed, n_left].map(|n_bytes| n_bytes >> 10);
+        let message = format!("{needed} KiB of memory are needed, {left} KiB are left");
         return Err(io::Error::new(io::ErrorKind::OutOfMemory, message));
     }
     let builder = thread::Builder::new().stack_size(STACK);
