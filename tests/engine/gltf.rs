@@ -502,6 +502,14 @@ fn a_mistake_is_reported_with_its_place() {
             ": its meshes are compressed by Draco",
         ),
         ("EXT_texture_webp", ": its pictures are WebP files"),
+        (
+            "KHR_materials_pbrSpecularGlossiness",
+            ": its materials have specular colors and glossiness, not metallicness and roughness",
+        ),
+        (
+            "KHR_materials_unlit",
+            ": its surfaces show their colors without light",
+        ),
         ("EXT_new", ""),
     ] {
         file.json["extensionsRequired"] = json!([name]);

@@ -60,8 +60,8 @@ struct GltfAsset {
     version: Value,
 }
 
-/// Extensions that change the bytes of a file, each with its effect.
-const ENCODINGS: [(&str, &str); 9] = [
+/// Extensions that change the bytes of a file or the light of its surfaces, each with its effect.
+const EFFECTS: [(&str, &str); 11] = [
     (
         "KHR_draco_mesh_compression",
         "its meshes are compressed by Draco",
@@ -80,6 +80,14 @@ const ENCODINGS: [(&str, &str); 9] = [
     ("MSFT_texture_dds", "its pictures are DDS files"),
     ("EXT_mesh_gpu_instancing", "its nodes repeat meshes"),
     ("KHR_gaussian_splatting", "it is made of splats"),
+    (
+        "KHR_materials_pbrSpecularGlossiness",
+        "its materials have specular colors and glossiness, not metallicness and roughness",
+    ),
+    (
+        "KHR_materials_unlit",
+        "its surfaces show their colors without light",
+    ),
 ];
 
 /// Refuses glTF of another version, and extensions without which a file means something else: their
@@ -101,8 +109,8 @@ fn check_head(json: &[u8]) -> Result<()> {
     let Some(unknown) = extensions.iter().find(|name| !is_known(name)) else {
         return Ok(());
     };
-    let encoding = ENCODINGS.iter().find(|(name, _)| name == unknown);
-    let what = encoding.map_or(String::new(), |(_, what)| format!(": {what}"));
+    let effect = EFFECTS.iter().find(|(name, _)| name == unknown);
+    let what = effect.map_or(String::new(), |(_, what)| format!(": {what}"));
     let name: String = unknown.chars().take(MAX_PLACE).collect();
     let problem = format!("it requires the extension `{name}`{what}");
     Err(FileFault::new(
