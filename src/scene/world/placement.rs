@@ -177,14 +177,7 @@ impl<'a> Placement<'a> {
             }
         }
         if primitives.len() == n_before {
-            let path = match self.object.geometry {
-                Geometry::Instances(_) => self.path.clone().key(InstancedMesh::KEY),
-                _ => self.path.clone(),
-            };
-            let path = path.key("mesh").key("file");
-            let message = "no triangle of the mesh has an area";
-            let expected = "expected corners that are not on one line";
-            return Err(Fault::new(path, message, expected));
+            return Err(self.without_area(&mesh));
         }
         // Keep the attributes of these triangles that the materials need.
         Ok(Attributes::Corners(CornerAttributes {
@@ -207,6 +200,35 @@ impl<'a> Placement<'a> {
                     ..colors
                 }),
         }))
+    }
+
+    /// Creates the fault of a mesh whose triangles have no area: in the file, or beside a scene that
+    /// is much larger.
+    fn without_area(&self, mesh: &Mesh) -> Fault {
+        let path = match self.object.geometry {
+            Geometry::Instances(_) => self.path.clone().key(InstancedMesh::KEY),
+            _ => self.path.clone(),
+        };
+        let path = path.key("mesh").key("file");
+        let has_area = |&indices: &[u32; 3]| mesh.triangle(indices).normal().is_some();
+        if !mesh.triangles.iter().any(has_area) {
+            let message = "no triangle of the mesh has an area";
+            let expected = "expected corners that are not on one line";
+            return Fault::new(path, message, expected);
+        }
+        // The scene spans about one unit of render space.
+        let corners = mesh.triangles.iter().flatten();
+        let corners = corners.map(|&index| mesh.vertices[index as usize].as_dvec3());
+        let placed = corners.map(|corner| self.render_from_object.transform_vector3(corner));
+        let (min, max) = placed.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), at| {
+            (min.min(at), max.max(at))
+        });
+        let size = (max - min).max_element();
+        let message = format!(
+            "the mesh is too small beside the rest of the scene: it has {size:.0e} of the scene's size"
+        );
+        Fault::new(path, message, "expected a size that shows in 7 digits")
+            .with_help("bring the objects nearer together, or make the mesh larger")
     }
 
     /// Adds one primitive.
