@@ -9,7 +9,7 @@ use super::field_path::{FieldPath, Step};
 use super::misplaced;
 use super::translate;
 use super::tree::Tree;
-use base::text::Diagnostic;
+use base::text::{Diagnostic, did_you_mean};
 
 /// Maximum number of mistakes reported at a time.
 const MOST: usize = 10;
@@ -53,7 +53,7 @@ pub(super) fn find(
     while let Some((mut path, error)) = refusal.filter(|_| left.removed.len() < MOST_REMOVED) {
         let original = left.original(&path);
         let is_shown = found.is_empty() || (explain.is_written)(&original);
-        if is_shown && !left.is_consequence(&original) {
+        if is_shown && !left.is_consequence(&original, &error) {
             if found.len() == MOST {
                 found.push(Diagnostic::new("there are more mistakes, in what follows"));
                 break;
@@ -125,10 +125,17 @@ impl Remains {
         }
     }
 
-    /// Returns true if something was removed from the value at this path of the whole tree.
-    fn is_consequence(&self, path: &FieldPath) -> bool {
+    /// Returns true if an error at this path of the whole tree is due to a value that was removed
+    /// from there: for a section that is missing, this section, or one of a similar name.
+    fn is_consequence(&self, path: &FieldPath, error: &serde_yaml::Error) -> bool {
         let mut removed = self.removed.iter();
-        removed.any(|removed| removed.0.starts_with(&path.0))
+        match translate::missing_key_of(error).filter(|_| path.0.is_empty()) {
+            Some(missing) => removed.any(|removed| match removed.0.first() {
+                Some(Step::Key(key)) => *key == missing || did_you_mean(key, [&*missing]).is_some(),
+                _ => true,
+            }),
+            None => removed.any(|removed| removed.0.starts_with(&path.0)),
+        }
     }
 
     /// Removes the value at a path of the rest, or an enclosing one that is equally wrong: a list

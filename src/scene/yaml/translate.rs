@@ -27,8 +27,8 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
     if let Some(word) = between("unknown variant `") {
         return unknown_choice(text, path, word, expected);
     }
-    if let Some(word) = between("missing field `") {
-        return missing_key(text, path, word);
+    if let Some(word) = missing_key_of(error) {
+        return missing_key(text, path, &word);
     }
     if problem.starts_with("cannot ") && !expected.is_empty() {
         let message = format!("{} {problem}", subject(&path));
@@ -62,6 +62,13 @@ pub(super) fn unknown_key_of(error: &serde_yaml::Error) -> Option<(String, Vec<S
     let word = word.or_else(|| problem.strip_prefix("unknown variant `"))?;
     let choices = quoted(expected).map(str::to_owned).collect();
     Some((word.strip_suffix('`')?.to_owned(), choices))
+}
+
+/// Returns the missing key of an error; `None` for other errors.
+pub(super) fn missing_key_of(error: &serde_yaml::Error) -> Option<String> {
+    let message = message_of(error);
+    let word = message.strip_prefix("missing field `")?.strip_suffix('`')?;
+    Some(word.to_owned())
 }
 
 /// Returns serde_yaml's message without the path before it and the position
