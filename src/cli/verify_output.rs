@@ -12,7 +12,7 @@ use base::text::Diagnostic;
 use base::text::numbers::counted;
 use output::results::{read_unchanged, verify};
 use output::summary::{Partial, Summary};
-use tools::series::{FRAMES, FrameSeries, frame_folder};
+use tools::series::{FRAMES, FrameSeries, frame_folder, frame_number, strays};
 
 /// Returns the outputs in a folder: itself, or the folders of its frames; `None` if it has none.
 pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
@@ -35,15 +35,22 @@ pub(super) struct WholeOutput {
     n_frames: Option<u64>,
     /// The folders of pictures with missing tiles.
     partial: Vec<(PathBuf, Partial)>,
+    /// Sentences about what does not belong to it.
+    left: Vec<String>,
 }
 
 impl WholeOutput {
     /// Returns the lines of the report.
     pub(super) fn lines(&self) -> String {
         let note = |(part, partial): &(PathBuf, _)| format!("note    {}: {partial}\n", shown(part));
-        let notes: String = self.partial.iter().map(note).collect();
+        let partial: String = self.partial.iter().map(note).collect();
+        let left = self.left.iter().map(|left| format!("note    {left}\n"));
+        let left: String = left.collect();
         let files = files(self.n_files, self.n_frames);
-        format!("output  {} is whole: {files}\n{notes}", shown(&self.folder))
+        format!(
+            "output  {} is whole: {files}\n{partial}{left}",
+            shown(&self.folder)
+        )
     }
 
     /// Returns the report for other programs.
@@ -56,6 +63,7 @@ impl WholeOutput {
             "n_files": self.n_files,
             "n_frames": self.n_frames,
             "partial": partial.collect::<Vec<_>>(),
+            "left": self.left,
         })
     }
 }
@@ -75,9 +83,15 @@ fn files(n_files: u64, n_frames: Option<u64>) -> String {
 /// # Errors
 /// A file that has changed since it was written, or a frame that is missing.
 pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, Failure> {
+    let n_frames = (parts != [folder]).then(|| n_frames_of(folder, parts));
+    let is_played = |part: &&PathBuf| match (n_frames, frame_number(part)) {
+        (Some(n_frames), Some(number)) => number < n_frames,
+        _ => true,
+    };
+    let parts: Vec<&PathBuf> = parts.iter().filter(is_played).collect();
     let (mut n, mut broken, mut missing) = (0, Vec::new(), Vec::new());
     let mut summaries = Vec::new();
-    for part in parts {
+    for &part in &parts {
         let within = part.strip_prefix(folder).unwrap_or(Path::new(""));
         let verdicts = read_unchanged(&[part], || verify(part))?;
         let summary = Summary::read(&part.join(SUMMARY)).ok();
@@ -91,19 +105,23 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, 
             Some(format!("{}: {}", name.display(), verdict.fault.as_ref()?))
         }));
     }
-    let n_frames = (parts != [folder]).then_some(parts.len() as u64);
-    if n_frames.is_some() {
-        broken.extend(faults_of_series(folder, &summaries));
+    if let Some(n_frames) = n_frames {
+        broken.extend(faults_of_series(folder, n_frames, &summaries));
     }
+    let n_whole = n_frames.map(|_| parts.len() as u64);
     if broken.is_empty() {
         return Ok(WholeOutput {
             folder: folder.to_owned(),
             n_files: n,
-            n_frames,
+            n_frames: n_whole,
             partial: missing,
+            left: n_frames
+                .and_then(|n_frames| strays(folder, n_frames))
+                .into_iter()
+                .collect(),
         });
     }
-    let (shown, files) = (shown(folder), files(n, n_frames));
+    let (shown, files) = (shown(folder), files(n, n_whole));
     let message = format!("`{shown}` is damaged: {} of {files}", broken.len());
     Err(Diagnostic::new(message)
         .with_note(broken.join("\n"))
@@ -111,21 +129,22 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, 
         .into())
 }
 
-/// Returns the problems of an animation, except for the files of its frames: one line each.
-fn faults_of_series(folder: &Path, summaries: &[Summary]) -> Vec<String> {
-    let sections = summaries
-        .iter()
-        .filter_map(|summary| summary.frame.as_ref());
-    // Frames of an animation that was longer may be left.
-    let n_frames = sections.map(|frame| frame.n_frames).next().unwrap_or(0);
-    let mut series = FrameSeries::new(String::new());
+/// Returns the number of frames of the animation that was rendered last; an older version wrote it
+/// only into the frames.
+fn n_frames_of(folder: &Path, parts: &[PathBuf]) -> u32 {
+    let of_part = |part: &PathBuf| Some(Summary::read(&part.join(SUMMARY)).ok()?.frame?.n_frames);
+    FrameSeries::n_frames_in(folder)
+        .or_else(|| parts.iter().find_map(of_part))
+        .unwrap_or(parts.len() as u32)
+}
+
+/// Returns the problems of an animation of `n_frames`, except for the files of its frames: one line
+/// each.
+fn faults_of_series(folder: &Path, n_frames: u32, summaries: &[Summary]) -> Vec<String> {
+    let mut series = FrameSeries::new(String::new(), n_frames);
     let mut numbers = BTreeSet::new();
     for summary in summaries {
-        let section = summary.frame.as_ref();
-        let Some(section) = section.filter(|section| section.n_frames == n_frames) else {
-            continue;
-        };
-        numbers.insert(section.number);
+        numbers.extend(summary.frame.as_ref().map(|frame| frame.number));
         if summary.partial.is_none() {
             series.add(summary);
         }

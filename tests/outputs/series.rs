@@ -79,6 +79,13 @@ impl Scene {
         self.command(arguments).output().unwrap()
     }
 
+    /// Runs a command on an output folder.
+    fn of_folder(&self, command: &str, out: &str) -> Output {
+        let mut of_folder = raycost();
+        of_folder.current_dir(self.folder.path());
+        of_folder.args([command, out]).output().unwrap()
+    }
+
     /// Renders, and returns what was printed.
     fn render(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
@@ -848,6 +855,44 @@ fn a_check_finds_missing_frames_and_cut_files_of_the_series() {
     fs::rename(&out, &moved).unwrap();
     assert_success(&raycost().arg("check").arg(&moved).output().unwrap());
     fs::rename(&moved, &out).unwrap();
+    // Other frames than those that were rendered.
+    for name in ["series.pvd", "series_hits.pvd", "series.csv"] {
+        let path = out.join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        let changed = match name {
+            "series.csv" => text.replacen("\n1,", "\n2,", 1),
+            _ => text.replace("0001", "0002"),
+        };
+        fs::write(&path, changed).unwrap();
+        damaged(&format!("{name}: it was changed"));
+        fs::write(&path, text).unwrap();
+    }
     fs::remove_dir_all(frame(&out, 2)).unwrap();
     damaged("frames/0002: it is missing, 1 frame in all");
+}
+
+/// The frames of two animations whose frames have the same files.
+#[test]
+fn frames_of_a_longer_animation_are_reported_and_not_counted() {
+    let animation = |n: u32| format!("{BALL}animation: {{ frames: {n} }}\n");
+    let scene = Scene::new(&animation(5));
+    scene.render(&["--quiet", "--frames=0..3"]);
+    scene.write(&animation(2));
+    let note = "frames/0002 and 1 frame more are left of a longer animation";
+    let text = scene.render(&[]);
+    assert!(text.contains("2 complete from an earlier run"), "{text}");
+    assert!(text.contains(note), "{text}");
+    let whole = |n_frames: &str| {
+        let output = scene.of_folder("check", "out/scene");
+        assert_success(&output);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(n_frames), "{text}");
+        text
+    };
+    let text = whole("in 2 frames");
+    assert!(text.contains(note), "{text}");
+    scene.write(&animation(6));
+    scene.render(&["--quiet"]);
+    let text = whole("in 6 frames");
+    assert!(!text.contains("note"), "{text}");
 }

@@ -23,7 +23,7 @@ use output::summary::Partial;
 use render::checkpoint::{PARTS, PicturePart};
 use render::instruments::Stages;
 use render::ranks::Order;
-use tools::series::{FrameSeries, Video, frame_folder};
+use tools::series::{FrameSeries, Video, frame_folder, strays};
 
 /// Renders the incomplete frames, and writes the files that play all complete ones.
 pub(super) fn render(
@@ -243,7 +243,7 @@ impl FrameJob<'_> {
     /// Writes the files that play all complete frames. Returns the lines about them.
     fn finish(&self) -> Result<String, Failure> {
         let n_frames = self.frames.n_frames();
-        let mut series = FrameSeries::new(self.arguments.scene.name());
+        let mut series = FrameSeries::new(self.arguments.scene.name(), n_frames);
         let lock = FrameSeries::lock(self.out)?;
         for number in 0..n_frames {
             let folder = self.out.join(frame_folder(number));
@@ -265,6 +265,9 @@ impl FrameJob<'_> {
             lines += &format!("missing {missing}: the series plays the others; no video yet\n");
         } else {
             lines += &self.video(&series)?;
+        }
+        if let Some(strays) = strays(self.out, n_frames) {
+            lines += &format!("note    {strays}\n");
         }
         if let Some(state) = series.state() {
             let state = shell_word(&self.out.join(state));

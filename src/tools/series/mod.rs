@@ -21,6 +21,7 @@ use crate::study::RunMetrics;
 use base::files;
 use base::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
 use base::provenance::{Hasher, RunId};
+use base::text::numbers::counted;
 use base::text::one_line;
 use output::summary::Summary;
 use output::writers::{self, StateValues};
@@ -42,11 +43,38 @@ pub fn frame_folder(number: u32) -> PathBuf {
     Path::new(FRAMES).join(format!("{number:04}"))
 }
 
+/// Returns the number of the frame whose folder this is; `None` for another folder.
+pub fn frame_number(folder: &Path) -> Option<u32> {
+    let number = folder.file_name()?.to_str()?.parse().ok()?;
+    folder.ends_with(frame_folder(number)).then_some(number)
+}
+
+/// Returns the sentence about frames in the folder of a series that its animation, of `n_frames`,
+/// does not have; `None` if there are none.
+pub fn strays(folder: &Path, n_frames: u32) -> Option<String> {
+    let entries = fs::read_dir(folder.join(FRAMES)).ok()?.flatten();
+    let numbers = entries.filter_map(|entry| frame_number(&entry.path()));
+    let mut strays: Vec<u32> = numbers.filter(|&number| number >= n_frames).collect();
+    strays.sort_unstable();
+    let first = frame_folder(*strays.first()?);
+    let first = first.display();
+    let which = match strays.len() as u64 - 1 {
+        0 => format!("{first} is left"),
+        n => format!("{first} and {} more are left", counted(n, "frame")),
+    };
+    let played = counted(n_frames.into(), "frame");
+    Some(format!(
+        "{which} of a longer animation: the series plays {played}, and you may remove the others"
+    ))
+}
+
 /// The complete frames of an animated scene.
 #[derive(Debug)]
 pub struct FrameSeries {
     /// The scene's name.
     name: String,
+    /// The number of frames of the animation.
+    n_in_all: u32,
     frames: Vec<SeriesFrame>,
     /// The values of the states for all frames.
     states: Option<StateValues>,
@@ -65,13 +93,21 @@ struct SeriesFrame {
 }
 
 impl FrameSeries {
-    /// Creates a series without frames; `name` is the scene's name.
-    pub fn new(name: String) -> Self {
+    /// Creates a series without frames of an animation of `n_frames`; `name` is the scene's name.
+    pub fn new(name: String, n_frames: u32) -> Self {
         Self {
             name,
+            n_in_all: n_frames,
             frames: Vec::new(),
             states: None,
         }
+    }
+
+    /// Returns the number of frames of the animation whose series was written into a folder; `None`
+    /// without a series, or if an older version wrote it.
+    pub fn n_frames_in(folder: &Path) -> Option<u32> {
+        let text = files::read(&folder.join(pvd::ALL), MAX_FILE).ok()?;
+        pvd::n_frames_in(&String::from_utf8_lossy(&text))
     }
 
     /// Checks that no file of another program has a name of the series' files.
@@ -84,7 +120,7 @@ impl FrameSeries {
             [state, pvd::name_of(file.name)]
         });
         let is_hdf = |name: &String| hdf::FILES.iter().any(|(of_hdf, _)| name == of_hdf);
-        let own = [TABLE, "series.svg", "series.pvd"].map(str::to_owned);
+        let own = [TABLE, "series.svg", pvd::ALL].map(str::to_owned);
         for name in own
             .into_iter()
             .chain(of_frames.filter(|name| !is_hdf(name)))
@@ -165,8 +201,8 @@ impl FrameSeries {
     }
 
     /// Returns the files beside the frames that [`write`](Self::write) did not write for these
-    /// frames, or that are truncated: their names, and the reasons. The video and files of VTKHDF
-    /// are not checked.
+    /// frames, that are truncated, or that list other frames: their names, and the reasons. The
+    /// video and files of VTKHDF are not checked.
     pub fn faults(&self, folder: &Path) -> Vec<(String, String)> {
         let run = self.id().to_string();
         let fault = |(name, expected): (String, String)| {
@@ -176,11 +212,15 @@ impl FrameSeries {
                 Ok(found) => {
                     let found = String::from_utf8_lossy(&found);
                     let end = expected.lines().next_back()?;
+                    let is_entry = |line: &&str| name == TABLE || pvd::is_entry(line);
+                    let entries = |text| str::lines(text).filter(is_entry);
                     // The table has the runs of the frames, other files the run of all.
                     if name != TABLE && !found.contains(&run) {
                         "it is not of these frames".to_owned()
                     } else if !found.trim_end().ends_with(end) {
                         "it is cut, or not of these frames".to_owned()
+                    } else if !entries(&found).eq(entries(&expected)) {
+                        "it was changed".to_owned()
                     } else {
                         return None;
                     }
@@ -200,7 +240,7 @@ impl FrameSeries {
         [table]
             .into_iter()
             .chain(plot)
-            .chain(pvd::collections(&self.frames, run))
+            .chain(pvd::collections(&self.frames, self.n_in_all, run))
             .chain(self.states(folder, run))
             .collect()
     }
