@@ -1,7 +1,8 @@
 //! Bounds the memory of a rendering before it is allocated.
 
 use crate::writers;
-use base::host::memory_limit;
+use base::host::{memory_limit, resident_memory};
+use base::text::Diagnostic;
 use base::text::numbers::memory_sizes;
 use render::attribution::CostAttribution;
 use render::film;
@@ -23,6 +24,8 @@ pub struct Memory {
     pub scene: u64,
     /// Rows of the picture in memory at a time; `None` for all.
     pub band_rows: Option<u32>,
+    /// Bytes of the film's that a picture of any size needs.
+    of_buffers: u64,
     /// Why the picture must be in memory as a whole, if that can be changed.
     against_bands: Option<&'static str>,
     n_primitives: usize,
@@ -32,7 +35,8 @@ pub struct Memory {
 /// The percentage of the available memory that a picture may take by default.
 const SHARE: u64 = 75;
 /// Upper bound of the program's memory before rendering, without geometries, in bytes.
-const PROGRAM: u64 = 32 << 20;
+const PROGRAM: u64 = 32 * MIB;
+const MIB: u64 = 1 << 20;
 
 impl Memory {
     /// Estimates the memory for a config and its geometries: an upper bound, except for a few MiB
@@ -46,6 +50,7 @@ impl Memory {
                 * (film_bytes_per_pixel(config) + writers::BYTES_PER_PIXEL)
                 + of_tiles(config)
                 + writers::write_bytes(config),
+            of_buffers: writers::compression_bytes(config.compress),
             scene: bare.scene + (bare.n_primitives * of_attribution) as u64,
             ..bare
         }
@@ -53,7 +58,7 @@ impl Memory {
 
     /// Estimates the memory of a still picture. If it exceeds the user's limit, by default three
     /// quarters of the available memory, the picture is rendered into files and written in bands of
-    /// rows, if its outputs allow it.
+    /// rows, if its outputs allow it and these need less.
     pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
         let whole = Self::estimate(config, geometries);
         let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
@@ -71,8 +76,13 @@ impl Memory {
         let most = u64::from(config.image.height.div_ceil(unit(config)));
         let n_units = n_units.saturating_sub(1).clamp(1, most);
         let n_rows = n_units as u32 * unit(config);
+        let film = fixed + (n_units + 1) * of_unit;
+        // What bands need besides their rows is more than a small picture needs.
+        if film >= whole.film {
+            return whole;
+        }
         Self {
-            film: fixed + (n_units + 1) * of_unit,
+            film,
             band_rows: Some(n_rows),
             ..whole
         }
@@ -114,6 +124,7 @@ impl Memory {
                 + 2 * geometries.n_bytes()
                 + geometries.picture_bytes(),
             band_rows: None,
+            of_buffers: 0,
             against_bands: None,
             n_primitives,
             repeats: config.repeats,
@@ -142,29 +153,37 @@ impl Memory {
         if self.total() <= available {
             return Ok(());
         }
-        let (section, what, advice) = if self.film > self.scene {
-            ("image", "the image", self.image_advice())
-        } else {
+        let fits_if_smaller = self.scene + self.of_buffers <= available;
+        let (section, what, advice) = if self.film <= self.scene {
+            let advice = "reduce the `count` of generators, or use smaller files".to_owned();
+            ("objects", "the scene is too large: ", Some(advice))
+        } else if fits_if_smaller {
             (
-                "objects",
-                "the scene",
-                "reduce the `count` of generators, or use smaller files".to_owned(),
+                "image",
+                "the image is too large: ",
+                Some(self.image_advice()),
             )
+        } else {
+            ("image", "", None)
         };
         let [needed, left] = memory_sizes([self.total(), available]);
         let [of_section, _] = memory_sizes([self.film.max(self.scene), available]);
+        let limit = memory_limit();
+        let more = limit.map(|limit| {
+            let enough = limit.saturating_sub(available) + self.total();
+            format!("give `--memory {}M` or more", enough.div_ceil(MIB) + 1)
+        });
+        let help = match (advice, more) {
+            (Some(advice), Some(more)) => format!("{advice}; or {more}"),
+            (advice, more) => advice.or(more).unwrap_or("stop other programs".to_owned()),
+        };
+        let left_of = limit.map_or("free", |_| "left of `--memory`");
         Err(Fault::of_key(
             FieldPath::default().key(section),
-            format!(
-                "{what} is too large: {needed} of memory are needed, {left} are {}",
-                match memory_limit() {
-                    Some(_) => "left of `--memory`",
-                    None => "free",
-                }
-            ),
+            format!("{what}{needed} of memory are needed, {left} are {left_of}"),
             format!("needs {of_section}"),
         )
-        .with_help(advice))
+        .with_help(help))
     }
 
     fn image_advice(&self) -> String {
@@ -177,6 +196,25 @@ impl Memory {
             Some(reason) => format!("{advice}; {reason}"),
         }
     }
+}
+
+/// Checks that the program itself fits into the memory that the user allows.
+///
+/// # Errors
+/// It does not.
+pub fn check_limit() -> Result<(), Diagnostic> {
+    let sizes = memory_limit().zip(resident_memory());
+    let Some((limit, program)) = sizes.filter(|(limit, program)| limit <= program) else {
+        return Ok(());
+    };
+    let [limit, program] = memory_sizes([limit, program]);
+    let message =
+        format!("`--memory` allows {limit}, and the program itself takes {program} already");
+    let help = format!(
+        "give `--memory {}M` or more: `raycost check` says what a scene takes beside the program",
+        PROGRAM / MIB
+    );
+    Err(Diagnostic::new(message).with_help(help))
 }
 
 /// Returns the limit in bytes of a still picture beside `n_read` bytes of geometries: with a limit

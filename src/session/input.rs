@@ -60,6 +60,7 @@ impl Input {
         config.check_arrays().map_err(point_at)?;
         config.check_metrics().map_err(point_at)?;
         config.output.leave_out_without(config.acceleration);
+        memory::check_limit()?;
         let available = memory::available();
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when `available` was

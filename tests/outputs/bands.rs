@@ -193,7 +193,7 @@ fn check_says_how_a_picture_will_be_written() {
     assert!(
         folder
             .message(&["check", "configs/seed_sphere.yaml", "--memory=1M"], 2)
-            .contains("too large")
+            .contains("the program itself takes")
     );
 }
 
@@ -271,7 +271,20 @@ fn too_little_memory_and_what_needs_a_whole_picture_are_refused() {
         message
     };
     let message = refused(&["--memory=1M"]);
+    assert!(
+        message.contains("the program itself takes") && message.contains("give `--memory 32M`"),
+        "{message}"
+    );
+    // The advice is enough, and no smaller picture would do.
+    let small =
+        "render configs/seed_extended.yaml --out=small --width=60 --height=40 --compress=zlib";
+    let small: Vec<&str> = small.split(' ').collect();
+    let message = folder.message(&[&small[..], &["--memory=40M"]].concat(), 2);
     assert!(message.contains("left of `--memory`"), "{message}");
+    assert!(!message.contains("smaller"), "{message}");
+    let (_, enough) = message.split_once("give `--memory ").unwrap();
+    let enough = enough.split('`').next().unwrap();
+    assert_success(&folder.run(&[&small[..], &["--memory", enough]].concat()));
     let message = refused(&[MEMORY, "--cost=time", "--repeats=3"]);
     assert!(message.contains("with one rendering"), "{message}");
     let message = refused(&[MEMORY, "--cost=counters", "--also=exr"]);
