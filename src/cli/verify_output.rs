@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::render::{OF_ANOTHER_RUN, UNFINISHED};
 use super::{Failure, shown};
 use base::folder::{SUMMARY, is_unfinished};
 use base::text::Diagnostic;
@@ -118,6 +119,7 @@ pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, 
             left: n_frames
                 .and_then(|n_frames| strays(folder, n_frames))
                 .into_iter()
+                .chain(parts.iter().filter_map(|part| unfinished(part)))
                 .collect(),
         });
     }
@@ -136,6 +138,13 @@ fn n_frames_of(folder: &Path, parts: &[PathBuf]) -> u32 {
     FrameSeries::n_frames_in(folder)
         .or_else(|| parts.iter().find_map(of_part))
         .unwrap_or(parts.len() as u32)
+}
+
+/// Returns the sentence about the tiles of an interrupted run in the folder of an output.
+fn unfinished(part: &Path) -> Option<String> {
+    let path = part.join(UNFINISHED);
+    let is_left = path.is_file();
+    is_left.then(|| format!("{} {OF_ANOTHER_RUN}", shown(&path)))
 }
 
 /// Returns the problems of an animation of `n_frames`, except for the files of its frames: one line

@@ -748,6 +748,44 @@ fn complete_frames_are_cleared_of_what_a_killed_run_left() {
     assert!(!left.exists());
 }
 
+/// What a run leaves that is killed within a frame, once this frame is complete.
+#[test]
+fn tiles_of_a_killed_run_are_removed_or_reported() {
+    let scene = Scene::ball(ANIMATION);
+    let left = scene.path("out/scene/frames/0000/unfinished.tiles");
+    let leave = |spp: &str| {
+        let _ = fs::remove_dir_all(scene.path("parts"));
+        let part = ["--quiet", "--frames=0", "--part=1/2", "--out=parts"];
+        scene.render(&[&part, &[spp][..]].concat());
+        let tiles = scene.path("parts/frames/0000/parts/part-1-of-2.tiles");
+        fs::create_dir_all(left.parent().unwrap()).unwrap();
+        fs::copy(tiles, &left).unwrap();
+    };
+    let check = || scene.of_folder("check", "out/scene");
+    leave("--spp=1");
+    let text = scene.render(&[]);
+    assert!(!left.exists() && !text.contains("unfinished"), "{text}");
+    // Tiles of other settings.
+    leave("--spp=4");
+    fs::remove_file(frame(&scene.path("out/scene"), 0).join("image.png")).unwrap();
+    for expected in ["1 frame rendered", "0 frames rendered"] {
+        let text = scene.render(&[]);
+        assert!(text.contains(expected), "{text}");
+        let note = "kept    out/scene/frames/0000/unfinished.tiles of an interrupted run";
+        assert!(left.exists() && text.contains(note), "{text}");
+    }
+    let output = check();
+    assert_success(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("0000/unfinished.tiles of an"), "{text}");
+    // Those of all parts are merged.
+    for part in ["--part=1/2", "--part=2/2"] {
+        scene.render(&["--quiet", "--frames=0", "--spp=4", part]);
+    }
+    assert_success(&scene.of_folder("merge", "out/scene"));
+    assert!(!left.exists());
+}
+
 /// The job array of the book, each task of it with the variables that Slurm sets.
 #[test]
 fn the_job_array_of_the_book_renders_all_frames() {

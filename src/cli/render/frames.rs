@@ -60,7 +60,10 @@ pub(super) fn render(
         let frame = job.frame(number)?;
         let done = match complete_frame(&folder, &frame.section) {
             Some(_) => {
-                tiles::remove_left(&folder);
+                let left = tiles::remove_left(&folder);
+                if arguments.prints_lines() {
+                    text::print(&left)?;
+                }
                 FrameDone::Kept
             }
             None => job.render(&folder, frame).map_err(|failure| {
@@ -83,7 +86,7 @@ pub(super) fn render(
         None => job.finish()?,
         Some(_) => part::next_line(&out),
     };
-    if !arguments.run.quiet && !arguments.json {
+    if arguments.prints_lines() {
         let kept = match n_kept {
             0 => String::new(),
             n => format!(", {n} complete from an earlier run"),
@@ -137,8 +140,13 @@ enum FrameDone {
 
 /// The rendered part of a frame.
 enum FrameRender {
-    /// The times of its stages, and the missing tiles.
-    Whole(String, Option<Partial>),
+    Whole {
+        /// The times of its stages.
+        times: String,
+        /// Lines about tiles of other runs.
+        of_tiles: String,
+        partial: Option<Partial>,
+    },
     Part(PicturePart, PartDone),
 }
 
@@ -146,8 +154,13 @@ impl FrameRender {
     fn of_frame(&self) -> FrameDone {
         match self {
             Self::Part(_, PartDone::Kept) => FrameDone::Kept,
-            Self::Whole(_, Some(_)) | Self::Part(_, PartDone::Partial(_)) => FrameDone::Partial,
-            Self::Whole(_, None) | Self::Part(_, PartDone::Rendered(..)) => FrameDone::Rendered,
+            Self::Whole {
+                partial: Some(_), ..
+            }
+            | Self::Part(_, PartDone::Partial(_)) => FrameDone::Partial,
+            Self::Whole { partial: None, .. } | Self::Part(_, PartDone::Rendered(..)) => {
+                FrameDone::Rendered
+            }
         }
     }
 }
@@ -160,11 +173,15 @@ fn whole(run: PictureRun) -> Result<FrameRender, Failure> {
         let wall = Duration::from_secs_f64(stage.wall_ms / 1e3);
         format!("{} {}", stage.name, duration(wall))
     });
-    let mut text = times.collect::<Vec<_>>().join(", ");
+    let mut times = times.collect::<Vec<_>>().join(", ");
     if let Some(partial) = picture.partial {
-        text += &format!("; {partial}");
+        times += &format!("; {partial}");
     }
-    Ok(FrameRender::Whole(text, picture.partial))
+    Ok(FrameRender::Whole {
+        times,
+        of_tiles: picture.of_tiles,
+        partial: picture.partial,
+    })
 }
 
 /// A run that renders frames.
@@ -228,12 +245,14 @@ impl FrameJob<'_> {
             None => whole(run)?,
         };
         self.hierarchies.take_from(&frame)?;
-        if !arguments.run.quiet && !arguments.json {
+        if arguments.prints_lines() {
             text::print(&match &done {
                 FrameRender::Part(part, done) => done.line(*part, folder),
-                FrameRender::Whole(text, _) => {
+                FrameRender::Whole {
+                    times, of_tiles, ..
+                } => {
                     let hierarchy = hierarchies::line(session.hierarchy(), frame.keeps_hierarchy);
-                    format!("frame   {number} of {n_frames}: {text}{hierarchy}\n")
+                    format!("frame   {number} of {n_frames}: {times}{hierarchy}\n{of_tiles}")
                 }
             })?;
         }

@@ -41,6 +41,7 @@ use scene::world::Geometries;
 
 pub(super) use merge::{MergeArguments, run as run_merge};
 pub(super) use ranks::fail_on_a_rank;
+pub(super) use tiles::{OF_ANOTHER_RUN, UNFINISHED};
 
 /// Render a scene and write its files
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -260,6 +261,11 @@ impl RenderArguments {
         } else {
             HardwareCounters::none()
         }
+    }
+
+    /// Returns true if standard output has lines about the run.
+    fn prints_lines(&self) -> bool {
+        !self.run.quiet && !self.json
     }
 
     /// Returns the moment after which no further tile is started, if the rendering starts now.

@@ -44,7 +44,7 @@ impl<'a> FinishedPicture<'a> {
         };
         let partial = rendering.partial();
         Ok(Self {
-            of_tiles: tiles.settle(partial)?,
+            of_tiles: tiles.settle(&run, partial)?,
             rendering,
             written,
             partial,

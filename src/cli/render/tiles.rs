@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::picture_run::PictureRun;
 use super::{RenderArguments, merge};
@@ -17,7 +17,11 @@ use render::ranks::n_launched;
 use render::tiles::Limits;
 
 /// Name of the file of finished tiles, in the output folder until the output is complete.
-const UNFINISHED: &str = "unfinished.tiles";
+pub(in crate::cli) const UNFINISHED: &str = "unfinished.tiles";
+
+/// The rest of a sentence about such a file beside a complete output.
+pub(in crate::cli) const OF_ANOTHER_RUN: &str =
+    "of an interrupted run: `--resume` with its flags continues it, or remove it";
 
 /// The source of the tiles of a picture that are finished, and the sink of new ones.
 #[derive(Debug, Default)]
@@ -25,8 +29,6 @@ pub(super) struct Tiles {
     /// The part of the picture; `None` for the whole.
     part: Option<PicturePart>,
     checkpoint: Option<Checkpoint>,
-    /// The file of an interrupted run that this one does not continue.
-    left: Option<PathBuf>,
     /// True if the pixels are only in the files of tiles: for a part, and for a picture that is larger
     /// than memory.
     is_stored: bool,
@@ -44,19 +46,16 @@ impl Tiles {
         let path = run.out.join(UNFINISHED);
         let is_stored = session.bands().is_some();
         let checkpoint = if arguments.merges {
-            merge::parts(arguments, session, run.out)?
+            Some(merge::parts(arguments, session, run.out)?)
         } else if arguments.resume || arguments.timeout.is_some() || is_stored {
-            kept(arguments, session, &path)?
+            Some(kept(arguments, session, &path)?)
         } else {
-            return Ok(Self {
-                left: Some(path).filter(|path| path.is_file()),
-                ..Self::default()
-            });
+            None
         };
         Ok(Self {
-            checkpoint: Some(checkpoint),
+            part: None,
+            checkpoint,
             is_stored,
-            ..Self::default()
         })
     }
 
@@ -65,7 +64,6 @@ impl Tiles {
         Self {
             part: Some(part),
             checkpoint: Some(checkpoint),
-            left: None,
             is_stored: true,
         }
     }
@@ -135,16 +133,20 @@ impl Tiles {
     /// lines about tiles of other runs.
     ///
     /// # Errors
-    /// If the file cannot be removed.
-    pub(super) fn settle(self, partial: Option<Partial>) -> Result<String, WriteError> {
-        let mut lines = String::new();
-        if let Some(left) = &self.left {
-            let left = shown(left);
-            lines += &format!("kept    {left} of an interrupted run: `--resume` continues it\n");
-        }
+    /// If the file of this run cannot be removed.
+    pub(super) fn settle(
+        self,
+        run: &PictureRun,
+        partial: Option<Partial>,
+    ) -> Result<String, WriteError> {
         let Some(checkpoint) = self.checkpoint.filter(Checkpoint::keeps) else {
-            return Ok(lines);
+            let header = || run.session.header(Vec::new(), None).ok();
+            let is_used = |file: &CheckpointFile| {
+                header().is_some_and(|header| file.header.foreign_to(&header).is_none())
+            };
+            return Ok(clear(run.out, is_used));
         };
+        let mut lines = String::new();
         let n_restored = checkpoint.n_restored();
         if n_restored > 0 {
             let n_tiles = counted(n_restored as u64, "tile");
@@ -208,16 +210,26 @@ fn kept(
 }
 
 /// Removes files that a run left in or beside a folder with a complete picture, if it was killed
-/// after the folder was put in place. Ignores errors.
-pub(super) fn remove_left(folder: &Path) {
-    // Other files of finished tiles belong to another picture.
-    let path = folder.join(UNFINISHED);
-    let is_used = |file: &CheckpointFile| file.has_all_tiles();
-    if let Ok(_lock) = lock_folder(folder)
-        && CheckpointFile::open(&path).is_ok_and(|file| is_used(&file))
-    {
-        let _ = fs::remove_file(path);
+/// after the folder was put in place. Returns the line about the tiles of another run.
+pub(super) fn remove_left(folder: &Path) -> String {
+    match lock_folder(folder) {
+        Ok(_lock) => clear(folder, CheckpointFile::has_all_tiles),
+        Err(_) => String::new(),
     }
+}
+
+/// Removes the file of finished tiles from the folder of a complete picture if it is of no further
+/// use; ignores errors. Returns the line about a file that remains, which is of another picture.
+fn clear(folder: &Path, is_used: impl Fn(&CheckpointFile) -> bool) -> String {
+    let path = folder.join(UNFINISHED);
+    if CheckpointFile::open(&path).is_ok_and(|file| is_used(&file)) {
+        let _ = fs::remove_file(&path);
+    }
+    if !path.is_file() {
+        return String::new();
+    }
+    let path = shown(&path);
+    format!("kept    {path} {OF_ANOTHER_RUN}\n")
 }
 
 /// Opens a file of finished tiles; `None` if there is none, or no whole header.
