@@ -6,26 +6,58 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::render::{OF_ANOTHER_RUN, UNFINISHED};
-use super::{Failure, shown};
+use super::render::{OF_ANOTHER_RUN, UNFINISHED, go_on};
+use super::{Failure, shell_word, shown};
 use base::folder::{SUMMARY, is_unfinished};
 use base::text::Diagnostic;
 use base::text::numbers::counted;
 use output::results::{read_unchanged, verify};
 use output::summary::{Partial, Summary};
+use render::checkpoint::{CheckpointFile, PARTS};
 use tools::series::{FRAMES, FrameSeries, frame_folder, frame_number, strays};
 
 /// Returns the outputs in a folder: itself, or the folders of its frames; `None` if it has none.
-pub(super) fn outputs_in(folder: &Path) -> Option<Vec<PathBuf>> {
+///
+/// # Errors
+/// It has none, but what a rendering has begun.
+pub(super) fn outputs_in(folder: &Path) -> Result<Option<Vec<PathBuf>>, Diagnostic> {
     let is_output = |folder: &Path| is_unfinished(folder) || folder.join(SUMMARY).exists();
     if is_output(folder) {
-        return Some(vec![folder.to_owned()]);
+        return Ok(Some(vec![folder.to_owned()]));
     }
-    let entries = fs::read_dir(folder.join(FRAMES)).ok()?.flatten();
-    let folders = entries.map(|entry| entry.path());
-    let mut frames: Vec<PathBuf> = folders.filter(|frame| is_output(frame)).collect();
-    frames.sort();
-    Some(frames).filter(|frames| !frames.is_empty())
+    let entries = fs::read_dir(folder.join(FRAMES)).into_iter().flatten();
+    let mut folders: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    folders.sort();
+    let (frames, others): (Vec<_>, Vec<_>) =
+        folders.into_iter().partition(|frame| is_output(frame));
+    if !frames.is_empty() {
+        return Ok(Some(frames));
+    }
+    let mut places = [folder.to_owned()].into_iter().chain(others);
+    places
+        .find_map(|place| begun_in(&place, folder))
+        .map_or(Ok(None), Err)
+}
+
+/// Returns the message about a folder of the output `out` that has no files of a picture yet: only
+/// finished tiles.
+fn begun_in(folder: &Path, out: &Path) -> Option<Diagnostic> {
+    let tiles = folder.join(UNFINISHED);
+    let (what, help) = if let Ok(tiles) = CheckpointFile::open(&tiles) {
+        let n_tiles = counted(tiles.n_tiles() as u64, "finished tile");
+        let help = go_on(Path::new(&tiles.header.scene));
+        (format!("{n_tiles} of an interrupted run"), help)
+    } else if folder.join(PARTS).is_dir() {
+        let help = format!(
+            "when all parts are there: `raycost merge {}`",
+            shell_word(out)
+        );
+        ("parts of a picture".to_owned(), help)
+    } else {
+        return None;
+    };
+    let message = format!("`{}` has {what}, and no output yet", shown(folder));
+    Some(Diagnostic::new(message).with_help(help))
 }
 
 /// An output whose files are as they were written.

@@ -763,6 +763,9 @@ fn tiles_of_a_killed_run_are_removed_or_reported() {
     };
     let check = || scene.of_folder("check", "out/scene");
     leave("--spp=1");
+    let message = String::from_utf8(check().stderr).unwrap();
+    assert!(message.contains("of an interrupted run"), "{message}");
+    assert!(message.contains("render scene.yaml --resume"), "{message}");
     let text = scene.render(&[]);
     assert!(!left.exists() && !text.contains("unfinished"), "{text}");
     // Tiles of other settings.
@@ -784,6 +787,17 @@ fn tiles_of_a_killed_run_are_removed_or_reported() {
     }
     assert_success(&scene.of_folder("merge", "out/scene"));
     assert!(!left.exists());
+}
+
+#[test]
+fn a_folder_of_parts_has_no_output_yet() {
+    let scene = Scene::ball(ANIMATION);
+    scene.render(&["--quiet", "--frames=1", "--part=1/2"]);
+    let output = scene.of_folder("check", "out/scene");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("has parts of a picture"), "{message}");
+    assert!(message.contains("`raycost merge out/scene`"), "{message}");
 }
 
 /// The job array of the book, each task of it with the variables that Slurm sets.

@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 }
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
-    if let Some(parts) = outputs_in(&arguments.scene.scene) {
+    if let Some(parts) = outputs_in(&arguments.scene.scene)? {
         let whole = verified(&arguments.scene.scene, &parts)?;
         return print(arguments, || whole.lines(), || whole.json());
     }

@@ -41,7 +41,7 @@ use scene::world::Geometries;
 
 pub(super) use merge::{MergeArguments, run as run_merge};
 pub(super) use ranks::fail_on_a_rank;
-pub(super) use tiles::{OF_ANOTHER_RUN, UNFINISHED};
+pub(super) use tiles::{OF_ANOTHER_RUN, UNFINISHED, go_on};
 
 /// Render a scene and write its files
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -117,7 +117,7 @@ impl Tiles {
         }
         let file = shown(&arguments.scene.out().join(UNFINISHED));
         let message = format!("stopped: kept {n_tiles} in `{file}`");
-        Some(Diagnostic::new(message).with_help(go_on(arguments)))
+        Some(Diagnostic::new(message).with_help(go_on(&arguments.scene.scene)))
     }
 
     /// Gives the complete file of a part its final name, flushed to the disk if `sync`.
@@ -172,12 +172,12 @@ pub(super) fn partial_line(arguments: &RenderArguments, partial: Partial) -> Str
             count(partial.n_tiles)
         ),
     };
-    format!("partial {what}: {}\n", go_on(arguments))
+    format!("partial {what}: {}\n", go_on(&arguments.scene.scene))
 }
 
-/// Returns how to continue an incomplete picture.
-fn go_on(arguments: &RenderArguments) -> String {
-    let scene = shell_word(&arguments.scene.scene);
+/// Returns how to continue an incomplete picture of a scene.
+pub(in crate::cli) fn go_on(scene: &Path) -> String {
+    let scene = shell_word(scene);
     format!("go on with `raycost render {scene} --resume` and the same flags")
 }
 
