@@ -36,14 +36,16 @@ pub fn bytes(n: u64) -> String {
     scaled(n as f64, 1e3, &["B", "kB", "MB", "GB", "TB", "PB", "EB"])
 }
 
-/// Formats two sizes of memory in the largest unit that shows which one is larger: `3.1 GiB` and
-/// `2.9 GiB`, or `20.0 KiB` and `12.5 KiB`.
+/// Formats two sizes of memory in the largest unit that shows which one is larger, and neither as
+/// none: `3.1 GiB` and `2.9 GiB`, or `20.0 KiB` and `12.5 KiB`.
 pub fn memory_sizes(sizes: [u64; 2]) -> [String; 2] {
     let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)].into_iter();
     let in_unit = |(unit, power)| {
         sizes.map(|n| format!("{:.1} {unit}", n as f64 / f64::from(1_u32 << power)))
     };
-    let apart = units.map(in_unit).find(|[a, b]| a != b);
+    let shows = |text: &str, n: u64| n == 0 || !text.starts_with("0.0");
+    let is_fine = |[a, b]: &[String; 2]| a != b && shows(a, sizes[0]) && shows(b, sizes[1]);
+    let apart = units.map(in_unit).find(is_fine);
     apart.unwrap_or_else(|| sizes.map(|n| format!("{} bytes", count(n))))
 }
 
@@ -165,6 +167,8 @@ mod tests {
         for (sizes, shown) in [
             ([5 << 30, 3 << 30], ["5.0 GiB", "3.0 GiB"]),
             ([20 << 10, 25 << 9], ["20.0 KiB", "12.5 KiB"]),
+            ([60 << 20, 20 << 20], ["60.0 MiB", "20.0 MiB"]),
+            ([12 << 20, 0], ["12.0 MiB", "0.0 MiB"]),
             (
                 [(1 << 30) + (3 << 20), 1 << 30],
                 ["1027.0 MiB", "1024.0 MiB"],
