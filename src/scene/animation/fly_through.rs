@@ -1,5 +1,7 @@
 //! A camera that moves along a smooth path.
 
+use std::sync::OnceLock;
+
 use serde::Deserialize;
 use serde::de::Deserializer;
 
@@ -26,6 +28,9 @@ pub struct FlyThrough {
     /// camera looks ahead along the path.
     #[serde(default, deserialize_with = "points")]
     pub targets: Vec<[f64; 3]>,
+    /// The path through all eyes, measured for the first frame.
+    #[serde(skip)]
+    spline: OnceLock<Spline>,
 }
 
 /// A point of a scene.
@@ -69,7 +74,7 @@ impl FlyThrough {
     /// Returns the eye and the target at a frame.
     pub(super) fn pose(&self, frame: u32, n_frames: u32) -> [[f64; 3]; 2] {
         let part = f64::from(frame) / f64::from((n_frames - 1).max(1));
-        let spline = Spline::through(&self.eyes);
+        let spline = self.spline.get_or_init(|| Spline::through(&self.eyes));
         let (segment, u) = spline.at_length(part, &self.eyes);
         let eye = spline.point(&self.eyes, segment, u);
         let target = match self.targets.as_slice() {
@@ -90,9 +95,12 @@ impl FlyThrough {
 /// A Catmull-Rom spline with centripetal knots, after Yuksel, Schaefer and Keyser,
 /// "Parameterization and Applications of Catmull-Rom Curves", 2011: it has no loops or cusps
 /// between its points.
+#[derive(Debug, Clone, PartialEq)]
 struct Spline {
     /// The knots of all points, and one more on each side.
     knots: Vec<f64>,
+    /// The length of the path up to each point.
+    lengths: Vec<f64>,
 }
 
 /// The knots between which each level of the pyramid interpolates.
@@ -108,7 +116,15 @@ impl Spline {
             let gap = distance(points[segment], points[segment + 1]).sqrt();
             knots.push(knots[i] + gap);
         }
-        Self { knots }
+        let mut spline = Self {
+            knots,
+            lengths: vec![0.0],
+        };
+        for segment in 0..n - 1 {
+            let length = spline.lengths_within(points, segment).last();
+            spline.lengths.extend(length);
+        }
+        spline
     }
 
     /// Returns the point of a segment at `u` from 0 to 1, by the pyramid of Barry and Goldman.
@@ -134,31 +150,38 @@ impl Spline {
         row[0]
     }
 
+    /// Returns the length of the path up to the end of each part of a segment.
+    fn lengths_within(&self, points: &[[f64; 3]], segment: usize) -> impl Iterator<Item = f64> {
+        let n_segments = points.len() - 1;
+        let end = move |part: usize| {
+            let segment = (part / N_PARTS).min(n_segments - 1);
+            let u = (part - segment * N_PARTS) as f64 / N_PARTS as f64;
+            self.point(points, segment, u)
+        };
+        let first = segment * N_PARTS;
+        let parts = first..first + N_PARTS;
+        parts.scan(self.lengths[segment], move |length, part| {
+            *length += distance(end(part), end(part + 1));
+            Some(*length)
+        })
+    }
+
     /// Returns the segment and the position in it at this fraction of the path's length.
     fn at_length(&self, part: f64, points: &[[f64; 3]]) -> (usize, f64) {
         let n_segments = points.len() - 1;
-        let at = |i: usize| {
-            let segment = (i / N_PARTS).min(n_segments - 1);
-            (segment, (i - segment * N_PARTS) as f64 / N_PARTS as f64)
-        };
-        let point = |i: usize| {
-            let (segment, u) = at(i);
-            self.point(points, segment, u)
-        };
-        let mut lengths = vec![0.0];
-        for i in 0..n_segments * N_PARTS {
-            lengths.push(lengths[i] + distance(point(i), point(i + 1)));
+        let wanted = part * self.lengths[n_segments];
+        let next = self.lengths.partition_point(|length| *length <= wanted);
+        let segment = (next - 1).min(n_segments - 1);
+        let mut before = self.lengths[segment];
+        for (part, after) in self.lengths_within(points, segment).enumerate() {
+            if after > wanted {
+                let within = (wanted - before) / (after - before);
+                let u = part as f64 / N_PARTS as f64;
+                return (segment, u + within / N_PARTS as f64);
+            }
+            before = after;
         }
-        let wanted = part * lengths[lengths.len() - 1];
-        let next = lengths.partition_point(|length| *length <= wanted);
-        let Some(&after) = lengths.get(next) else {
-            return (n_segments - 1, 1.0);
-        };
-        let before = lengths[next - 1];
-        let (segment, u) = at(next - 1);
-        // Each part lies within one segment.
-        let within = (wanted - before) / (after - before);
-        (segment, u + within / N_PARTS as f64)
+        (segment, 1.0)
     }
 }
 
@@ -175,6 +198,7 @@ mod tests {
         FlyThrough {
             eyes: eyes.to_vec(),
             targets: targets.to_vec(),
+            spline: OnceLock::new(),
         }
     }
 
