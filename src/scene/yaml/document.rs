@@ -224,8 +224,9 @@ impl Document {
         additions.find_map(|&(source, n_steps)| {
             let source = &self.sources[source];
             let setting = source.as_setting()?;
-            let is_above =
-                setting.path.0.len() > path.0.len() && setting.path.0.starts_with(&path.0);
+            if setting.path.0.len() <= path.0.len() || !setting.path.0.starts_with(&path.0) {
+                return None;
+            }
             let mut tree = composition.tree.clone();
             let (last, above) = setting.path.0[..n_steps].split_last()?;
             let (Tree::Map(siblings), Step::Key(key)) = (tree.at(above)?, last) else {
@@ -233,8 +234,7 @@ impl Document {
             };
             siblings.shift_remove(key);
             let fault = no_such_key(setting, n_steps, siblings.keys());
-            let without = tree.text();
-            let is_fine = is_above && refuse(&without).is_none();
+            let is_fine = refuse(&tree.text()).is_none();
             is_fine.then(|| self.diagnose(source, fault))
         })
     }
@@ -386,6 +386,10 @@ fn no_such_value(setting: &SettingText, depth: usize, above: &Tree) -> Fault {
             fault(message, "no such key in the scene".to_owned())
                 .with_help(format!("set it as a whole: `--set '{above_path}={{ … }}'`"))
         }
-        (Tree::Map(map), Step::Key(_)) => no_such_key(setting, depth + 1, map.keys()),
+        // Missing keys are created before; to list all at each step would take long.
+        (Tree::Map(_), Step::Key(_)) => {
+            let message = format!("the scene has no `{path}`");
+            fault(message, "no such key in the scene".to_owned())
+        }
     }
 }
