@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DAffine3;
 
 use super::arrays;
-use super::own_materials;
+use super::own_materials::{self, NewNames};
 use super::pictures::Pictures;
 use crate::config::{
     Config, Creases, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
@@ -77,6 +77,19 @@ impl ObjectGeometry {
         }
     }
 
+    /// Returns the memory of the contents of its files in bytes.
+    fn n_bytes(&self) -> u64 {
+        match self {
+            Self::Shape(_) | Self::Generator(_) => 0,
+            Self::Mesh(mesh) => mesh.n_bytes(),
+            Self::Spheres(spheres) => spheres.n_bytes(),
+            Self::Tubes(tubes) => tubes.n_bytes(),
+            Self::Instances(placed) => {
+                placed.mesh.n_bytes() + size_of_val(&placed.places[..]) as u64
+            }
+        }
+    }
+
     /// Returns the numbers of an array if one was read.
     pub(super) fn scalars(&self) -> Option<&[f32]> {
         match self {
@@ -123,9 +136,9 @@ impl Geometries {
             own_picture_bytes: 0,
             notes: Vec::new(),
         };
-        let available = available.saturating_sub(found.pictures.n_bytes());
+        let mut available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
-            found.objects.push(match &object.geometry {
+            let geometry = match &object.geometry {
                 Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
                 Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
                 Geometry::Tube(tube) => ObjectGeometry::Tubes(tube.tubes().clone()),
@@ -133,7 +146,6 @@ impl Geometries {
                     let path = FieldPath::default().key("objects").index(index);
                     let path = path.key(file.to_string()).key("file");
                     let folder = folders.folder_of(&path);
-                    let available = available.saturating_sub(found.n_bytes());
                     let array = arrays::choice(config, object)?;
                     let extra = Extra::new(object, array, available);
                     read_checked(file, folder, extra, available, &path)?
@@ -141,12 +153,13 @@ impl Geometries {
                 Geometry::Instances(instances) => {
                     let path = FieldPath::default().key("objects").index(index);
                     let path = path.key(InstancedMesh::KEY);
-                    let available = available.saturating_sub(found.n_bytes());
                     let array = arrays::choice(config, object)?;
                     let extra = Extra::new(object, array, available);
                     read_instances(instances, folders, extra, available, &path)?
                 }
-            });
+            };
+            available = available.saturating_sub(geometry.n_bytes());
+            found.objects.push(geometry);
         }
         Ok(found.in_parts(config))
     }
@@ -160,13 +173,14 @@ impl Geometries {
             ..self
         };
         let objects = std::mem::take(&mut config.objects);
+        let mut names = NewNames::default();
         for (place, (object, geometry)) in objects.into_iter().zip(self.objects).enumerate() {
             let parts = match geometry {
                 ObjectGeometry::Mesh(mesh) if object.material.0.is_empty() => {
                     found.own_picture_bytes += import::picture_bytes(&mesh.materials);
                     config.lights.extend(own_lights(&object, &mesh));
                     found.add_notes(&object.geometry, &mesh);
-                    let parts = own_materials::parts(config, object, *mesh).into_iter();
+                    let parts = own_materials::parts(config, &mut names, object, *mesh).into_iter();
                     parts
                         .map(|(part, mesh)| (part, ObjectGeometry::Mesh(Box::new(mesh))))
                         .collect()
@@ -179,7 +193,7 @@ impl Geometries {
                         scalars,
                     } = *placed;
                     found.add_notes(&object.geometry, &mesh);
-                    let parts = own_materials::parts(config, object, mesh).into_iter();
+                    let parts = own_materials::parts(config, &mut names, object, mesh).into_iter();
                     let instances = |mesh| MeshInstances {
                         mesh,
                         places: Arc::clone(&places),
@@ -242,16 +256,7 @@ impl Geometries {
 
     /// Returns the memory of the contents of the files in bytes, without the pictures.
     pub fn n_bytes(&self) -> u64 {
-        let of_object = |geometry: &ObjectGeometry| match geometry {
-            ObjectGeometry::Shape(_) | ObjectGeometry::Generator(_) => 0,
-            ObjectGeometry::Mesh(mesh) => mesh.n_bytes(),
-            ObjectGeometry::Spheres(spheres) => spheres.n_bytes(),
-            ObjectGeometry::Tubes(tubes) => tubes.n_bytes(),
-            ObjectGeometry::Instances(placed) => {
-                placed.mesh.n_bytes() + size_of_val(&placed.places[..]) as u64
-            }
-        };
-        self.objects.iter().map(of_object).sum()
+        self.objects.iter().map(ObjectGeometry::n_bytes).sum()
     }
 }
 

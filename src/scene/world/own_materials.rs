@@ -3,6 +3,7 @@
 //! Reports then name them as the file does, and a material belongs to an object, so that no ray
 //! pays for a lookup per triangle.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use crate::config::{Config, Geometry, MaterialNames, Object, ShadingModel};
@@ -12,8 +13,18 @@ use crate::material::{Material, MaterialDetail};
 /// Maximum number of characters of a file's or material's name in the name of a part.
 const MAX_WORD: usize = 100;
 
+/// Numbers of the names of materials that meshes have added to a config: how many were tried for
+/// each beginning.
+#[derive(Debug, Default)]
+pub(super) struct NewNames(HashMap<String, usize>);
+
 /// Returns the objects of the materials of a mesh, and adds the materials to the config.
-pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Object, Mesh)> {
+pub(super) fn parts(
+    config: &mut Config,
+    names: &mut NewNames,
+    object: Object,
+    mesh: Mesh,
+) -> Vec<(Object, Mesh)> {
     let file = file_word(&object.geometry);
     let detail = match config.shading.model {
         ShadingModel::Seed => MaterialDetail::Surface,
@@ -24,7 +35,7 @@ pub(super) fn parts(config: &mut Config, object: Object, mesh: Mesh) -> Vec<(Obj
     let is_whole = parts.len() == 1;
     let part = |(of_file, mesh): (MeshMaterial, Mesh)| {
         let of_part = word(&of_file.name);
-        let material = new_name(config, &format!("{file}/{of_part}"));
+        let material = names.next(config, &format!("{file}/{of_part}"));
         let made = Material::of_mesh(&of_file, detail);
         config.materials.insert(material.clone(), made);
         let name = match &object.name {
@@ -52,12 +63,21 @@ pub(super) fn file_word(geometry: &Geometry) -> String {
     word(&file.to_string_lossy())
 }
 
-/// Returns a name that no material has, beginning with this one.
-fn new_name(config: &Config, name: &str) -> String {
-    let numbered = (2..).map(|number| format!("{name} {number}"));
-    let mut names = std::iter::once(name.to_owned()).chain(numbered);
-    let free = names.find(|name| !config.materials.contains_key(name));
-    free.unwrap_or_default()
+impl NewNames {
+    /// Returns a name that no material has, beginning with this one.
+    fn next(&mut self, config: &Config, name: &str) -> String {
+        let n_tried = self.0.entry(name.to_owned()).or_default();
+        loop {
+            *n_tried += 1;
+            let name = match *n_tried {
+                1 => name.to_owned(),
+                number => format!("{name} {number}"),
+            };
+            if !config.materials.contains_key(&name) {
+                return name;
+            }
+        }
+    }
 }
 
 /// Shortens a name to a part of a longer one.
