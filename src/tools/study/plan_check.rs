@@ -1,5 +1,8 @@
 //! Checks of a study file beyond the types of its values.
 
+use std::collections::HashSet;
+use std::hash::Hash;
+
 use super::metric_list::{MetricNeed, StudyMetric};
 use super::point::{STEP, scene_names};
 use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
@@ -136,8 +139,9 @@ fn key(name: &str) -> FieldPath {
 }
 
 /// Checks that no item of the list at `path` occurs twice.
-fn check_differ<T: PartialEq>(list: &[T], path: &FieldPath) -> Result<(), Fault> {
-    let twice = (0..list.len()).find(|&n| list[..n].contains(&list[n]));
+fn check_differ<T: Eq + Hash>(list: &[T], path: &FieldPath) -> Result<(), Fault> {
+    let mut known = HashSet::new();
+    let twice = list.iter().position(|item| !known.insert(item));
     let Some(twice) = twice else { return Ok(()) };
     let message = format!("`{path}` has an item twice");
     let fault = Fault::new(path.clone().index(twice), message, "is there already");

@@ -1,5 +1,6 @@
 //! One combination of scene and factor levels.
 
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
@@ -106,18 +107,24 @@ pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
         let parts: Vec<_> = bare.iter().map(|part| part.to_string_lossy()).collect();
         parts[parts.len().saturating_sub(n_parts)..].join("/")
     };
+    let mut names = HashMap::new();
+    let mut unnamed: HashSet<&PathBuf> = scenes.iter().collect();
     let most = scenes.iter().map(|scene| scene.iter().count()).max();
+    for n_parts in 1..=most.unwrap_or(1) {
+        let mut alike: HashMap<String, Vec<&PathBuf>> = HashMap::new();
+        for scene in unnamed.drain() {
+            alike.entry(name(scene, n_parts)).or_default().push(scene);
+        }
+        for (name, scenes) in alike {
+            match scenes[..] {
+                [own] => drop(names.insert(own, name)),
+                _ => unnamed.extend(scenes),
+            }
+        }
+    }
     scenes.iter().map(move |scene| {
-        let is_own = |n_parts: &usize| {
-            let own = name(scene, *n_parts);
-            let mut others = scenes.iter().filter(|other| *other != scene);
-            others.all(|other| name(other, *n_parts) != own)
-        };
-        let n_parts = (1..=most.unwrap_or(1)).find(is_own);
-        n_parts.map_or_else(
-            || scene.to_string_lossy().into_owned(),
-            |n_parts| name(scene, n_parts),
-        )
+        let name = names.get(scene).cloned();
+        name.unwrap_or_else(|| scene.to_string_lossy().into_owned())
     })
 }
 
