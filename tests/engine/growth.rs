@@ -5,13 +5,15 @@ use std::path::Path;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use scene::animation::Animation;
+use scene::animation;
 use scene::config::Config;
 use scene::import::{
     ArrayChoice, PlaceArrays, RadiusChoice, read_mesh, read_mesh_with, read_places, read_series,
     read_spheres, read_tubes,
 };
+use scene::world::{Geometries, Scene, Timeline};
 use scene::yaml::{Document, Source};
+use tools::study::StudyPlan;
 
 /// Most doublings of the time for a doubling of the length: between those of `n log n` and of
 /// the square, with room for noise.
@@ -19,7 +21,9 @@ const MOST_EXPONENT: f64 = 1.5;
 /// How often the length is doubled.
 const N_DOUBLINGS: u32 = 3;
 /// The time from which on it is that of the work.
-const LEAST: Duration = Duration::from_millis(2);
+const LEAST: Duration = Duration::from_millis(4);
+/// How many mesh files there are for scenes.
+const N_MESHES: usize = 8000;
 
 /// Something that a file may hold many of.
 struct Case {
@@ -53,30 +57,77 @@ fn with_array(path: &Path) {
     read_mesh_with(path, Some(&array)).unwrap();
 }
 
+fn document(path: &Path) -> Document {
+    Document::new(Source::read(path).unwrap(), Config::MERGING).unwrap()
+}
+
+/// Reads a scene, its frames and its files.
 fn scene(path: &Path) {
-    let source = Source::read(path).unwrap();
-    let document = Document::new(source, Config::MERGING).unwrap();
+    let document = document(path);
     let config: Config = document.parse().unwrap();
-    if let Some(animation) = &config.animation {
-        frame(animation, &document);
+    let Some(timeline) = Timeline::parse(&config, &document).unwrap() else {
+        return place(config, &document);
+    };
+    let still = document.without(animation::KEY).unwrap();
+    for frame in 0..timeline.n_frames {
+        let animation = &timeline.animation;
+        let still = animation.at_frame(&still, frame, timeline.n_frames);
+        let config: Config = still.unwrap().parse().unwrap();
+        assert!(!config.objects.is_empty());
     }
 }
 
-fn frame(animation: &Animation, document: &Document) {
-    let still = animation.at_frame(document, 0, 2).unwrap();
-    let config: Config = still.parse().unwrap();
-    assert!(!config.objects.is_empty());
+fn place(mut config: Config, document: &Document) {
+    let geometries = Geometries::read(&mut config, document, u64::MAX).unwrap();
+    Scene::new(&config, geometries).unwrap();
+}
+
+/// Sets a value of each material that it did not have, and last a wrong one.
+fn settings(path: &Path) {
+    let mut document = document(path);
+    let config: Config = document.parse().unwrap();
+    for name in config.materials.keys() {
+        let setting = format!("materials.{name}.specular=0.5");
+        document.set(&setting).unwrap();
+    }
+    document.parse::<Config>().unwrap();
+    document.set("image.seed=x").unwrap();
+    document.parse::<Config>().unwrap_err();
+}
+
+fn study(path: &Path) {
+    let plan: StudyPlan = Source::read(path).unwrap().parse().unwrap();
+    plan.check().unwrap();
+    assert_eq!(plan.points().len(), plan.scenes.len());
+}
+
+/// A scene of these objects.
+fn scene_of(objects: &str) -> String {
+    format!(
+        "image: {{ width: 8, height: 6 }}\nmaterials: {{ a: {{ color: 1 }} }}\nlights: []\n\
+         camera: {{ look_at: {{ eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+         objects:\n{objects}"
+    )
 }
 
 /// A scene of so many objects.
 fn objects(n: usize) -> String {
-    let sphere = "- { sphere: { center: [0, 0, 0], radius: 1 }, material: a }\n";
-    format!(
-        "image: {{ width: 8, height: 6 }}\nmaterials: {{ a: {{ color: 1 }} }}\nlights: []\n\
-         camera: {{ look_at: {{ eye: [0, 1, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
-         objects:\n{}",
-        sphere.repeat(n)
-    )
+    scene_of(&"- { sphere: { center: [0, 0, 0], radius: 1 }, material: a }\n".repeat(n))
+}
+
+/// A scene of so many materials, each with this text.
+fn materials(n: usize, text: &str) -> String {
+    let all = repeated(n, |i| format!("m{i}: {text}, "));
+    objects(1).replace("materials: {", &format!("materials: {{ {all}"))
+}
+
+/// Writes the mesh files of scenes, each with its material.
+fn write_meshes(folder: &Path) {
+    std::fs::write(folder.join("m.mtl"), "newmtl b\nKd 1 1 1\n").unwrap();
+    let mesh = format!("mtllib m.mtl\nusemtl b\n{TRIANGLE}f 1 2 3\n");
+    for i in 0..N_MESHES {
+        std::fs::write(folder.join(format!("m{i}.obj")), &mesh).unwrap();
+    }
 }
 
 /// XML of VTK with so many arrays of a triangle.
@@ -248,12 +299,66 @@ const CASES: &[Case] = &[
     },
     Case {
         name: "materials.yaml",
+        file: |n| materials(n, "{ color: 1 }"),
+        read: scene,
+    },
+    Case {
+        name: "lights.yaml",
         file: |n| {
-            let material = |i| format!("m{i}: {{ color: 1 }}, ");
-            let materials = format!("materials: {{ {} a:", repeated(n, material));
-            objects(1).replace("materials: { a:", &materials)
+            let lights = "{ point: { position: [4, 7, 5], color: 1, intensity: 1 } }, ".repeat(n);
+            objects(1).replace("lights: []", &format!("lights: [{lights}]"))
         },
         read: scene,
+    },
+    Case {
+        name: "meshes of one file.yaml",
+        file: |n| scene_of(&"- { mesh: { file: m0.obj }, material: a }\n".repeat(n)),
+        read: scene,
+    },
+    Case {
+        name: "meshes of many files.yaml",
+        file: |n| {
+            let mesh = |i| format!("- {{ mesh: {{ file: m{i}.obj }}, material: a }}\n");
+            scene_of(&repeated(n, mesh))
+        },
+        read: scene,
+    },
+    Case {
+        name: "meshes with their materials.yaml",
+        file: |n| scene_of(&"- { mesh: { file: m0.obj } }\n".repeat(n)),
+        read: scene,
+    },
+    Case {
+        name: "settings.yaml",
+        file: |n| materials(n, "{ color: 1 }"),
+        read: settings,
+    },
+    Case {
+        name: "keyframes of materials.yaml",
+        file: |n| {
+            let keyframe = |i| format!("    materials.m{i}.color: [{{ frame: 0, value: 1 }}]\n");
+            let keyframes = repeated(n, keyframe);
+            let scene = materials(n, "{ color: 1 }");
+            format!("{scene}animation:\n  frames: 1\n  keyframes:\n{keyframes}")
+        },
+        read: scene,
+    },
+    Case {
+        name: "fly_through.yaml",
+        file: |n| {
+            let scene = objects(1);
+            let eyes = repeated(n, |i| format!("[{i}, {}, 6], ", i % 3));
+            format!("{scene}animation: {{ frames: {n}, fly_through: {{ eyes: [{eyes}] }} }}\n")
+        },
+        read: scene,
+    },
+    Case {
+        name: "study.yaml",
+        file: |n| {
+            let scenes = repeated(n, |i| format!("s/{i}.yaml, "));
+            format!("title: Many\nscenes: [{scenes}]\n")
+        },
+        read: study,
     },
     Case {
         name: "keyframes.yaml",
@@ -299,9 +404,10 @@ fn exponent(folder: &Path, case: &Case) -> f64 {
 /// By the time of this thread, since a table that is searched from its start for each of its
 /// rows counts nothing. The square of the number has an exponent of 2.
 #[test]
-#[ignore = "measures the time of threads, for minutes"]
+#[ignore = "measures the time of threads; a part of tests/all"]
 fn the_time_of_a_file_grows_with_its_length() {
     let folder = tempfile::tempdir().unwrap();
+    write_meshes(folder.path());
     let grows = |case: &&Case| {
         // Once more where something else disturbed it.
         (0..3).all(|_| exponent(folder.path(), case) > MOST_EXPONENT)
