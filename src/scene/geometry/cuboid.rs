@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, rounding_along, vector};
+use super::surface::{parameters_of, rounding_of_plane, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
@@ -118,9 +118,8 @@ impl Project for Cuboid {
     }
 
     #[inline(always)]
-    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
-        let (point, normal) = Self::project_onto(parameters, point);
-        rounding_along(normal, [point, point])
+    fn rounding_along<R: Real>(_: &[R; N_PARAMETERS], at: [Vector<R>; 2]) -> R {
+        rounding_of_plane(at[0], at)
     }
 }
 

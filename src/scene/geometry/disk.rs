@@ -126,6 +126,11 @@ impl Project for Disk {
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
         Plane::rounding(parameters, point)
     }
+
+    #[inline(always)]
+    fn rounding_along<R: Real>(parameters: &[R; N_PARAMETERS], at: [Vector<R>; 2]) -> R {
+        Plane::rounding_along(parameters, at)
+    }
 }
 
 impl Sampled for Disk {

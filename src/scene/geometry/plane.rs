@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
-use super::surface::{parameters_of, rounding_along, vector};
+use super::surface::{parameters_of, rounding_of, rounding_of_plane, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Real, Vector};
@@ -103,8 +103,13 @@ impl Project for Plane {
 
     #[inline(always)]
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
-        let (origin, normal) = (vector(parameters, 0), vector(parameters, 3));
-        rounding_along(normal, [origin, point])
+        let [x, y, z, ..] = *parameters;
+        rounding_of(&[x, y, z, point.x, point.y, point.z])
+    }
+
+    #[inline(always)]
+    fn rounding_along<R: Real>(parameters: &[R; N_PARAMETERS], at: [Vector<R>; 2]) -> R {
+        rounding_of_plane(vector(parameters, 0), at)
     }
 }
 

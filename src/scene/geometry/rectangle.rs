@@ -7,7 +7,7 @@ use super::located::{Described, Located, located};
 use super::plane::MIN_COS;
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::spherical_rectangle::SphericalRectangle;
-use super::surface::{parameters_of, rounding_along, vector};
+use super::surface::{parameters_of, rounding_of_plane, vector};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
 use crate::yaml;
 use math::simd::{Mask, Real, Vector};
@@ -134,9 +134,8 @@ impl Project for Rectangle {
     }
 
     #[inline(always)]
-    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
-        let (normal, _) = normal_and_area(vector(parameters, 3), vector(parameters, 6));
-        rounding_along(normal, [vector(parameters, 0), point])
+    fn rounding_along<R: Real>(parameters: &[R; N_PARAMETERS], at: [Vector<R>; 2]) -> R {
+        rounding_of_plane(vector(parameters, 0), at)
     }
 }
 

@@ -73,6 +73,16 @@ macro_rules! shapes {
                 match self { $(Self::$shape => $shape::rounding(parameters, point),)* }
             }
 
+            /// [`Project::rounding_along`] of shapes of this kind.
+            #[inline(always)]
+            pub fn rounding_along<R: Real>(
+                self,
+                parameters: &[R; N_PARAMETERS],
+                at: [Vector<R>; 2],
+            ) -> R {
+                match self { $(Self::$shape => $shape::rounding_along(parameters, at),)* }
+            }
+
             /// [`Sampled::area`] of a shape of this kind.
             #[inline(always)]
             pub fn area<R: Real>(self, parameters: &[R; N_PARAMETERS]) -> R {

@@ -20,11 +20,21 @@ pub trait Project {
     ) -> (Vector<R>, Vector<R>);
 
     /// Returns a bound of the distance between the surface and a point that
-    /// [`project_onto`](Self::project_onto) found: by default proportional to the greatest
-    /// coordinate or length that defines the shape.
+    /// [`project_onto`](Self::project_onto) found: proportional to the greatest coordinate or
+    /// length that defines the shape.
     #[inline(always)]
     fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], _point: Vector<R>) -> R {
         rounding_of(parameters)
+    }
+
+    /// Returns a bound of the same distance where the unit normal is known: for a flat shape,
+    /// coordinates along the surface do not count.
+    #[inline(always)]
+    fn rounding_along<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        [point, _normal]: [Vector<R>; 2],
+    ) -> R {
+        Self::rounding(parameters, point)
     }
 
     /// Projects onto one shape, as [`project_onto`](Self::project_onto) does.
@@ -52,11 +62,11 @@ pub(crate) fn rounding_of<R: Real>(numbers: &[R]) -> R {
 /// Returns the rounding error bound along a unit normal, for a point of the plane through `origin`:
 /// each coordinate counts as far as the normal points along its axis.
 #[inline(always)]
-pub(super) fn rounding_along<R: Real>(normal: Vector<R>, [origin, point]: [Vector<R>; 2]) -> R {
-    let bound = |normal: R, origin: R, point: R| normal.abs() * origin.abs().max(point.abs());
-    let sum = bound(normal.x, origin.x, point.x)
-        + bound(normal.y, origin.y, point.y)
-        + bound(normal.z, origin.z, point.z);
+pub(super) fn rounding_of_plane<R: Real>(origin: Vector<R>, [point, normal]: [Vector<R>; 2]) -> R {
+    let x = normal.x.abs() * origin.x.abs().max(point.x.abs());
+    let y = normal.y.abs() * origin.y.abs().max(point.y.abs());
+    let z = normal.z.abs() * origin.z.abs().max(point.z.abs());
+    let sum = x + y + z;
     sum * sum.splat(ROUNDING)
 }
 

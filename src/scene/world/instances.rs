@@ -253,11 +253,11 @@ impl Scene {
 
 impl Scene {
     /// Returns a bound of the distance between a primitive's surface and a point that
-    /// [`project`](Self::project) found on it.
-    pub fn rounding(&self, placed: PlacedPrimitive, point: Vec3) -> f32 {
+    /// [`project`](Self::project) found on it, given with its normal.
+    pub fn rounding(&self, placed: PlacedPrimitive, at: [Vec3; 2]) -> f32 {
         match self.transform(placed) {
-            None => self.primitives[placed.primitive as usize].rounding(point),
-            Some(_) => Triangle::rounding(&self.parameters(placed), point.into()),
+            None => self.primitives[placed.primitive as usize].rounding(at),
+            Some(_) => Triangle::rounding(&self.parameters(placed), at[0].into()),
         }
     }
 }

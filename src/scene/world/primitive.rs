@@ -92,12 +92,15 @@ impl Primitive {
     }
 
     /// Returns a bound of the distance between the surface and a point that
-    /// [`project`](Self::project) found on it.
+    /// [`project`](Self::project) found on it, given with its normal.
     #[inline]
-    pub fn rounding(&self, point: Vec3) -> f32 {
+    pub fn rounding(&self, at: [Vec3; 2]) -> f32 {
         let Some(placement) = &self.placement else {
             let parameters = self.shape.parameters();
-            return self.shape.kind().rounding(&parameters, point.into());
+            return self
+                .shape
+                .kind()
+                .rounding_along(&parameters, at.map(Into::into));
         };
         let bounds = placement.world_bounds(&self.shape.bounds());
         let (min, max) = (bounds.min, bounds.max);

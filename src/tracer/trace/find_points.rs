@@ -109,7 +109,7 @@ impl FindPoints<'_> {
             None => self.project_placed(set, &hits.primitives, near),
         };
         let error = match group.shape {
-            Some(shape) => shape.rounding(&parameters, position),
+            Some(shape) => shape.rounding_along(&parameters, [position, outward]),
             None => self.placed_rounding(set, &hits.primitives),
         };
         // Turn the normals to the side of the rays.
@@ -254,7 +254,7 @@ impl FindPoints<'_> {
     fn placed_rounding<I: InstructionSet>(&self, set: I, primitives: &[u32; N_LANES]) -> I::Lanes {
         let rounding = |&primitive: &u32| {
             let primitive = &self.scene.primitives[primitive as usize];
-            primitive.rounding(Vec3::ZERO)
+            primitive.rounding([Vec3::ZERO; 2])
         };
         set.load(&primitives.each_ref().map(rounding))
     }

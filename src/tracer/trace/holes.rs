@@ -123,8 +123,9 @@ impl Tracer<'_> {
             return None;
         }
         // Continue just behind the surface.
-        let error = self.scene.rounding(hit.placed(), position);
-        let behind = Ray::leaving([position, normal], error, ray.direction);
+        let at = [position, normal];
+        let error = self.scene.rounding(hit.placed(), at);
+        let behind = Ray::leaving(at, error, ray.direction);
         let next = length + (behind.origin - ray.origin).dot(ray.direction);
         // By rounding errors, a ray along the surface may not advance: it ends there.
         (next > *length).then_some(Passage {

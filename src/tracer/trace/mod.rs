@@ -196,7 +196,9 @@ impl<'a> Tracer<'a> {
             geometric_normal: geometric_normal.into(),
             color: self.scene.color(hit.primitive, &at),
             distance: hit.t,
-            error: self.scene.rounding(placed, position),
+            error: self
+                .scene
+                .rounding(placed, [position, geometric_normal.into()]),
             object: primitive.object,
             material: primitive.material,
             primitive: hit.primitive,
