@@ -71,7 +71,7 @@ pub fn all(accel: &Accel, primitives: &[Primitive], view: &View, side: usize) ->
         let primitive = &primitives[hit.primitive as usize];
         let (position, outward) = primitive.project(ray.at(hit.t));
         let normal = outward * -outward.dot(ray.direction).signum();
-        let error = primitive.rounding(position);
+        let error = primitive.rounding([position, normal]);
         let leaving = |direction| Ray::leaving([position, normal], error, direction);
         let random = |stream| uniform([stream, i as u64, 0]);
         diffuse.push(leaving(cosine_distributed(normal, random(0))));

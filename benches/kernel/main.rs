@@ -161,7 +161,11 @@ impl Rays {
             let (position, outward) = primitive.project(ray.at(hit.t));
             let normal = outward * -outward.dot(ray.direction).signum();
             let leaving = |direction| {
-                Ray::leaving([position, normal], primitive.rounding(position), direction)
+                Ray::leaving(
+                    [position, normal],
+                    primitive.rounding([position, normal]),
+                    direction,
+                )
             };
             let [u, v, w, _] = uniform([7, i as u64, 0]);
             let z = 1.0 - 2.0 * v;
