@@ -55,7 +55,7 @@ fn a_copy_that_differs_is_refused() {
             "the files of the scene differ from those of rank 0",
         ),
         (
-            "echo 'max_memory: 3' > linked/matte.yaml",
+            "echo 'max_memory: 3' >> linked/matte.yaml",
             "unknown key `max_memory`",
         ),
         ("rm linked/brick.png", "brick.png"),
