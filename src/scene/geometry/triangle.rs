@@ -22,14 +22,14 @@ use math::simd::{Real, Vector};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Triangle {
-    /// The vertices, counter-clockwise as seen from outside; not on one line.
+    /// The vertices, counterclockwise as seen from outside; not on one line.
     pub vertices: [Vec3; 3],
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TriangleKeys {
-    /// The vertices, counter-clockwise as seen from outside; not on one line.
+    /// The vertices, counterclockwise as seen from outside; not on one line.
     #[serde(deserialize_with = "vertices")]
     vertices: Located<Triangle>,
 }

@@ -259,7 +259,7 @@ struct MaterialKeys {
     /// metal, which reflect light by Fresnel's equations.
     #[serde(default, deserialize_with = "fraction")]
     reflection: Option<f32>,
-    /// The medium inside of the surface, if light enters it.
+    /// The medium inside the surface, if light enters it.
     #[serde(default)]
     dielectric: Option<Dielectric>,
     /// The metal, for a conductor.

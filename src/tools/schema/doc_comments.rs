@@ -24,16 +24,16 @@ static TYPES: LazyLock<Vec<Documented>> = LazyLock::new(|| {
 /// Returns the doc comment of one of a mapping's keys, or of one of several keywords: the comment
 /// in the type that has most of the names and fewest others.
 pub(super) fn find(names: &[String], name: &str) -> Option<String> {
-    let share = |documented: &&Documented| {
+    let share = |documented: &Documented| {
         let is_in = |name: &&String| documented.contains_key(name.as_str());
         let n_common = names.iter().filter(is_in).count();
         let n_all = names.len() + documented.len() - n_common;
         1000 * n_common / n_all.max(1)
     };
-    let is_described = |doc: &&str| !doc.is_empty();
-    let describing = TYPES
-        .iter()
-        .filter(|documented| documented.get(name).is_some_and(is_described));
-    let doc = describing.max_by_key(share)?.get(name)?;
-    Some((*doc).to_owned())
+    let having = TYPES.iter().filter_map(|documented| {
+        let doc = documented.get(name)?;
+        Some(((share(documented), !doc.is_empty()), doc))
+    });
+    let (_, doc) = having.max_by_key(|(likeness, _)| *likeness)?;
+    Some((*doc).to_owned()).filter(|doc| !doc.is_empty())
 }
