@@ -110,12 +110,12 @@ fn scene_of(objects: &str) -> String {
     )
 }
 
-/// A scene of so many objects.
+/// A scene of `n` objects.
 fn objects(n: usize) -> String {
     scene_of(&"- { sphere: { center: [0, 0, 0], radius: 1 }, material: a }\n".repeat(n))
 }
 
-/// A scene of so many materials, each with this text.
+/// A scene of `n` materials, each with this text.
 fn materials(n: usize, text: &str) -> String {
     let all = repeated(n, |i| format!("m{i}: {text}, "));
     objects(1).replace("materials: {", &format!("materials: {{ {all}"))

@@ -131,12 +131,14 @@ fn any_size_and_place_has_the_same_picture() {
 
 /// The mean level of each block of 10 x 10 pixels.
 fn block_means(film: &Film) -> Vec<f64> {
-    let mut sums = vec![0.0; 12];
+    let [width, height] = SIZE.map(|n| n as usize);
+    let n_columns = width / 10;
+    let mut means = vec![0.0; n_columns * height / 10];
     for (i, level) in colors(film).into_iter().enumerate() {
-        let [x, y] = [i / 3 % 40, i / 120];
-        sums[4 * (y / 10) + x / 10] += f64::from(level) / 300.0;
+        let [x, y] = [i / 3 % width, i / 3 / width];
+        means[n_columns * (y / 10) + x / 10] += f64::from(level) / 300.0;
     }
-    sums
+    means
 }
 
 /// Makes sure that two scenes have the same picture within noise.

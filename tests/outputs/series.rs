@@ -781,7 +781,7 @@ fn tiles_of_a_killed_run_are_removed_or_reported() {
     assert_success(&output);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("0000/unfinished.tiles of an"), "{text}");
-    // Those of all parts are merged.
+    // The tiles of all parts are merged.
     for part in ["--part=1/2", "--part=2/2"] {
         scene.render(&["--quiet", "--frames=0", "--spp=4", part]);
     }

@@ -16,7 +16,7 @@ const BESIDES_STACK: u64 = 256 << 10;
 /// program without a message.
 ///
 /// # Errors
-/// There is no room, or the system refuses the thread.
+/// The memory that is left is not enough, or the system refuses the thread.
 pub fn spawn_one_of_pool(thread: rayon::ThreadBuilder) -> io::Result<()> {
     // The threads before this one may not have taken theirs yet.
     let n_needed = STACK as u64 + (thread.index() as u64 + 1) * BESIDES_STACK;

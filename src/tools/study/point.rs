@@ -111,11 +111,12 @@ pub(super) fn scene_names(scenes: &[PathBuf]) -> impl Iterator<Item = String> {
     let mut unnamed: HashSet<&PathBuf> = scenes.iter().collect();
     let most = scenes.iter().map(|scene| scene.iter().count()).max();
     for n_parts in 1..=most.unwrap_or(1) {
-        let mut alike: HashMap<String, Vec<&PathBuf>> = HashMap::new();
+        let mut by_name: HashMap<String, Vec<&PathBuf>> = HashMap::new();
         for scene in unnamed.drain() {
-            alike.entry(name(scene, n_parts)).or_default().push(scene);
+            let scenes = by_name.entry(name(scene, n_parts));
+            scenes.or_default().push(scene);
         }
-        for (name, scenes) in alike {
+        for (name, scenes) in by_name {
             match scenes[..] {
                 [own] => drop(names.insert(own, name)),
                 _ => unnamed.extend(scenes),
