@@ -8,6 +8,24 @@ camera: { orthographic: { eye: [0, 0, 1], target: [0, 0, 0], height: 0.001 } }
 cost: counters
 ";
 
+/// One of these 2.4 million paths meets a facet of frosted glass edge-on.
+#[test]
+fn a_facet_that_is_seen_edge_on_does_not_light_up() {
+    let radiance = radiance(
+        "image: { width: 48, height: 48, samples_per_pixel: 1024, sampler: sobol }
+camera: { look_at: { eye: [0, 0, 4], target: [0, 0, 0], fov_y_deg: 30 } }
+shading: { model: path, max_depth: 100 }
+cost: counters
+background: 1
+materials: { frosted: { dielectric: { index: 1.5 }, roughness: 0.3 } }
+lights: []
+objects: [{ sphere: { center: [0, 0, 0], radius: 1 }, material: frosted }]
+",
+    );
+    let brightest = radiance.iter().fold(0.0, |max: f32, of| max.max(of.max_element()));
+    assert!(brightest < 1.1, "{brightest}");
+}
+
 #[test]
 fn a_convex_body_that_absorbs_nothing_is_invisible_in_a_white_furnace() {
     for material in [

@@ -220,17 +220,19 @@ impl<R: Real> Leaving<R> {
     }
 
     /// Returns light reflected from a direction with this scattering; none from behind the plane of
-    /// the shading normal.
+    /// the shading normal, where the scattering may be NaN: a facet that is seen edge-on mirrors
+    /// light that goes straight on.
     #[inline(always)]
     fn reflected(&self, direction: Vector<R>, scattering: Scattering<R>) -> Scattered<R> {
         let Scattering { value, density } = scattering;
         let (zero, least) = (density.splat(0.0), density.splat(f32::MIN_POSITIVE));
         let is_in_front = zero.lt(direction.dot(self.point.normal)) & least.lt(density);
         let over_density = density.splat(std::f32::consts::FRAC_1_PI) / density.max(least);
+        let none = Vector::splat(zero, Vec3::ZERO);
         Scattered {
             direction,
-            factor: value * R::select(is_in_front, over_density, zero),
-            density,
+            factor: Vector::select(is_in_front, value * over_density, none),
+            density: R::select(is_in_front, density, zero),
             is_refracted: zero.splat_mask(false),
             is_diffuse: zero.splat_mask(false),
         }

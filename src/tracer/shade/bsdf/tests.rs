@@ -290,6 +290,20 @@ fn light_is_finite_at_all_extremes() {
     }
 }
 
+/// The half vector of opposite directions is zero, and its unit vector NaN.
+#[test]
+fn a_facet_that_is_seen_edge_on_mirrors_nothing() {
+    for material in rough() {
+        let at = leaving(direction(0.6, 0.65), 0.0);
+        let opposite = -at.to_viewer;
+        let boundary = boundary(&material, false);
+        let scattering = evaluated(&material, &at, &boundary, opposite);
+        let found = at.reflected(opposite, scattering);
+        assert_eq!(Vec3::from(found.factor), Vec3::ZERO, "{material:?}");
+        assert_eq!(found.density, 0.0, "{material:?}");
+    }
+}
+
 /// Returns the greatest difference between the scattering from one direction to another and in
 /// reverse, over their sum.
 fn irreciprocity(material: &Material) -> f32 {
