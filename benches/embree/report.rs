@@ -52,9 +52,10 @@ impl Speed {
     fn of(n: usize, seconds: &[f64]) -> Self {
         let speed = |seconds: f64| n as f64 / seconds / 1e6;
         let statistics = SampleStatistics::from_values(seconds).expect("each kernel runs");
+        let [low, high] = statistics.spread();
         Self {
             median: speed(statistics.median),
-            interval: [speed(statistics.high_95), speed(statistics.low_95)],
+            interval: [speed(high), speed(low)],
         }
     }
 }

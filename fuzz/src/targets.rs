@@ -195,7 +195,7 @@ pub fn study(input: &[u8]) {
     FOLDERS.with(|[folder, _]| {
         let path = folder.write("runs.jsonl", runs);
         if let Ok(results) = study::RunLog::open(&path, &Value::Null) {
-            let rows = statistics_rows(&plan, &results, None);
+            let rows = statistics_rows(&plan, &results.runs, None);
             write_csv(&rows, &mut std::io::sink()).expect("a sink takes all");
         }
     });

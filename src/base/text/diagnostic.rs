@@ -51,7 +51,7 @@ impl Diagnostic {
         }
     }
 
-    /// Returns the message alone.
+    /// Returns only the message.
     pub fn message(&self) -> &str {
         &self.message
     }

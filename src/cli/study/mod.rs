@@ -123,9 +123,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         let missing = study.measure(&mut log, arguments.quiet)?;
         n_left += missing.n_runs;
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
-        let mut rows = statistics_rows(&study.plan, &log, n_processors);
-        rows.extend(scaling_rows(&rows));
-        rows.extend(step_rows(&study.plan, &log, &study.out));
+        let mut rows = statistics_rows(&study.plan, &log.runs, n_processors);
+        rows.extend(scaling_rows(&study.plan, &log.runs, &rows));
+        rows.extend(step_rows(&study.plan, &log.runs, &study.out));
         let points = study.roofline(&rows, &measured_by)?;
         let left_out = [&study.left_out[..], &missing.failed].concat();
         let results = StudyResults {

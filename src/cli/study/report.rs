@@ -12,8 +12,9 @@ use crate::cli::{Failure, shown};
 use base::folder::{Replace, write_file};
 use base::text::numbers::duration;
 use base::text::one_line;
+use math::statistics::SampleStatistics;
 use tools::study::{
-    Figure, LeftOutStep, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan,
+    Figure, LeftOutStep, LogLaw, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan,
     bottleneck_report, label_of, write_csv,
 };
 
@@ -83,7 +84,13 @@ fn remove_other_plots(out: &Path, drawn: &[String]) -> Result<(), Failure> {
 fn fits_of(plot: &PlotSpec, figure: &Figure) -> impl Iterator<Item = Value> {
     let fit = |series: &Series| {
         let law = series.law?;
-        Some(json!({ "x": plot.x, "y": plot.y, "series": series.label, "law": law }))
+        Some(json!({
+            "x": plot.x,
+            "y": plot.y,
+            "series": series.label,
+            "law": law,
+            "log_law": LogLaw::fit(&series.samples()),
+        }))
     };
     figure.series.iter().filter_map(fit)
 }
@@ -147,16 +154,30 @@ fn table_of_points(rows: &[StatisticsRow]) -> String {
     text += &format!("{point:<width$}  {time:>11}  {interval:<20}  {runs:>4}\n");
     for row in walls() {
         let statistics = &row.statistics;
-        let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
         text += &format!(
             "{:<width$}  {:>11}  {:<20}  {:>4}\n",
             label(row),
-            ms(statistics.median),
-            format!("[{}, {}]", ms(statistics.low_95), ms(statistics.high_95)),
+            shown_ms(statistics.median),
+            interval_of(statistics),
             statistics.n,
         );
     }
     text
+}
+
+/// Returns a time in milliseconds in the unit that suits it.
+pub(super) fn shown_ms(ms: f64) -> String {
+    duration(Duration::from_secs_f64(ms / 1e3))
+}
+
+/// Returns the confidence interval of a time in milliseconds, or how to get one.
+pub(super) fn interval_of(statistics: &SampleStatistics) -> String {
+    statistics
+        .interval
+        .map_or("needs 6 runs".to_owned(), |interval| {
+            let [low, high] = [interval.low_95, interval.high_95].map(shown_ms);
+            format!("[{low}, {high}]")
+        })
 }
 
 /// Returns notes on outliers and what to do about them; empty if there are none.
@@ -208,7 +229,6 @@ pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use math::statistics::SampleStatistics;
 
     fn row(values: &[f64], first_is_slow: bool) -> StatisticsRow {
         StatisticsRow {

@@ -1,9 +1,7 @@
 //! Steps that cannot be made here, and the report on the others.
 
-use std::time::Duration;
-
 use super::launcher::check_startable;
-use base::text::numbers::duration;
+use super::report::{interval_of, shown_ms};
 use base::text::one_line;
 use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 
@@ -68,7 +66,6 @@ pub(super) fn lines_of(rows: &[StatisticsRow], left_out: &[LeftOutStep]) -> Stri
 
 /// Returns the cells of a step by its render time; a metric that it lacks is empty.
 fn cells(rows: &[StatisticsRow], time: &StatisticsRow, name: &str) -> [String; 7] {
-    let ms = |ms: f64| duration(Duration::from_secs_f64(ms / 1e3));
     let of_step = |metric: &str, unit: &str| {
         let is_it = |row: &&StatisticsRow| row.metric == metric && row.point == time.point;
         let found = rows.iter().find(is_it);
@@ -79,8 +76,8 @@ fn cells(rows: &[StatisticsRow], time: &StatisticsRow, name: &str) -> [String; 7
     let statistics = &time.statistics;
     [
         one_line(name).into_owned(),
-        ms(statistics.median),
-        format!("[{}, {}]", ms(statistics.low_95), ms(statistics.high_95)),
+        shown_ms(statistics.median),
+        interval_of(statistics),
         of_step("speedup_over_step", " x"),
         of_step("speedup_over_start", " x"),
         of_step("node_visits_per_ray", ""),

@@ -7,6 +7,7 @@
 mod fine_histogram;
 mod floats;
 mod least_squares;
+mod median_interval;
 mod order;
 mod rank_sum;
 mod ratio;
@@ -16,6 +17,7 @@ mod spearman;
 pub use fine_histogram::{FineHistogram, lower_edge};
 pub use floats::floats_at;
 pub use least_squares::non_negative_least_squares;
+pub use median_interval::MedianInterval;
 pub use order::{median, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};

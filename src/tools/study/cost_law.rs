@@ -50,6 +50,8 @@ pub struct CostLaw {
     /// The power law; its factor is at least 0.
     #[serde(flatten)]
     pub growing: PowerLaw,
+    /// Root mean square of the samples' relative distances from the law.
+    pub residual: f64,
     /// The 95 % confidence interval of the exponent, within -4 and 4; `None` for two sizes, which
     /// the law fits exactly without a fixed cost.
     pub exponent_95: Option<[f64; 2]>,
@@ -62,7 +64,7 @@ pub struct CostSample {
     pub n: f64,
     /// The cost: a median.
     pub cost: f64,
-    /// The ends of its 95 % confidence interval.
+    /// The ends of its 95 % confidence interval or, for a few runs, of their range.
     pub interval: [f64; 2],
 }
 
@@ -73,11 +75,15 @@ impl CostLaw {
         let mut sizes: Vec<f64> = samples.iter().map(|sample| sample.n).collect();
         sizes.sort_by(f64::total_cmp);
         sizes.dedup();
-        match sizes.len() {
-            0 | 1 => None,
-            2 => Some(straight_line(samples)),
-            n_sizes => Some(ExponentSearch::new(samples).solve(n_sizes)),
-        }
+        let law = match sizes.len() {
+            0 | 1 => return None,
+            2 => straight_line(samples),
+            n_sizes => ExponentSearch::new(samples).solve(n_sizes),
+        };
+        Some(Self {
+            residual: relative_residual(samples, |n| law.at(n)),
+            ..law
+        })
     }
 
     /// Evaluates the cost at size `n`.
@@ -105,6 +111,7 @@ fn straight_line(samples: &[CostSample]) -> CostLaw {
             factor: (mean_y - exponent * mean_x).exp(),
             exponent,
         },
+        residual: 0.0,
         exponent_95: None,
     }
 }
@@ -118,8 +125,8 @@ struct ExponentSearch {
 }
 
 /// A sample with its standard error.
-struct WeightedSample {
-    /// Size relative to [`ExponentSearch::scale`].
+pub(super) struct WeightedSample {
+    /// In an [`ExponentSearch`], relative to its scale.
     size: f64,
     cost: f64,
     /// Standard error of the cost.
@@ -140,19 +147,11 @@ impl ExponentSearch {
     fn new(samples: &[CostSample]) -> Self {
         let n = samples.len() as f64;
         let scale = (samples.iter().map(|sample| sample.n.ln()).sum::<f64>() / n).exp();
-        let weighted = |sample: &CostSample| {
-            let [low, high] = sample.interval;
-            let error = (high - low) / (2.0 * NORMAL_QUANTILE);
-            WeightedSample {
-                size: sample.n / scale,
-                cost: sample.cost,
-                error: error.max(MIN_ERROR * sample.cost),
-            }
-        };
-        Self {
-            samples: samples.iter().map(weighted).collect(),
-            scale,
+        let mut samples = weighted(samples);
+        for sample in &mut samples {
+            sample.size /= scale;
         }
+        Self { samples, scale }
     }
 
     /// Returns the best law and the confidence interval of its exponent.
@@ -179,6 +178,7 @@ impl ExponentSearch {
                 factor: best.factor * self.scale.powf(-best.exponent),
                 exponent: best.exponent,
             },
+            residual: 0.0,
             exponent_95: Some([
                 interval[0].min(best.exponent),
                 interval[1].max(best.exponent),
@@ -186,32 +186,10 @@ impl ExponentSearch {
         }
     }
 
-    /// Returns the best fixed cost and factor for an exponent. Where one of them would be negative,
-    /// only the other is used.
+    /// Returns the best law for an exponent.
     fn fit(&self, exponent: f64) -> Fit {
-        // Weighted sums over the samples of products of 1, u = size^exponent and the cost.
-        let [mut s1, mut su, mut suu, mut sy, mut suy] = [0.0; 5];
-        for sample in &self.samples {
-            let weight = sample.error.powi(-2);
-            let u = sample.size.powf(exponent);
-            s1 += weight;
-            su += weight * u;
-            suu += weight * u * u;
-            sy += weight * sample.cost;
-            suy += weight * u * sample.cost;
-        }
-        let determinant = s1 * suu - su * su;
-        let both = [
-            (suu * sy - su * suy) / determinant,
-            (s1 * suy - su * sy) / determinant,
-        ];
-        // Nearly constant powers cannot be distinguished from the fixed cost.
-        if determinant > 1e-12 * s1 * suu && both.iter().all(|part| *part >= 0.0) {
-            return self.law(exponent, both);
-        }
-        let alone = [[0.0, suy / suu], [sy / s1, 0.0]];
-        let [growing, fixed] = alone.map(|parts| self.law(exponent, parts));
-        better(growing, fixed)
+        let parts = linear_fit(&self.samples, |size| size.powf(exponent));
+        self.law(exponent, parts)
     }
 
     /// Returns the law with these parameters and its residuals.
@@ -281,4 +259,58 @@ impl ExponentSearch {
 /// Returns the fit with the smaller residuals; the first of equals.
 fn better(a: Fit, b: Fit) -> Fit {
     if b.chi_squared < a.chi_squared { b } else { a }
+}
+
+/// Returns the samples with their standard errors.
+pub(super) fn weighted(samples: &[CostSample]) -> Vec<WeightedSample> {
+    let one = |sample: &CostSample| {
+        let [low, high] = sample.interval;
+        let error = (high - low) / (2.0 * NORMAL_QUANTILE);
+        WeightedSample {
+            size: sample.n,
+            cost: sample.cost,
+            error: error.max(MIN_ERROR * sample.cost),
+        }
+    };
+    samples.iter().map(one).collect()
+}
+
+/// Returns the fixed cost and the factor, both at least 0, for which `fixed + factor *
+/// growth(size)` is nearest to the samples.
+pub(super) fn linear_fit(samples: &[WeightedSample], growth: impl Fn(f64) -> f64) -> [f64; 2] {
+    // Weighted sums over the samples of products of 1, u = growth(size) and the cost.
+    let [mut s1, mut su, mut suu, mut sy, mut suy] = [0.0; 5];
+    for sample in samples {
+        let weight = sample.error.powi(-2);
+        let u = growth(sample.size);
+        s1 += weight;
+        su += weight * u;
+        suu += weight * u * u;
+        sy += weight * sample.cost;
+        suy += weight * u * sample.cost;
+    }
+    let determinant = s1 * suu - su * su;
+    let both = [
+        (suu * sy - su * suy) / determinant,
+        (s1 * suy - su * sy) / determinant,
+    ];
+    // A nearly constant growth cannot be distinguished from the fixed cost.
+    if determinant > 1e-12 * s1 * suu && both.iter().all(|part| *part >= 0.0) {
+        return both;
+    }
+    // Each explains this part of the weighted sum of squares.
+    let [by_growth, by_fixed] = [suy * suy / suu, sy * sy / s1];
+    if by_fixed > by_growth {
+        [sy / s1, 0.0]
+    } else {
+        [0.0, suy / suu]
+    }
+}
+
+/// Returns the root mean square of the relative distances of samples from a law.
+pub(super) fn relative_residual(samples: &[CostSample], law: impl Fn(f64) -> f64) -> f64 {
+    let squares = samples
+        .iter()
+        .map(|sample| (law(sample.n) / sample.cost - 1.0).powi(2));
+    (squares.sum::<f64>() / samples.len() as f64).sqrt()
 }

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value};
 
-use super::StatisticsRow;
+use super::rounds::Rounds;
+use super::{Run, StatisticsRow, StudyPlan};
 use math::statistics::SampleStatistics;
 
 /// The factors that may change together with the number of threads.
@@ -12,8 +13,22 @@ const THROUGHPUT: &str = "pixels_per_second";
 
 /// A point with its threads of all ranks, and the number of pixels it renders in a second.
 struct ScalingPoint<'a> {
+    /// The row of its number of threads.
     row: &'a StatisticsRow,
-    n_threads: f64,
+    throughput: Rounds,
+}
+
+impl ScalingPoint<'_> {
+    fn n_threads(&self) -> f64 {
+        self.row.statistics.median
+    }
+
+    /// Returns the point's values without those that may change together with the threads.
+    fn others(&self) -> Map<String, Value> {
+        let mut others = self.row.point.clone();
+        others.retain(|name, _| !WITH_THREADS.contains(&name.as_str()));
+        others
+    }
 }
 
 /// Returns rows of `speedup` and `scaling_efficiency` for the points of a study that varies threads
@@ -22,58 +37,39 @@ struct ScalingPoint<'a> {
 /// and the efficiency the speedup over the ratio of threads. That is strong scaling where all
 /// images are equal (t₁ / (n tₙ)), and weak scaling where their pixels grow with the threads (t₁ /
 /// tₙ).
-pub fn scaling_rows(rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
-    let of_metric = |name: &'static str| rows.iter().filter(move |row| row.metric == name);
-    let points: Vec<ScalingPoint> = of_metric(THROUGHPUT)
-        .filter(|row| {
-            ["threads", "ranks"]
-                .iter()
-                .any(|key| row.point.contains_key(*key))
-        })
-        .filter_map(|row| {
-            let threads = of_metric("n_threads").find(|threads| threads.point == row.point)?;
-            let n_threads = threads.statistics.median;
-            Some(ScalingPoint { row, n_threads })
-        })
-        .collect();
-    let others = |point: &Map<String, Value>| {
-        let mut others = point.clone();
-        others.retain(|name, _| !WITH_THREADS.contains(&name.as_str()));
-        others
+///
+/// A speedup is a ratio of two runs of one round; its statistics are those of the ratios of all
+/// rounds, so that its interval also holds the noise of the baseline.
+pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
+    let varies_threads = |row: &&StatisticsRow| {
+        let keys = ["threads", "ranks"];
+        row.metric == "n_threads" && keys.iter().any(|key| row.point.contains_key(*key))
     };
+    let points = rows.iter().filter(varies_threads).map(|row| ScalingPoint {
+        row,
+        throughput: Rounds::new(plan, runs, &row.point, THROUGHPUT),
+    });
+    let points: Vec<ScalingPoint> = points.collect();
     let mut found = Vec::new();
     for point in &points {
-        let alike = points.iter();
-        let alike = alike.filter(|one| others(&one.row.point) == others(&point.row.point));
-        let Some(base) = alike.min_by(|a, b| a.n_threads.total_cmp(&b.n_threads)) else {
+        let alike = points.iter().filter(|one| one.others() == point.others());
+        let Some(base) = alike.min_by(|a, b| a.n_threads().total_cmp(&b.n_threads())) else {
             continue;
         };
-        let speedup = 1.0 / base.row.statistics.median;
-        let efficiency = speedup * base.n_threads / point.n_threads;
-        for (metric, factor) in [("speedup", speedup), ("scaling_efficiency", efficiency)] {
-            found.push(StatisticsRow {
+        let speedups = point.throughput.over(&base.throughput);
+        let threads_ratio = point.n_threads() / base.n_threads();
+        let efficiencies: Vec<f64> = speedups.iter().map(|one| one / threads_ratio).collect();
+        for (metric, values) in [("speedup", speedups), ("scaling_efficiency", efficiencies)] {
+            let statistics = SampleStatistics::from_values(&values);
+            found.extend(statistics.map(|statistics| StatisticsRow {
                 metric: metric.to_owned(),
-                statistics: scaled(&point.row.statistics, factor),
+                statistics,
+                first_is_slow: false,
                 ..point.row.clone()
-            });
+            }));
         }
     }
     found
-}
-
-/// Returns the statistics of values that are all multiplied by a positive factor.
-fn scaled(of: &SampleStatistics, factor: f64) -> SampleStatistics {
-    SampleStatistics {
-        mean: of.mean * factor,
-        standard_deviation: of.standard_deviation * factor,
-        min: of.min * factor,
-        max: of.max * factor,
-        median: of.median * factor,
-        mad: of.mad * factor,
-        low_95: of.low_95 * factor,
-        high_95: of.high_95 * factor,
-        ..*of
-    }
 }
 
 #[cfg(test)]
@@ -81,64 +77,78 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::study::RunMetrics;
+    use scene::yaml;
 
-    fn point(values: Value, metric: &str, measured: &[f64]) -> StatisticsRow {
-        StatisticsRow {
-            point: values.as_object().unwrap().clone(),
-            metric: metric.to_owned(),
-            statistics: SampleStatistics::from_values(measured).unwrap(),
-            first_is_slow: false,
-            oversubscribed: false,
+    /// Rows of `n_threads`, and the runs of two rounds after the warm-up: the machine is slower by a
+    /// tenth in the second one.
+    fn scaling(points: &[(Value, f64, f64)]) -> Vec<StatisticsRow> {
+        let text = "{ title: t, scenes: [a.yaml], vary: { threads: [1] } }";
+        let plan: StudyPlan = yaml::from_str(text).unwrap();
+        let (mut rows, mut runs) = (Vec::new(), Vec::new());
+        for (values, n_threads, pixels_per_second) in points {
+            let point = values.as_object().unwrap();
+            rows.push(StatisticsRow {
+                point: point.clone(),
+                metric: "n_threads".to_owned(),
+                statistics: SampleStatistics::from_values(&[*n_threads]).unwrap(),
+                first_is_slow: false,
+                oversubscribed: false,
+            });
+            runs.extend([(0, 0.1), (1, 1.0), (2, 0.9)].map(|(round, pace)| Run {
+                point: point.clone(),
+                round,
+                metrics: RunMetrics([(THROUGHPUT.to_owned(), pace * pixels_per_second)].into()),
+            }));
         }
+        scaling_rows(&plan, &runs, &rows)
     }
 
-    /// Returns the median of a metric of a point.
-    fn median(rows: &[StatisticsRow], values: &Value, metric: &str) -> f64 {
+    /// Returns the smallest and the largest value of a metric of a point.
+    fn range(rows: &[StatisticsRow], values: &Value, metric: &str) -> [f64; 2] {
         let of_point = rows
             .iter()
             .filter(|row| Some(&row.point) == values.as_object());
         let mut of_metric = of_point.filter(|row| row.metric == metric);
-        of_metric.next().unwrap().statistics.median
+        let statistics = of_metric.next().unwrap().statistics;
+        [statistics.min, statistics.max]
     }
 
-    /// By the wall times of the textbook definitions.
+    /// By the wall times of the textbook definitions; the drift of the machine cancels.
     #[test]
     fn strong_and_weak_scaling_are_those_of_the_definitions() {
         // Ranks of two threads: seconds for the same million pixels, and for one million each.
         let strong = [(1.0, 10.0), (2.0, 5.5), (4.0, 4.0)];
         let weak = [(1.0, 10.0), (2.0, 10.4), (4.0, 12.5)];
-        let mut measured = Vec::new();
-        let values = |ranks: f64, size: &str| json!({ "scene": size, "ranks": ranks });
-        for ((ranks, seconds), (kind, pixels)) in strong
-            .map(|run| (run, ("strong", 1e6)))
-            .into_iter()
-            .chain(weak.map(|run| (run, ("weak", 1e6 * run.0))))
-        {
-            let values = values(ranks, kind);
-            measured.push(point(values.clone(), "n_threads", &[2.0 * ranks]));
-            measured.push(point(values, "pixels_per_second", &[pixels / seconds]));
-        }
-        let found = scaling_rows(&measured);
+        let values = |ranks: f64, kind: &str| json!({ "scene": kind, "ranks": ranks });
+        let strong_points =
+            strong.map(|(ranks, seconds)| (values(ranks, "strong"), 2.0 * ranks, 1e6 / seconds));
+        let weak_points = weak
+            .map(|(ranks, seconds)| (values(ranks, "weak"), 2.0 * ranks, 1e6 * ranks / seconds));
+        let found = scaling(&[strong_points, weak_points].concat());
+        let is_near = |values: &Value, metric: &str, expected: f64| {
+            let ends = range(&found, values, metric);
+            assert!(
+                ends.iter().all(|end| (end - expected).abs() < 1e-9),
+                "{ends:?}"
+            );
+        };
         for (ranks, seconds) in strong {
-            let values = values(ranks, "strong");
-            let speedup = median(&found, &values, "speedup");
-            assert!((speedup - 10.0 / seconds).abs() < 1e-9);
-            let efficiency = median(&found, &values, "scaling_efficiency");
-            assert!((efficiency - 10.0 / (ranks * seconds)).abs() < 1e-9);
+            is_near(&values(ranks, "strong"), "speedup", 10.0 / seconds);
+            is_near(
+                &values(ranks, "strong"),
+                "scaling_efficiency",
+                10.0 / (ranks * seconds),
+            );
         }
         for (ranks, seconds) in weak {
-            let efficiency = median(&found, &values(ranks, "weak"), "scaling_efficiency");
-            assert!((efficiency - 10.0 / seconds).abs() < 1e-9);
+            is_near(&values(ranks, "weak"), "scaling_efficiency", 10.0 / seconds);
         }
     }
 
     #[test]
     fn a_study_without_threads_or_ranks_has_no_efficiency() {
         let values = json!({ "scene": "spot", "tile_size": 8 });
-        let measured = [
-            point(values.clone(), "n_threads", &[2.0]),
-            point(values, "pixels_per_second", &[5.0]),
-        ];
-        assert!(scaling_rows(&measured).is_empty());
+        assert!(scaling(&[(values, 2.0, 5.0)]).is_empty());
     }
 }

@@ -16,7 +16,7 @@ pub struct StudyStep {
     /// The levels that join or replace the levels of the steps before.
     #[serde(default)]
     pub set: Case,
-    /// Another program that makes the picture of this step alone, in place of raycost.
+    /// Another program that makes only the picture of this step, in place of raycost.
     #[serde(default)]
     pub command: Option<StepCommand>,
 }

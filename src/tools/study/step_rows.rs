@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value};
-
-use super::{RunLog, StatisticsRow, StudyPlan, StudyPoint};
+use super::rounds::Rounds;
+use super::{Run, StatisticsRow, StudyPlan, StudyPoint};
 use base::files;
 use math::statistics::SampleStatistics;
 
@@ -18,24 +17,24 @@ const MAX_PICTURE: u64 = 1 << 30;
 ///
 /// A speedup is a ratio of two runs of one round, which follow each other closely; its statistics
 /// are those of the ratios of all rounds. Pictures are compared with that of the last step.
-pub fn step_rows(plan: &StudyPlan, log: &RunLog, out: &Path) -> Vec<StatisticsRow> {
+pub fn step_rows(plan: &StudyPlan, runs: &[Run], out: &Path) -> Vec<StatisticsRow> {
     let points = plan.points();
     let of_scenes = points.chunk_by(|a, b| a.scene == b.scene);
     let of_scenes = of_scenes.filter(|of_scene| of_scene[0].step().is_some());
     of_scenes
-        .flat_map(|of_scene| rows_of(of_scene, plan, log, out))
+        .flat_map(|of_scene| rows_of(of_scene, plan, runs, out))
         .collect()
 }
 
 fn rows_of(
     points: &[StudyPoint],
     plan: &StudyPlan,
-    log: &RunLog,
+    runs: &[Run],
     out: &Path,
 ) -> Vec<StatisticsRow> {
     let times = points
         .iter()
-        .map(|point| times(log, &point.values, plan.warm_up));
+        .map(|point| Rounds::new(plan, runs, &point.values, STEP_TIME));
     let measured: Vec<_> = points
         .iter()
         .zip(times)
@@ -55,36 +54,14 @@ fn rows_of(
     };
     for (number, (point, times)) in measured.iter().enumerate() {
         if number > 0 {
-            add(
-                point,
-                "speedup_over_step",
-                &ratios(&measured[number - 1].1, times),
-            );
-            add(point, "speedup_over_start", &ratios(&measured[0].1, times));
+            let [before, start] = [number - 1, 0].map(|step| measured[step].1.over(times));
+            add(point, "speedup_over_step", &before);
+            add(point, "speedup_over_start", &start);
         }
         let difference = difference(picture(out, point).as_ref(), last.as_ref());
         add(point, "picture_difference", difference.as_slice());
     }
     rows
-}
-
-/// Returns the times of a point by round, warm-up left out.
-fn times(log: &RunLog, point: &Map<String, Value>, warm_up: u32) -> Vec<(u32, f64)> {
-    let runs = log
-        .runs
-        .iter()
-        .filter(|run| run.round >= warm_up && run.point == *point);
-    let time = runs.filter_map(|run| Some((run.round, *run.metrics.0.get(STEP_TIME)?)));
-    time.filter(|(_, time)| *time > 0.0).collect()
-}
-
-/// Returns the ratios of the times of equal rounds.
-fn ratios(before: &[(u32, f64)], after: &[(u32, f64)]) -> Vec<f64> {
-    let ratio = |&(round, time): &(u32, f64)| {
-        let (_, before) = before.iter().find(|(other, _)| *other == round)?;
-        Some(before / time)
-    };
-    after.iter().filter_map(ratio).collect()
 }
 
 /// Reads the picture that a step has left.

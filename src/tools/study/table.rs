@@ -6,9 +6,9 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{Run, RunLog, StudyPlan};
+use super::{Run, StudyPlan};
 use base::text::text_cell;
-use math::statistics::SampleStatistics;
+use math::statistics::{MedianInterval, SampleStatistics};
 
 /// The statistics of one metric at one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,13 +31,13 @@ pub struct StatisticsRow {
 /// (`None` if unknown, then no point counts as oversubscribed).
 pub fn statistics_rows(
     plan: &StudyPlan,
-    results: &RunLog,
+    runs: &[Run],
     n_processors: Option<u64>,
 ) -> Vec<StatisticsRow> {
     let rows_of = |values: Map<String, Value>| {
         let counts = |run: &&Run| run.round >= plan.warm_up && run.point == values;
         let mut columns: IndexMap<&str, Vec<f64>> = IndexMap::new();
-        for run in results.runs.iter().filter(counts) {
+        for run in runs.iter().filter(counts) {
             for (name, value) in &run.metrics.0 {
                 columns.entry(name).or_default().push(*value);
             }
@@ -82,8 +82,12 @@ pub fn write_csv(rows: &[StatisticsRow], out: &mut impl Write) -> io::Result<()>
 }
 
 /// Returns the columns of a row after its factors: name and value.
-fn columns(row: &StatisticsRow) -> [(&'static str, String); 13] {
+fn columns(row: &StatisticsRow) -> [(&'static str, String); 14] {
     let of = &row.statistics;
+    let of_interval = |part: fn(&MedianInterval) -> f64| {
+        let interval = of.interval.as_ref();
+        interval.map_or(String::new(), |interval| part(interval).to_string())
+    };
     [
         ("metric", row.metric.clone()),
         ("n", of.n.to_string()),
@@ -93,8 +97,9 @@ fn columns(row: &StatisticsRow) -> [(&'static str, String); 13] {
         ("max", of.max.to_string()),
         ("median", of.median.to_string()),
         ("mad", of.mad.to_string()),
-        ("low_95", of.low_95.to_string()),
-        ("high_95", of.high_95.to_string()),
+        ("low_95", of_interval(|interval| interval.low_95)),
+        ("high_95", of_interval(|interval| interval.high_95)),
+        ("coverage", of_interval(|interval| interval.coverage)),
         ("n_outliers", of.n_outliers.to_string()),
         ("first_is_slow", row.first_is_slow.to_string()),
         ("oversubscribed", row.oversubscribed.to_string()),

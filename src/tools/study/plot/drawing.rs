@@ -9,7 +9,7 @@ use super::ceilings::{self, visible_limit};
 use super::figure::{Figure, PlotPoint, Series};
 use super::labels::draw_labels;
 use super::plane::{PlotPlane, SIZE};
-use super::symbols::{MARGIN, color_of, draw_bar, draw_ring, draw_symbol};
+use super::symbols::{MARGIN, color_of, draw_bar, draw_interval, draw_ring, draw_symbol};
 use super::{bars, legend};
 use output::chart::{DrawingSurface, LabeledAxis, PAPER, Rect, Scale, SvgPicture, faded, png};
 
@@ -91,11 +91,7 @@ fn draw_point(
 ) {
     let color = color_of(number);
     let at = |y| plane.pixel_at(figure, number, point.x, y);
-    let ends = point.interval.map(at);
-    surface.line(&ends, 2.0, color);
-    for end in ends {
-        draw_bar(surface, end, 5.0, color);
-    }
+    draw_interval(surface, point.interval.map(at), color);
     if point.oversubscribed {
         draw_ring(surface, at(point.y));
     }

@@ -61,14 +61,36 @@ pub struct PlotPoint {
     pub x: f64,
     /// Median.
     pub y: f64,
-    /// Ends of the 95 % confidence interval of `y`.
+    /// Ends of the 95 % confidence interval of `y`, or of the range of all runs.
     pub interval: [f64; 2],
+    /// True if the interval is the range of all runs, which are too few for a confidence interval.
+    pub is_range: bool,
     /// Label beside the point; may be empty.
     pub label: String,
     /// Upper limit of only this point, drawn as a bar.
     pub limit: Option<f64>,
     /// True if the runs had more threads than there are processors.
     pub oversubscribed: bool,
+}
+
+impl Series {
+    /// Returns the points that a law can be fitted to: all that are not oversubscribed; none if one
+    /// of them is not positive.
+    pub fn samples(&self) -> Vec<CostSample> {
+        let fitted = self.points.iter().filter(|point| !point.oversubscribed);
+        let sample = |point: &PlotPoint| CostSample {
+            n: point.x,
+            cost: point.y,
+            interval: point.interval,
+        };
+        let samples: Vec<CostSample> = fitted.map(sample).collect();
+        let is_positive = |sample: &CostSample| sample.n > 0.0 && sample.cost > 0.0;
+        if samples.iter().all(is_positive) {
+            samples
+        } else {
+            Vec::new()
+        }
+    }
 }
 
 impl Figure {
@@ -95,7 +117,8 @@ impl Figure {
             let point = PlotPoint {
                 x,
                 y: statistics.median,
-                interval: [statistics.low_95, statistics.high_95],
+                interval: statistics.spread(),
+                is_range: statistics.interval.is_none(),
                 label: if plot.bars {
                     bar_label(row, rows)
                 } else {
@@ -147,7 +170,7 @@ impl Figure {
         for series in &mut self.series {
             series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
             if fit && !has_categories {
-                series.law = fit_law(&series.points);
+                series.law = CostLaw::fit(&series.samples());
             }
         }
         let is_positive =
@@ -211,25 +234,6 @@ impl Figure {
             let kept: Vec<&str> = own.iter().filter(differs).map(String::as_str).collect();
             series.label = kept.join(", ");
         }
-    }
-}
-
-/// Fits a law to all points that are not oversubscribed, if they are positive.
-fn fit_law(points: &[PlotPoint]) -> Option<CostLaw> {
-    let fitted = points.iter().filter(|point| !point.oversubscribed);
-    let sample = |point: &PlotPoint| CostSample {
-        n: point.x,
-        cost: point.y,
-        interval: point.interval,
-    };
-    let samples: Vec<CostSample> = fitted.map(sample).collect();
-    let is_positive = samples
-        .iter()
-        .all(|sample| sample.n > 0.0 && sample.cost > 0.0);
-    if is_positive {
-        CostLaw::fit(&samples)
-    } else {
-        None
     }
 }
 

@@ -3,7 +3,7 @@
 use super::ceilings::visible_limit;
 use super::figure::{Figure, Series};
 use super::plane::SIZE;
-use super::symbols::{WIDTH_FACTOR, draw_bar, draw_ring, draw_symbol};
+use super::symbols::{WIDTH_FACTOR, draw_bar, draw_interval, draw_ring, draw_symbol};
 use output::chart::{DrawingSurface, INK, LegendEntries, Rect, Style};
 
 /// Font size in pixels.
@@ -23,6 +23,8 @@ pub(super) enum LegendSymbol {
     Series(usize),
     /// The bar of a limit or a law.
     Bar,
+    /// The interval of a point.
+    Interval,
     /// The ring of an oversubscribed point.
     Ring,
 }
@@ -41,13 +43,18 @@ pub(super) fn entries(figure: &Figure) -> LegendEntries<LegendSymbol> {
         .any(|point| visible_limit(figure, point).is_some());
     let has_laws = figure.series.iter().any(|series| series.law.is_some());
     let has_rings = figure.points().any(|point| point.oversubscribed);
+    let has_ranges = figure
+        .points()
+        .any(|point| point.is_range && point.interval[0] < point.interval[1]);
     let limits = ["if all its time were", "waiting for memory"];
     let laws = ["a + b x^k, with the", "interval of 95 % of k"];
     let rings = ["more threads than", "processors: not fitted"];
+    let ranges = ["from the fastest to", "the slowest run"];
     let notes = [
         (has_limits, LegendSymbol::Bar, limits),
         (has_laws, LegendSymbol::Bar, laws),
         (has_rings, LegendSymbol::Ring, rings),
+        (has_ranges, LegendSymbol::Interval, ranges),
     ];
     for (_, symbol, lines) in notes.into_iter().filter(|(is_needed, ..)| *is_needed) {
         entries.push(symbol, lines.map(str::to_owned).into());
@@ -74,6 +81,9 @@ pub(super) fn draw(entries: &LegendEntries<LegendSymbol>, surface: &mut dyn Draw
             LegendSymbol::Series(number) => draw_symbol(surface, *number, at),
             LegendSymbol::Bar => draw_bar(surface, at, 8.0, INK),
             LegendSymbol::Ring => draw_ring(surface, at),
+            LegendSymbol::Interval => {
+                draw_interval(surface, [-6.0, 6.0].map(|dy| [at[0], at[1] + dy]), INK);
+            }
         }
     };
     entries.draw(surface, [left(entries), TOP], draw_key);

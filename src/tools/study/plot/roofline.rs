@@ -67,10 +67,12 @@ fn plot_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> Plot
     };
     let per_second = |ns: f64| 1e9 * amount / ns;
     let time = &point.render_ns_per_ray;
+    let [low, high] = time.spread();
     PlotPoint {
         x,
         y: per_second(time.median),
-        interval: [per_second(time.high_95), per_second(time.low_95)],
+        interval: [per_second(high), per_second(low)],
+        is_range: time.interval.is_none(),
         label: point.point.get(label).map(short_text).unwrap_or_default(),
         limit: Some(per_second(time.median * point.latency_share)),
         oversubscribed: false,

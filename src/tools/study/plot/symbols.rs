@@ -68,6 +68,18 @@ pub(super) fn draw_ring(surface: &mut dyn DrawingSurface, at: PixelPosition) {
     surface.ring(at, RING_RADIUS, 1.0, INK);
 }
 
+/// Draws the line between the ends of an interval, with a bar at each.
+pub(super) fn draw_interval(
+    surface: &mut dyn DrawingSurface,
+    ends: [PixelPosition; 2],
+    color: Rgb<u8>,
+) {
+    surface.line(&ends, 2.0, color);
+    for end in ends {
+        draw_bar(surface, end, 5.0, color);
+    }
+}
+
 /// Draws a bar across `at`, which extends horizontally by `reach` pixels to both sides.
 pub(super) fn draw_bar(
     surface: &mut dyn DrawingSurface,
