@@ -6,17 +6,26 @@ use sysinfo::System;
 use base::provenance;
 use scene::config::Pinning;
 
+/// Bytes of a GiB.
+const GIB: f64 = (1_u64 << 30) as f64;
+
 /// The machine that rendered, as far as the system reports it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// The operating system with its version.
     pub os: Option<String>,
+    /// The operating system's kernel with its version.
+    #[serde(default)]
+    pub kernel: Option<String>,
     /// `x86_64`, `aarch64`, …
     pub arch: String,
     /// The name of the processor.
     pub cpu: Option<String>,
     /// The number of logical CPUs that the process may use.
     pub logical_cpus: Option<u64>,
+    /// The memory of the machine in GiB, rounded.
+    #[serde(default)]
+    pub memory_gib: Option<u64>,
 }
 
 /// The build of raycost that rendered.
@@ -55,13 +64,18 @@ impl Machine {
     pub fn current() -> Self {
         let mut system = System::new();
         system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+        system.refresh_memory();
         let cpu = system.cpus().first().map(|cpu| cpu.brand().trim());
         let logical_cpus = std::thread::available_parallelism().ok();
         Self {
             os: System::long_os_version(),
+            kernel: Some(System::kernel_long_version()),
             arch: std::env::consts::ARCH.to_owned(),
             cpu: cpu.map(str::to_owned),
             logical_cpus: logical_cpus.map(|n| n.get() as u64),
+            memory_gib: Some(system.total_memory())
+                .filter(|bytes| *bytes > 0)
+                .map(|bytes| (bytes as f64 / GIB).round() as u64),
         }
     }
 }
