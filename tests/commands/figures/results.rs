@@ -100,7 +100,7 @@ impl Results {
         let of_mode = rows.filter(|row| row["cost"] == mode);
         let scene = |row: &Value| {
             let percent = |key: &str| row[key].as_f64().map(|ratio| 100.0 * (ratio - 1.0));
-            let [median, low, high] = [percent("median")?, percent("low_95")?, percent("high_95")?];
+            let [median, low, high] = [percent("median")?, percent("low")?, percent("high")?];
             let name = row["scene"].as_str()?;
             Some(format!("{median:.0} % [{low:.0}, {high:.0}] for `{name}`"))
         };
@@ -291,8 +291,7 @@ impl Results {
         let races = self.list("validation", "loop")?.iter();
         let race = |race: &Value| {
             let ratio = &race["ratios"]["numpy"];
-            let [median, low, high] =
-                ["median", "low_95", "high_95"].map(|key| ratio[key].as_f64());
+            let [median, low, high] = ["median", "low", "high"].map(|key| ratio[key].as_f64());
             Some(format!(
                 "{} [{}, {}] times as long at {} x {}",
                 digits(median?),
