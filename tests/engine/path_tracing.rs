@@ -22,7 +22,9 @@ lights: []
 objects: [{ sphere: { center: [0, 0, 0], radius: 1 }, material: frosted }]
 ",
     );
-    let brightest = radiance.iter().fold(0.0, |max: f32, of| max.max(of.max_element()));
+    let brightest = radiance
+        .iter()
+        .fold(0.0, |max: f32, of| max.max(of.max_element()));
     assert!(brightest < 1.1, "{brightest}");
 }
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod files;
+mod intervals;
 mod launcher;
 mod made_by;
 mod process;

@@ -3,16 +3,14 @@
 use std::fs;
 use std::io::Write;
 use std::path::Path;
-use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::intervals::{interval_of, shown_ms};
 use super::steps;
 use crate::cli::{Failure, shown};
 use base::folder::{Replace, write_file};
-use base::text::numbers::duration;
 use base::text::one_line;
-use math::statistics::SampleStatistics;
 use tools::study::{
     Figure, LeftOutStep, LogLaw, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan,
     bottleneck_report, label_of, write_csv,
@@ -165,21 +163,6 @@ fn table_of_points(rows: &[StatisticsRow]) -> String {
     text
 }
 
-/// Returns a time in milliseconds in the unit that suits it.
-pub(super) fn shown_ms(ms: f64) -> String {
-    duration(Duration::from_secs_f64(ms / 1e3))
-}
-
-/// Returns the confidence interval of a time in milliseconds, or how to get one.
-pub(super) fn interval_of(statistics: &SampleStatistics) -> String {
-    statistics
-        .interval
-        .map_or("needs 6 runs".to_owned(), |interval| {
-            let [low, high] = [interval.low_95, interval.high_95].map(shown_ms);
-            format!("[{low}, {high}]")
-        })
-}
-
 /// Returns notes on outliers and what to do about them; empty if there are none.
 fn notes<'a>(rows: impl Iterator<Item = &'a StatisticsRow> + Clone) -> String {
     let mut text = String::new();
@@ -229,6 +212,7 @@ pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use math::statistics::SampleStatistics;
 
     fn row(values: &[f64], first_is_slow: bool) -> StatisticsRow {
         StatisticsRow {

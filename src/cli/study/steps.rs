@@ -1,7 +1,7 @@
 //! Steps that cannot be made here, and the report on the others.
 
+use super::intervals::{interval_of, shown_ms};
 use super::launcher::check_startable;
-use super::report::{interval_of, shown_ms};
 use base::text::one_line;
 use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 

@@ -20,7 +20,7 @@ mod plan_check;
 mod run_metrics;
 mod run_log;
 mod table;
-mod rounds;
+mod by_round;
 mod scaling;
 mod step_rows;
 mod cost_law;

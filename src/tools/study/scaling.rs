@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::rounds::Rounds;
+use super::by_round::ByRound;
 use super::{Run, StatisticsRow, StudyPlan};
 use math::statistics::SampleStatistics;
 
@@ -15,7 +15,7 @@ const THROUGHPUT: &str = "pixels_per_second";
 struct ScalingPoint<'a> {
     /// The row of its number of threads.
     row: &'a StatisticsRow,
-    throughput: Rounds,
+    throughput: ByRound,
 }
 
 impl ScalingPoint<'_> {
@@ -47,7 +47,7 @@ pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> V
     };
     let points = rows.iter().filter(varies_threads).map(|row| ScalingPoint {
         row,
-        throughput: Rounds::new(plan, runs, &row.point, THROUGHPUT),
+        throughput: ByRound::new(plan, runs, &row.point, THROUGHPUT),
     });
     let points: Vec<ScalingPoint> = points.collect();
     let mut found = Vec::new();

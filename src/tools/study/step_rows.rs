@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::rounds::Rounds;
+use super::by_round::ByRound;
 use super::{Run, StatisticsRow, StudyPlan, StudyPoint};
 use base::files;
 use math::statistics::SampleStatistics;
@@ -34,7 +34,7 @@ fn rows_of(
 ) -> Vec<StatisticsRow> {
     let times = points
         .iter()
-        .map(|point| Rounds::new(plan, runs, &point.values, STEP_TIME));
+        .map(|point| ByRound::new(plan, runs, &point.values, STEP_TIME));
     let measured: Vec<_> = points
         .iter()
         .zip(times)

@@ -47,6 +47,7 @@ pub const FIGURES: &[(&str, Figure)] = &[
         of.share("trellis", "trellis", "primary", "pixels")
     }),
     ("high-quality", Results::high_quality),
+    ("visits-of-objects", Results::visits_of_objects),
     ("thread-time", Results::thread_time),
     ("trace", Results::trace),
     ("cache", Results::cache),
@@ -182,6 +183,19 @@ impl Results {
             left_out.collect::<Option<String>>()?,
         ];
         Some(format!("{head}{rows}{left_out}\n"))
+    }
+
+    /// "5.4 nodes among 10,000 of them and 8.2 among 1,000,000".
+    fn visits_of_objects(&self) -> Option<String> {
+        let points = self.list("objects", "points")?;
+        let visits = |n: u64| {
+            let point = points.iter().find(|point| point["point"]["objects"] == n)?;
+            Some(digits(point["metrics"]["node_visits_per_ray"][1].as_f64()?))
+        };
+        let [some, many] = [visits(10_000)?, visits(1_000_000)?];
+        Some(format!(
+            "{some} nodes among 10,000 of them and {many} among 1,000,000"
+        ))
     }
 
     fn counters_instructions(&self) -> Option<String> {

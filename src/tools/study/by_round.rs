@@ -5,9 +5,9 @@ use serde_json::{Map, Value};
 use super::{Run, StudyPlan};
 
 /// The values of a metric at a point with their rounds, warm-up left out.
-pub(super) struct Rounds(Vec<(u32, f64)>);
+pub(super) struct ByRound(Vec<(u32, f64)>);
 
-impl Rounds {
+impl ByRound {
     /// Collects the values greater than 0 of the `metric` at a point.
     pub(super) fn new(
         plan: &StudyPlan,
