@@ -59,6 +59,12 @@ def planks(file):
     return texture({"file": file, "mapping": "triplanar", "size": 0.9})
 
 
+def magnified(**image):
+    """The studio in few pixels, so that each can be seen, with a fine pattern on the ball."""
+    checker = {"even": [0.75, 0.7, 0.6], "odd": [0.4, 0.05, 0.05], "size": 0.12}
+    return {"image": {"width": 50, "height": 50, **image}, **ball(color={"checker": checker})}
+
+
 def lit(background, *lights, **sections):
     """The ball on the floor without the studio's lamps and wall."""
     objects = [STUDIO["objects"][0], STUDIO["objects"][-1]]
@@ -98,6 +104,7 @@ SCENES = {
     "conductor_gold": ball(conductor="gold"),
     "conductor_copper": ball(conductor="copper"),
     "conductor_silver": ball(conductor="silver"),
+    "conductor_aluminum": ball(conductor="aluminum"),
     "roughness_02": ball(conductor="gold", roughness=0.2),
     "roughness_05": ball(conductor="gold", roughness=0.5),
     "roughness_10": ball(conductor="gold", roughness=1),
@@ -113,6 +120,7 @@ SCENES = {
     "emission": ball(emission=[2.2, 1.4, 0.6]),
     "checker": ball(color={"checker": {"even": [0.75, 0.7, 0.6], "odd": [0.4, 0.05, 0.05], "size": 0.3}}),
     "image": ball(color=globe(), specular=0.1),
+    "triplanar": ball(color=planks("planks.png")),
     "normal_map": ball(color=planks("planks.png"), normal_map={**planks("plank_normals.png"), "strength": 1}),
     "cutout": ball(color=[0.5, 0.35, 0.1], cutout={**globe(), "threshold": 0.35}),
     "light_point": lit(DIM, {"point": {"position": [-1.5, 2.6, 2], "intensity": 9, "falloff": "inverse_square"}}),
@@ -134,6 +142,10 @@ SCENES = {
     "environment_map": lit({"environment_map": {"file": str(CONFIGS / "pictures" / "evening.hdr"), "rotation_deg": 120}}),
     "sky_40": lit({"sky": {"sun": {"elevation_deg": 40, "azimuth_deg": 240}}}, film={"tone_curve": "aces", "exposure": 0.7}),
     "sky_8": lit({"sky": {"sun": {"elevation_deg": 8, "azimuth_deg": 240}}}, film={"tone_curve": "aces", "exposure": 2}),
+    "sky_hazy": lit(
+        {"sky": {"turbidity": 9, "sun": {"elevation_deg": 40, "azimuth_deg": 240}}},
+        film={"tone_curve": "aces", "exposure": 0.7},
+    ),
     "fog": in_fog(mean_free_path=14, radius=6),
     "fog_forward": in_fog(mean_free_path=14, radius=6, anisotropy=0.8),
     "lens_0": through({"radius": 0}),
@@ -149,6 +161,16 @@ SCENES = {
         "shading": {"model": "ambient_occlusion"},
         "film": {"exposure": 0},
     },
+    "occlusion_near": {
+        **lit(0.5),
+        "shading": {"model": "ambient_occlusion", "occlusion_distance": 0.5},
+        "film": {"exposure": 0},
+    },
+    "sampler_stratified": magnified(samples_per_pixel=4, sampler="stratified"),
+    "sampler_sobol": magnified(samples_per_pixel=4, sampler="sobol"),
+    "filter_box": magnified(samples_per_pixel=256, sampler="sobol", filter="box"),
+    "filter_tent": magnified(samples_per_pixel=256, sampler="sobol", filter="tent"),
+    "filter_blackman_harris": magnified(samples_per_pixel=256, sampler="sobol", filter="blackman_harris"),
 }
 
 
