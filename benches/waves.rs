@@ -21,8 +21,8 @@ use cpu_time::ThreadTime;
 use math::statistics::median;
 use render::film::Film;
 use render::schedule::{Schedule, TileRun};
-use render::tiles::{TilePlan, render, repeat};
-use scene::config::{Config, CostMode, Repeats};
+use render::tiles::{TilePlan, render};
+use scene::config::{Config, CostMode};
 use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use serde_json::{Value, json};
@@ -32,6 +32,9 @@ use tracer::trace::Tracer;
 
 /// Pixels along a window's side.
 const SIDE: u32 = 32;
+
+/// Renderings of a window in each round, of which the median counts.
+const WINDOW_RENDERINGS: usize = 11;
 
 /// Greatest relative difference between a window's time and its time in the map.
 const TOLERANCE: f64 = 0.1;
@@ -49,7 +52,7 @@ struct Options {
     /// Samples per pixel
     #[arg(long, default_value_t = 4)]
     spp: u32,
-    /// Rounds, of which the least time counts
+    /// Rounds
     #[arg(long, default_value_t = 9)]
     rounds: usize,
     /// Windows of each scene
@@ -69,6 +72,22 @@ struct World<'a> {
     tracer: Tracer<'a>,
     counters: Meter,
     time: Meter,
+}
+
+/// A window of the picture.
+struct Window {
+    place: [u32; 2],
+    plan: TilePlan,
+}
+
+/// The measurements of a scene.
+struct Measured {
+    /// The least CPU time with a clock over the least with counters.
+    overhead: f64,
+    /// The median of the sum of the pixels' times over the time spent on tiles.
+    sum: f64,
+    /// The median of each window's time, rendered separately, over its time in the map.
+    ratios: Vec<f64>,
 }
 
 fn main() -> ExitCode {
@@ -116,12 +135,13 @@ fn compare(path: &Path, options: &Options) -> Result<Value, Diagnostic> {
         counters: Meter::new(CostMode::Counters),
         time: Meter::new(CostMode::Time),
     };
-    let (overhead, sum) = world.overhead_and_sum(options.rounds);
-    let ratios = world.windows(options);
-    let n_right = ratios
-        .iter()
-        .filter(|ratio| (*ratio - 1.0).abs() <= TOLERANCE);
-    let (n_right, n) = (n_right.count(), ratios.len());
+    let Measured {
+        overhead,
+        sum,
+        ratios,
+    } = world.measure(options);
+    let is_right = |ratio: &&f64| (*ratio - 1.0).abs() <= TOLERANCE;
+    let (n_right, n) = (ratios.iter().filter(is_right).count(), ratios.len());
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     println!("{name:18} {overhead:19.3} {sum:19.3} {n_right:12} of {n}");
     Ok(json!({
@@ -143,53 +163,72 @@ impl World<'_> {
         (begin.elapsed().as_nanos() as f64, busy_ns(&schedule), film)
     }
 
-    /// Renders a window without a clock inside. Returns the nanoseconds of its tiles.
-    fn window_ns(&self, plan: &TilePlan) -> f64 {
-        let (_, schedule) = render(self.tracer, plan, &self.counters, &|_| {});
-        busy_ns(&schedule)
+    /// Renders a window several times without a clock inside. Returns the median of the nanoseconds
+    /// of its tiles.
+    fn window_ns(&self, window: &Window) -> f64 {
+        let render_once = |_| {
+            let (_, schedule) = render(self.tracer, &window.plan, &self.counters, &|_| {});
+            busy_ns(&schedule)
+        };
+        median_of((0..WINDOW_RENDERINGS).map(render_once))
     }
 
-    /// Measures the least CPU time with a clock over the least with counters, and the median of the
-    /// sum of the pixels' times over the time spent on tiles.
-    fn overhead_and_sum(&self, n_rounds: usize) -> (f64, f64) {
-        let [mut with_clock, mut with_counters] = [f64::INFINITY; 2];
+    /// Returns windows at random places.
+    fn windows(&self, options: &Options) -> Vec<Window> {
+        let window = |place: [u32; 2]| {
+            let cropped = self
+                .config
+                .image
+                .cropped([place[0], place[1], SIDE, SIDE])?;
+            let sensor = self.tracer.scene.sensor_of(self.config, cropped);
+            let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
+            Some(Window { place, plan })
+        };
+        let places = places([options.width, options.height], options.windows);
+        places.into_iter().filter_map(window).collect()
+    }
+
+    /// Measures the clock in rounds: each renders the picture with counters and with the clock, and
+    /// then the windows, so that a window and its map share what disturbs the machine.
+    fn measure(&self, options: &Options) -> Measured {
+        let windows = self.windows(options);
+        let [mut with_counters, mut with_clock] = [f64::INFINITY; 2];
         let mut sums = Vec::new();
-        for _ in 0..n_rounds {
+        let mut ratios = vec![Vec::new(); windows.len()];
+        for _ in 0..options.rounds.max(1) {
             let (ns, _, film) = self.render(&self.counters);
             with_counters = with_counters.min(ns);
             drop(black_box(film));
-            let (ns, tiles_ns, film) = self.render(&self.time);
+            let (ns, tiles_ns, map) = self.render(&self.time);
             with_clock = with_clock.min(ns);
-            sums.push(film.total_time_ns() / tiles_ns);
+            sums.push(map.total_time_ns() / tiles_ns);
+            let times: Vec<f32> = map.values(|strip| &strip.time_ns).collect();
+            for (window, ratios) in windows.iter().zip(&mut ratios) {
+                ratios.push(self.window_ns(window) / window.ns_in(&times, options.width));
+            }
         }
-        let sum = median(&mut sums).unwrap_or_default();
-        (with_clock / with_counters, sum)
+        Measured {
+            overhead: with_clock / with_counters,
+            sum: median_of(sums),
+            ratios: ratios.into_iter().map(median_of).collect(),
+        }
     }
+}
 
-    /// Measures the times of windows rendered separately over their times in the map of the whole
-    /// picture.
-    fn windows(&self, options: &Options) -> Vec<f64> {
-        let (image, scene) = (self.config.image, self.tracer.scene);
-        let plan = TilePlan::new(self.tracer, &scene.sensor(self.config), self.config.tiles);
-        let n = options.rounds.clamp(1, 255).to_string();
-        let repeats: Repeats = n.parse().expect("a number of renderings");
-        let (map, ..) = repeat(repeats, self.tracer, &plan, &self.time, &|_| {});
-        let times: Vec<f32> = map.values(|strip| &strip.time_ns).collect();
-        let places = places([image.width, image.height], options.windows);
-        let window = |[x, y]: [u32; 2]| {
-            let cropped = image.cropped([x, y, SIDE, SIDE])?;
-            let sensor = scene.sensor_of(self.config, cropped);
-            let rows = (y..y + SIDE).map(|y| (y * image.width + x) as usize);
-            let of_row = |first: usize| &times[first..first + SIDE as usize];
-            let in_map: f64 = rows.flat_map(of_row).map(|&ns| f64::from(ns)).sum();
-            let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
-            let mut rendered: Vec<f64> = (0..10 * options.rounds)
-                .map(|_| self.window_ns(&plan))
-                .collect();
-            Some(median(&mut rendered)? / in_map)
-        };
-        places.into_iter().filter_map(window).collect()
+impl Window {
+    /// Returns the nanoseconds of its pixels in a map of the picture.
+    fn ns_in(&self, times: &[f32], width: u32) -> f64 {
+        let [x, y] = self.place;
+        let rows = (y..y + SIDE).map(|y| (y * width + x) as usize);
+        let of_row = |first: usize| &times[first..first + SIDE as usize];
+        rows.flat_map(of_row).map(|&ns| f64::from(ns)).sum()
     }
+}
+
+/// Returns the median, or 0 without values.
+fn median_of(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    median(&mut values).unwrap_or_default()
 }
 
 /// Returns the time that threads spent on tiles, in nanoseconds.

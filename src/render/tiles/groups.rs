@@ -42,10 +42,11 @@ pub(super) struct GroupRenderer<'a> {
     /// The nanoseconds in which groups were rendered, and in which some were rendered again.
     total_ns: f64,
     again_ns: f64,
-    /// The nanoseconds of each pixel of the last tile outside of groups: buffers are cleared.
-    rest_ns: f32,
-    /// Number of pixels that the thread has stored in the film, and the nanoseconds that this took.
-    stored: (f64, f64),
+    /// The nanoseconds spent on groups of the last part of a tile, those discarded included.
+    in_groups_ns: f64,
+    /// Number of pixels that the thread has rendered, and the nanoseconds that it spent on them
+    /// outside of groups.
+    outside: (f64, f64),
 }
 
 impl<'a> GroupRenderer<'a> {
@@ -66,8 +67,8 @@ impl<'a> GroupRenderer<'a> {
             is_warm: false,
             total_ns: 0.0,
             again_ns: 0.0,
-            rest_ns: 0.0,
-            stored: (0.0, 0.0),
+            in_groups_ns: 0.0,
+            outside: (0.0, 0.0),
         }
     }
 
@@ -124,15 +125,11 @@ impl<'a> GroupRenderer<'a> {
                 stream.render_group(tile, &groups[0]);
             });
         }
-        let mut n_done = 0;
-        let whole_ns = stopwatch.time(|stopwatch| {
-            stream.begin(n_pixels);
-            n_done = stopwatch.time_each(times, |i| {
-                stages_ns[i] = stream.render_group(tile, &groups[i]);
-            });
+        stream.begin(n_pixels);
+        let n_done = stopwatch.time_each(times, |i| {
+            stages_ns[i] = stream.render_group(tile, &groups[i]);
         });
         let in_groups: f64 = times.iter().map(|time| f64::from(time.ns)).sum();
-        self.rest_ns = ((whole_ns - in_groups).max(0.0) / n_pixels as f64) as f32;
         stream.count_stages(tile, groups, counts, sums);
         self.total_ns += in_groups;
         let may_doubt = self.again_ns <= MOST_AGAIN * self.total_ns;
@@ -149,15 +146,17 @@ impl<'a> GroupRenderer<'a> {
         });
         stream.exchange_counters(&mut self.uncounted, true);
         self.again_ns += again_ns;
-        warm_up_ns + again_ns
+        let discarded_ns = warm_up_ns + again_ns;
+        self.in_groups_ns = in_groups + discarded_ns;
+        discarded_ns
     }
 
-    /// Gives each pixel its share of its group's time, and of the thread's work outside of groups:
-    /// clearing buffers, and storing pixels in the film. The stages of a group that was disturbed
-    /// include the wait for a CPU: they count as in the group before.
+    /// Gives each pixel its share of its group's time, and the mean of the thread's work outside of
+    /// groups until now. The stages of a group that was disturbed include the wait for a CPU: they
+    /// count as in the group before.
     fn split(&mut self, tile: &Tile) {
-        let (n_stored, storing_ns) = self.stored;
-        let other_ns = self.rest_ns + (storing_ns / n_stored.max(1.0)) as f32;
+        let (n_pixels, ns) = self.outside;
+        let outside_ns = (ns / n_pixels.max(1.0)) as f32;
         for (i, group) in self.groups.iter().enumerate() {
             let (time, sums) = (self.times[i], &self.sums[i]);
             if !time.is_rejected || self.usual == ByStage::default() {
@@ -173,7 +172,7 @@ impl<'a> GroupRenderer<'a> {
             for row in tile.rows_of(group) {
                 self.n_rejected[row.clone()].fill(is_rejected.into());
                 let time_ns = &mut self.time_ns[row.clone()];
-                time_ns.fill(other_ns);
+                time_ns.fill(outside_ns);
                 for (column, ns_per_count) in self.counts.iter().zip(ns_per_count) {
                     for (ns, n) in time_ns.iter_mut().zip(&column[row.clone()]) {
                         *ns += n * ns_per_count;
@@ -203,8 +202,8 @@ impl TileRenderer for GroupRenderer<'_> {
         }
     }
 
-    fn has_stored(&mut self, n_pixels: usize, ns: u64) {
-        self.stored.0 += n_pixels as f64;
-        self.stored.1 += ns as f64;
+    fn has_rendered(&mut self, n_pixels: usize, ns: u64) {
+        self.outside.0 += n_pixels as f64;
+        self.outside.1 += (ns as f64 - self.in_groups_ns).max(0.0);
     }
 }

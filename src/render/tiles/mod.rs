@@ -133,8 +133,9 @@ trait TileRenderer {
     /// thread.
     fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
 
-    /// Records that the film has stored this number of pixels in this number of nanoseconds.
-    fn has_stored(&mut self, _n_pixels: usize, _ns: u64) {}
+    /// Records that the thread has rendered the tile's pixels and stored them in the film, in this
+    /// number of nanoseconds.
+    fn has_rendered(&mut self, _n_pixels: usize, _ns: u64) {}
 }
 
 /// Renders the tiles of the plan, except for those that the pass takes over. Each thread takes the
@@ -221,10 +222,11 @@ fn render_tile(
     };
     // Render a part of whole rows.
     for part in tile.parts(MAX_PIXELS) {
+        let before_ns = run.busy_ns();
         let rendered = renderer.render(&plan.in_picture(&part), wait);
         run.warm_up_ns += rendered.warm_up_ns as u64;
         // Add up its counters and store it in the film, timed separately: page faults at the first
-        // write would show in the map of a single pixel, so groups get the mean of all stores.
+        // write would show in the map of a single pixel.
         let rendered_ns = now_ns();
         wait.is_interrupted();
         let waited_ns = wait.waited_ns();
@@ -239,7 +241,7 @@ fn render_tile(
             .end_ns
             .saturating_sub(rendered_ns + run.waiting_ns - waited_ns);
         run.film_ns += busy_ns;
-        renderer.has_stored(part.n_pixels(), busy_ns);
+        renderer.has_rendered(part.n_pixels(), run.busy_ns().saturating_sub(before_ns));
     }
     run
 }

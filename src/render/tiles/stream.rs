@@ -375,7 +375,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Counts the steps of shadow rays if waves are timed; called before and after they are traced.
     fn count_shadow_steps(&mut self) {
-        if let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted()) {
+        if self.shader.casts_shadows()
+            && let (Some(times), Some(counters)) = (&mut self.times, self.probe.counted())
+        {
             times.count_shadow_steps(counters);
         }
     }
