@@ -1,12 +1,12 @@
 //! Damaged scene files give a scene or an error, never a panic.
 
+use crate::common::generators::cases;
 use std::ops::Range;
 use std::path::Path;
 
 use base::text::Diagnostic;
 use output::memory::Memory;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use scene::config::Config;
 use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
@@ -171,13 +171,7 @@ fn the_full_scene_is_fine() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 5000,
-        failure_persistence: None,
-        // The same cases on every machine: a failure is never by chance.
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(cases(5000))]
 
     #[test]
     fn damaged_scenes_get_a_message_or_are_fine(

@@ -5,6 +5,16 @@ use proptest::prelude::*;
 use scene::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
 use scene::world::{MaterialId, ObjectId, Primitive};
 
+/// The settings of a property test: `default` cases, or as many as the environment asks for:
+/// `PROPTEST_CASES=50000 cargo test --test engine rounding`.
+pub fn cases(default: u32) -> ProptestConfig {
+    let asked_for = std::env::var("PROPTEST_CASES").map(|n| n.parse().unwrap());
+    ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(asked_for.unwrap_or(default))
+    }
+}
+
 /// A number, often one of a few round ones, so that some rays are parallel to
 /// axes or pass through edges, and some primitives coincide.
 pub fn coordinate() -> impl Strategy<Value = f32> {

@@ -1,6 +1,6 @@
 //! The hierarchy finds the hits of brute force, on random scenes.
 
-use crate::common::generators::{self, bundle, ray, triple};
+use crate::common::generators::{self, bundle, cases, ray, triple};
 use crate::common::twins::{QUALITIES, compare};
 use crate::common::{parse, scene_in_world};
 use glam::{DAffine3, DVec3, Vec3};
@@ -93,7 +93,7 @@ fn primitive(shape: Shape) -> Primitive {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(400))]
 
     #[test]
     fn all_find_the_same_hits(scene in scene(), rays in prop::collection::vec(ray(), 40)) {

@@ -1,7 +1,7 @@
 //! The hierarchy finds the hits of brute force where rounding decides.
 
 use crate::common::generators::{
-    awkward_triangle, bundle, direction, point, primitives, ray, ray_at, shape,
+    awkward_triangle, bundle, cases, direction, point, primitives, ray, ray_at, shape,
 };
 use crate::common::twins::compare;
 use glam::Vec3;
@@ -23,13 +23,6 @@ fn rays_in_grid(n: i32) -> impl Strategy<Value = Vec<Ray>> {
     let origin = prop::array::uniform3(step).prop_map(Vec3::from);
     let ray = (origin, direction()).prop_map(|(origin, direction)| Ray { origin, direction });
     prop::collection::vec(ray, 1..40)
-}
-
-fn cases(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        failure_persistence: None,
-        ..ProptestConfig::with_cases(cases)
-    }
 }
 
 proptest! {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::common::generators::{ray, triple};
+use crate::common::generators::{cases, ray, triple};
 use crate::common::twins::{compare, compare_built};
 use crate::common::{film, mean, parse, radiance, scene_in_world, with_cost};
 use glam::Vec3;
@@ -98,7 +98,7 @@ fn surface_point(scene: &Scene, accel: &Accel, ray: &Ray) -> Option<SurfacePoint
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(60))]
 
     #[test]
     fn all_find_the_same_hits(groups in groups(), rays in prop::collection::vec(ray(), 40)) {

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use render::film::{Film, Strip};
 use scene::config::{Config, CostMode, ShadingModel};
 
+use crate::common::generators::cases;
 use crate::common::moved::{Similarity, Turn};
 use crate::common::scenes::{RandomScene, scenes as random_scenes};
 use crate::common::{film, in_repository, mean, parse, radiance};
@@ -168,7 +169,7 @@ fn a_turned_scene_has_the_same_picture() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(cases(40))]
 
     #[test]
     fn powers_of_two_change_no_byte_of_random_scenes(
@@ -184,7 +185,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(25))]
+    #![proptest_config(cases(12))]
 
     #[test]
     fn random_scenes_of_any_size_place_and_direction_have_the_same_picture(scene in random_scenes()) {

@@ -1,5 +1,6 @@
 //! The observed rays of a pixel are those of its rendering.
 
+use crate::common::generators::cases;
 use crate::common::scenes::scenes;
 use crate::common::{config, counts, film, parse, rays, scene_of, with_cost};
 use glam::Vec3;
@@ -87,7 +88,7 @@ fn assert_is_tree(tree: &RayTree, n_lights: u32) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(24))]
 
     #[test]
     fn trees_of_random_scenes_match_their_pixels(scene in scenes()) {

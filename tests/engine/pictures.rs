@@ -16,6 +16,7 @@ use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::{SurfacePoint, Tracer};
 
+use crate::common::generators::cases;
 use crate::common::{film, in_repository, parse};
 
 const MEMORY: u64 = 1 << 26;
@@ -157,7 +158,7 @@ fn a_picture_that_ends_early_is_refused_or_a_picture() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(cases(2000))]
 
     #[test]
     fn damage_never_panics(

@@ -1,6 +1,6 @@
 //! A refitted hierarchy finds the hits of brute force, however the primitives have moved.
 
-use crate::common::generators::{point, ray, shape};
+use crate::common::generators::{cases, point, ray, shape};
 use crate::common::twins::{QUALITIES, compare_built};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -41,7 +41,7 @@ fn built(primitives: &[Primitive], quality: Quality) -> Accel<'_> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn all_find_the_same_hits_of_moved_primitives(

@@ -1,6 +1,6 @@
 //! Rounding changes no decision: rays aimed at edges and vertices, at any scale.
 
-use crate::common::generators::{direction, primitives};
+use crate::common::generators::{cases, direction, primitives};
 use crate::common::twins::compare;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -120,7 +120,7 @@ fn triangles(triangles: Vec<[Vec3; 3]>) -> Vec<scene::world::Primitive> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+    #![proptest_config(cases(300))]
 
     #[test]
     fn rays_at_edges_and_vertices_of_closed_meshes((mesh, rays) in aimed(mesh())) {
@@ -158,18 +158,8 @@ fn sheared() -> impl Strategy<Value = [Vec3; 3]> {
     )
 }
 
-/// 1,000 cases, or as many as the environment asks for: `PROPTEST_CASES=50000 cargo test --test
-/// engine rounding`.
-fn config() -> ProptestConfig {
-    let asked_for = std::env::var("PROPTEST_CASES").map(|n| n.parse().unwrap());
-    ProptestConfig {
-        failure_persistence: None,
-        ..ProptestConfig::with_cases(asked_for.unwrap_or(1000))
-    }
-}
-
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(1000))]
 
     /// With the bound that the margin of boxes rests on.
     #[test]

@@ -1,5 +1,6 @@
 //! Streams of rays have the hits and the counters of single rays.
 
+use crate::common::generators::cases;
 use crate::common::scenes::{BACKGROUNDS, CAMERAS, CHECKER, RandomScene, scenes};
 use crate::common::{config, film, film_on, lasting, parse, rays, scene_of, sum, with_cost};
 use math::simd::Simd;
@@ -12,7 +13,7 @@ use tracer::cost::{Counter, Meter};
 use tracer::trace::Tracer;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(24))]
 
     #[test]
     fn all_cost_modes_give_the_same_image_and_counters(scene in scenes()) {

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use scene::geometry::{Capsule, Cone, Cylinder, Intersectable, Ray, Shape};
 
-use crate::common::generators::direction;
+use crate::common::generators::{cases, direction};
 
 /// A shape between two ends with a radius at each.
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +81,7 @@ fn turned() -> impl Strategy<Value = Turned> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(2000))]
 
     /// A ray from anywhere hits the surface where it says, and nothing before.
     #[test]

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use proptest::prelude::*;
 
+use crate::common::generators::cases;
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
 use output::results::{FrameFile, HitsFile, Results};
@@ -17,7 +18,7 @@ use vtk::Codec;
 
 const MODES: [CostMode; 3] = [CostMode::None, CostMode::Counters, CostMode::Time];
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn what_is_written_is_read_bit_for_bit(

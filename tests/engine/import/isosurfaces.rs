@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use scene::import::{ArrayChoice, ArrayOf, FileFault, IsosurfaceChoice, Mesh, read_isosurface};
 
 use super::{message, reading};
+use crate::common::generators::cases;
 use crate::common::in_repository;
 
 fn choice(name: &str) -> ArrayChoice {
@@ -73,7 +74,7 @@ fn open_edges(mesh: &Mesh) -> Vec<[u32; 2]> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(300))]
 
     /// Open edges are on the boundary of the grid alone, whatever the field, and every vertex
     /// is where the field has the value.
@@ -178,7 +179,7 @@ fn area_vector(mesh: &Mesh) -> DVec3 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(cases(200))]
 
     /// The surface through polyhedra is that through voxels, in whatever order and direction
     /// the polyhedra have their faces.

@@ -10,11 +10,11 @@ mod vtk_meshes;
 mod vtk_pictures;
 mod write;
 
+use crate::common::generators::cases;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use scene::import::{
     ArrayChoice, ArrayOf, CornerValues, FileFault, Mesh, RadiusChoice, read_mesh, read_spheres,
     read_tubes,
@@ -82,12 +82,7 @@ fn mesh() -> impl Strategy<Value = Mesh> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 200,
-        failure_persistence: None,
-        rng_seed: RngSeed::Fixed(1),
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn what_was_written_is_read(mesh in mesh()) {
