@@ -6,6 +6,7 @@ use super::RenderError;
 use base::host::{affinity, spawn_one_of_pool};
 use base::stop::Cancellation;
 use base::text::Diagnostic;
+use render::ranks::local_rank;
 use render::tiles::{Progress, Report};
 use scene::config::{Pinning, SimdSet, Traversal};
 
@@ -97,7 +98,8 @@ impl Options<'_> {
     }
 }
 
-/// Restricts each thread of a pool to one CPU.
+/// Restricts each thread of a pool to one CPU. Processes that were launched together on this machine
+/// take CPUs in turn, unless the launcher has given each its own.
 fn pin(pool: &rayon::ThreadPool) -> Result<(), RenderError> {
     let cannot = |why: String| Diagnostic::new(format!("cannot pin the threads: {why}"));
     let refused = |error: io::Error| {
@@ -111,7 +113,9 @@ fn pin(pool: &rayon::ThreadPool) -> Result<(), RenderError> {
         let help = format!("use `--threads {}`", cpus.len());
         return Err(RenderError::Scene(message.with_help(help)));
     }
-    let pinned = pool.broadcast(|thread| affinity::pin_to_cpu(cpus[thread.index()]));
+    let first = n * local_rank();
+    let pinned =
+        pool.broadcast(|thread| affinity::pin_to_cpu(cpus[(first + thread.index()) % cpus.len()]));
     let pinned: io::Result<()> = pinned.into_iter().collect();
     pinned.map_err(refused)
 }

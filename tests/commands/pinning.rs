@@ -42,6 +42,34 @@ fn each_thread_has_a_cpu_and_the_picture_is_the_same() {
     assert!(pictures[0] == pictures[1]);
 }
 
+/// Two processes of a launch, each started by itself.
+#[test]
+fn processes_of_one_machine_take_cpus_in_turn() {
+    let folder = tempfile::tempdir().unwrap();
+    let cpu = |local_rank: &str| {
+        let mut command = raycost();
+        command.env("OMPI_COMM_WORLD_LOCAL_RANK", local_rank);
+        command
+            .arg("render")
+            .arg(in_repository("configs/blocks.yaml"));
+        command.args([
+            "--width=8",
+            "--height=8",
+            "--threads=1",
+            "--pin=cores",
+            "--json",
+        ]);
+        command.arg("--out").arg(folder.path().join(local_rank));
+        let run = command.output().unwrap();
+        assert_success(&run);
+        let summary: Value = serde_json::from_slice(&run.stdout).unwrap();
+        summary["threads"]["affinity"][0].clone()
+    };
+    let n_cpus = base::host::affinity::allowed_cpus().unwrap().len();
+    assert_eq!(cpu("0"), cpu(&n_cpus.to_string()));
+    assert_eq!(cpu("0") == cpu("1"), n_cpus == 1);
+}
+
 #[test]
 fn more_threads_than_cpus_are_refused() {
     let folder = tempfile::tempdir().unwrap();

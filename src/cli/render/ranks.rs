@@ -33,6 +33,7 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
     let scene = OpenScene::parse(&arguments.scene, Source::new(name, text))?;
     let options = Options {
         threads: arguments.run.threads,
+        pin: arguments.pin,
         simd: arguments.simd,
         traversal: arguments.traversal.unwrap_or_default(),
         ..Options::default()

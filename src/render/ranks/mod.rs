@@ -33,7 +33,7 @@ use base::text::Diagnostic;
 use pauses::Pauses;
 
 pub use hello::{Hello, Order, SceneText};
-pub use launch::n_launched;
+pub use launch::{local_rank, n_launched};
 pub use message::{Message, MessageKind, RankFailure};
 #[cfg(not(feature = "mpi"))]
 pub use no_world::abort;
