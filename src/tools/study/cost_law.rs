@@ -72,10 +72,7 @@ impl CostLaw {
     /// Fits the law to samples whose sizes and costs are greater than 0; `None` for fewer than two
     /// different sizes.
     pub fn fit(samples: &[CostSample]) -> Option<Self> {
-        let mut sizes: Vec<f64> = samples.iter().map(|sample| sample.n).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes.dedup();
-        let law = match sizes.len() {
+        let law = match distinct_sizes(samples).len() {
             0 | 1 => return None,
             2 => straight_line(samples),
             n_sizes => ExponentSearch::new(samples).solve(n_sizes),
@@ -90,6 +87,14 @@ impl CostLaw {
     pub fn at(&self, n: f64) -> f64 {
         self.fixed + self.growing.at(n)
     }
+}
+
+/// Returns the sizes of samples in ascending order, each once.
+pub(super) fn distinct_sizes(samples: &[CostSample]) -> Vec<f64> {
+    let mut sizes: Vec<f64> = samples.iter().map(|sample| sample.n).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.dedup();
+    sizes
 }
 
 /// Returns the power law through samples of two sizes: a straight line on logarithmic axes.

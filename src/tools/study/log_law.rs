@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::CostSample;
-use super::cost_law::{linear_fit, relative_residual, weighted};
+use super::cost_law::{distinct_sizes, linear_fit, relative_residual, weighted};
 
 /// `cost = fixed + factor * log₂ n`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -20,9 +20,7 @@ impl LogLaw {
     /// Fits the law to samples whose costs are greater than 0; `None` for fewer than three
     /// different sizes, or for a size below 1.
     pub fn fit(samples: &[CostSample]) -> Option<Self> {
-        let mut sizes: Vec<f64> = samples.iter().map(|sample| sample.n).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes.dedup();
+        let sizes = distinct_sizes(samples);
         if sizes.len() < 3 || sizes[0] < 1.0 {
             return None;
         }

@@ -52,8 +52,8 @@ pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> V
     let points: Vec<ScalingPoint> = points.collect();
     let mut found = Vec::new();
     for point in &points {
-        let alike = points.iter().filter(|one| one.others() == point.others());
-        let Some(base) = alike.min_by(|a, b| a.n_threads().total_cmp(&b.n_threads())) else {
+        let comparable = points.iter().filter(|one| one.others() == point.others());
+        let Some(base) = comparable.min_by(|a, b| a.n_threads().total_cmp(&b.n_threads())) else {
             continue;
         };
         let speedups = point.throughput.over(&base.throughput);

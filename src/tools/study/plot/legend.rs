@@ -49,7 +49,7 @@ pub(super) fn entries(figure: &Figure) -> LegendEntries<LegendSymbol> {
     let limits = ["if all its time were", "waiting for memory"];
     let laws = ["a + b x^k, with the", "interval of 95 % of k"];
     let rings = ["more threads than", "processors: not fitted"];
-    let ranges = ["from the fastest to", "the slowest run"];
+    let ranges = ["the range of fewer", "than six runs"];
     let notes = [
         (has_limits, LegendSymbol::Bar, limits),
         (has_laws, LegendSymbol::Bar, laws),
