@@ -33,7 +33,7 @@ use tracer::trace::Tracer;
 /// Pixels along a window's side.
 const SIDE: u32 = 32;
 
-/// Renderings of a window in each round, of which the median counts.
+/// Renderings of a window in each round; their median counts.
 const WINDOW_RENDERINGS: usize = 11;
 
 /// Greatest relative difference between a window's time and its time in the map.
