@@ -4,8 +4,7 @@
 //! Comparisons use only ranks: an interrupted run is one high rank, however long it took, and no
 //! distribution of the noise is assumed.
 
-mod fine_histogram;
-mod floats;
+mod histogram;
 mod least_squares;
 mod median_interval;
 mod order;
@@ -14,8 +13,7 @@ mod ratio;
 mod sample;
 mod spearman;
 
-pub use fine_histogram::{FineHistogram, lower_edge};
-pub use floats::floats_at;
+pub use histogram::Histogram;
 pub use least_squares::non_negative_least_squares;
 pub use median_interval::MedianInterval;
 pub use order::{median, upper_median};

@@ -7,8 +7,13 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use super::histogram::{Histogram, N_BINS, bin, is_drawable, lower_edge, upper_edge};
+use math::statistics::Histogram;
+
 use super::ticks::Scale;
+
+/// The lower bits of a float that ends of a range ignore: such a step is narrower than 1 %, less
+/// than one color step.
+const N_OMITTED: u32 = 16;
 
 /// The range of the colors, and the number of values outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,28 +40,28 @@ pub struct Range {
 impl Range {
     /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
     pub fn spanning<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        Self::of_histogram(&Histogram::count(values))
+        Self::of_histogram(&Histogram::count(values.into_iter().copied()))
     }
 
     /// Returns the logarithmic range for the values of a histogram.
     pub fn of_histogram(histogram: &Histogram) -> Self {
-        let &Histogram {
-            min,
-            max,
-            n_undrawable,
-            ..
-        } = histogram;
-        let (low, high) = at_least_one_percent(histogram.robust_ends());
-        // An end that clips values moves to the edge of its bin, so that the counts are exact.
+        let n_drawable = drawable(histogram).map(|(_, n)| n).sum::<u64>();
+        let [min, max] = extremes(histogram, n_drawable);
+        let (low, high) = at_least_one_percent(robust_ends(histogram, n_drawable));
+        // An end that clips values moves to the end of its step, so that the counts are exact.
         let low = if low > min.into() {
-            lower_edge(bin(low as f32))
+            f64::from(step_start(low as f32))
         } else {
             low
         };
         let high = if high < max.into() {
-            upper_edge(bin(high as f32))
+            f64::from(step_end(high as f32))
         } else {
             high
+        };
+        let n = |is_outside: &dyn Fn(f64) -> bool| {
+            let outside = drawable(histogram).filter(|&(value, _)| is_outside(value.into()));
+            outside.map(|(_, n)| n).sum()
         };
         Self {
             scale: Scale::Logarithmic,
@@ -64,20 +69,16 @@ impl Range {
             high,
             min,
             max,
-            n_below: histogram.n_in(0..bin(min.max(low as f32))),
-            n_above: histogram.n_in(bin(max.min(high as f32)) + 1..N_BINS),
-            n_undrawable,
+            n_below: n(&|value| value < low && low > min.into()),
+            n_above: n(&|value| value > high),
+            n_undrawable: histogram.n + histogram.n_other - n_drawable,
         }
     }
 
     /// Returns a linear range that is symmetric around zero; -1 to 1 if all values are zero.
     pub fn around_zero(values: &[f32]) -> Self {
-        let sizes: Vec<f32> = values.iter().map(|value| value.abs()).collect();
-        let histogram = Histogram::count(&sizes);
-        let reach = match histogram.n {
-            0 => 1.0,
-            _ => histogram.robust_max(),
-        };
+        let histogram = Histogram::count(values.iter().map(|value| value.abs()));
+        let reach = robust_max(&histogram);
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
         Self {
@@ -119,6 +120,79 @@ impl Range {
             Scale::Linear => value.is_finite(),
         }
     }
+}
+
+/// Returns true if a logarithmic scale can show `value`.
+fn is_drawable(value: f32) -> bool {
+    (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
+}
+
+/// Returns the bins of the drawable values, and their numbers.
+fn drawable(histogram: &Histogram) -> impl DoubleEndedIterator<Item = (f32, u64)> {
+    histogram.bins().filter(|&(value, _)| is_drawable(value))
+}
+
+/// Returns the least and the greatest drawable value; 1 if there is none.
+fn extremes(histogram: &Histogram, n_drawable: u64) -> [f32; 2] {
+    match n_drawable {
+        0 => [1.0; 2],
+        _ => [histogram.least_normal, histogram.greatest],
+    }
+}
+
+/// Returns the least float in the step of a positive float.
+fn step_start(value: f32) -> f32 {
+    f32::from_bits(value.to_bits() >> N_OMITTED << N_OMITTED)
+}
+
+/// Returns the greatest float in the step of a positive float.
+fn step_end(value: f32) -> f32 {
+    f32::from_bits(value.to_bits() | ((1 << N_OMITTED) - 1))
+}
+
+/// Returns the 0.5 % and 99.5 % quantiles of the drawable values. Either is replaced by the extreme
+/// value on its side if this is within a factor of two, or extends the logarithmic range by at most
+/// a third.
+fn robust_ends(histogram: &Histogram, n_drawable: u64) -> (f64, f64) {
+    let [min, max] = extremes(histogram, n_drawable).map(f64::from);
+    // Among fewer than a hundred pixels none counts as an outlier.
+    let n_tail = if n_drawable < 100 {
+        0
+    } else {
+        (n_drawable / 200).max(1)
+    };
+    let low = f64::from(step_start(value_past(n_tail, drawable(histogram)))).max(min);
+    let high = f64::from(step_end(value_past(n_tail, drawable(histogram).rev()))).min(max);
+    let max_ratio = (high / low).cbrt().max(2.0);
+    (
+        if low / min <= max_ratio { min } else { low },
+        if max / high <= max_ratio { max } else { high },
+    )
+}
+
+/// Returns the 99 % quantile of the drawable values, or the greatest one if it is within a factor
+/// of two or there are fewer than a hundred; 1 if there is none.
+fn robust_max(histogram: &Histogram) -> f64 {
+    let n_drawable = drawable(histogram).map(|(_, n)| n).sum::<u64>();
+    let [_, max] = extremes(histogram, n_drawable).map(f64::from);
+    let n_tail = if n_drawable < 100 {
+        0
+    } else {
+        n_drawable / 100
+    };
+    let most = step_end(value_past(n_tail, drawable(histogram).rev())).into();
+    if max <= 2.0 * most { max } else { most }
+}
+
+/// Returns the first of the `bins` at which the cumulative count exceeds `n_tail`; 1 if there is
+/// none.
+fn value_past(n_tail: u64, mut bins: impl Iterator<Item = (f32, u64)>) -> f32 {
+    let mut n_passed = 0;
+    let bin = bins.find(|&(_, n)| {
+        n_passed += n;
+        n_passed > n_tail
+    });
+    bin.map_or(1.0, |(value, _)| value)
 }
 
 /// Widens a range narrower than 1 %, such as a constant map's, to a factor of two around its

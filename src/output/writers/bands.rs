@@ -7,7 +7,8 @@ use std::io;
 use std::ops::Range;
 
 use super::file::{FileContent, Job, OutputFile};
-use super::{Survey, Surveyor, frame, hits, picture};
+use super::survey::{Survey, Surveyor};
+use super::{frame, hits, picture};
 use base::folder::{Staging, WriteError, Written};
 use base::stop;
 use render::film::Film;

@@ -1,6 +1,6 @@
 //! Distances of the hits.
 
-use math::statistics::{FineHistogram, floats_at, lower_edge};
+use math::statistics::Histogram;
 use render::film::Film;
 
 /// Multiple of the median distance at which the horizon begins. A view of all points would show
@@ -24,29 +24,14 @@ pub(super) struct Distances {
 impl Distances {
     /// Returns the distances of a film.
     pub(super) fn collect(film: &Film) -> Self {
-        let mut distances = Vec::with_capacity(film.n_hits());
-        for row in film.rows(|strip| &strip.distance) {
-            distances.extend(row.iter().filter(|distance| distance.is_finite()));
-        }
-        let last = distances.len().saturating_sub(1);
-        let indices = PERCENT.map(|percent| last * percent as usize / 100);
-        let quantiles = floats_at(&distances, indices);
-        Self::of_quantiles(quantiles.map(|quantiles| quantiles.map(lower_edge)))
+        Self::of_histogram(&Histogram::count(film.values(|strip| &strip.distance)))
     }
 
-    /// Returns the distances that a histogram counts.
-    pub(super) fn of_histogram(distances: &FineHistogram) -> Self {
+    /// Returns the distances that a histogram counts; those without a hit are infinite.
+    pub(super) fn of_histogram(distances: &Histogram) -> Self {
         let last = distances.n.saturating_sub(1);
         let quantiles = PERCENT.map(|percent| distances.at(last * percent / 100));
-        let [Some(a), Some(b), Some(c), Some(d)] = quantiles else {
-            return Self::of_quantiles(None);
-        };
-        Self::of_quantiles(Some([a, b, c, d]))
-    }
-
-    /// Returns the distances with these [`PERCENT`] quantiles.
-    fn of_quantiles(quantiles: Option<[f32; 4]>) -> Self {
-        let Some([near, median, far, farthest]) = quantiles else {
+        let [Some(near), Some(median), Some(far), Some(farthest)] = quantiles else {
             return Self {
                 median: None,
                 max_shown: 1.0,

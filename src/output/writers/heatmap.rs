@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use super::survey::ReducedMap;
+use super::reduced_map::ReducedMap;
 use crate::chart::{self, CostMap, Range};
 use base::provenance::RunId;
 use base::text::numbers;

@@ -18,6 +18,7 @@ mod objects;
 mod picture;
 mod points;
 mod profile;
+mod reduced_map;
 mod rays;
 mod run;
 mod state_files;
@@ -25,7 +26,6 @@ mod states;
 mod summary;
 mod surface;
 mod survey;
-mod surveyor;
 mod thread_time;
 mod tiles;
 mod trace_events;
@@ -53,7 +53,6 @@ pub use rays::Traced;
 pub use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
 pub use survey::Survey;
-pub(crate) use surveyor::Surveyor;
 pub use thread_time::thread_time;
 pub use tiles::write as write_tiles;
 pub use traced::STATE as RAYS_STATE;
@@ -101,7 +100,7 @@ pub(crate) fn write_bytes(config: &Config) -> u64 {
 pub(crate) fn bytes_beside_bands(config: &Config) -> u64 {
     compression_bytes(config.compress)
         + picture::bytes_beside_bands(config)
-        + Surveyor::bytes(&config.image)
+        + survey::bytes(&config.image)
 }
 
 /// Returns an upper bound of the bytes to write a pixel of a band.
@@ -123,7 +122,7 @@ pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
     // Without costs there is a map that is never written to.
     let of_map = match config.cost {
         CostMode::None => 0,
-        _ => Surveyor::bytes(&config.image),
+        _ => survey::bytes(&config.image),
     };
     let of_pixels = n_pixels * picture::bytes_per_band_pixel(config);
     of_two + of_pixels + picture::bytes_beside_bands(config) + of_map
@@ -150,7 +149,7 @@ pub(crate) fn picture_texts(config: &Config) -> u64 {
 
 /// Returns the side, in pixels, of a block of the cost map for a picture of this size in pieces.
 pub(crate) fn map_side(picture: [u32; 2]) -> u32 {
-    survey::ReducedMap::side(picture)
+    reduced_map::ReducedMap::side(picture)
 }
 
 /// Returns the bytes of the ParaView states that a rendering with this config writes, as templates.

@@ -1,11 +1,18 @@
 //! Statistics of all pixels together, for the files.
 
+use rayon::prelude::*;
+
 use super::distances::Distances;
+use super::reduced_map::ReducedMap;
 use super::run::PixelHashes;
 use crate::chart::Range;
-use math::statistics::{floats_at, lower_edge};
-use render::film::{Film, HotPixel};
+use math::statistics::Histogram;
+use render::film::{Film, HotPixel, Strip};
+use scene::config::Image;
 use tracer::cost::Metric;
+
+/// Parts per thread in which the pixels are counted: more of them share the work more evenly.
+const PARTS_PER_THREAD: usize = 2;
 
 /// Statistics of all pixels of a picture together. Quantiles are exact to .05 %, and exact for
 /// counts up to 4096: one pass finds them, even over a picture that does not fit into memory.
@@ -40,76 +47,210 @@ pub struct Survey {
     pub(super) map: Option<ReducedMap>,
 }
 
-/// The map of a picture that does not fit into memory, as means of blocks of pixels.
-#[derive(Debug, Clone)]
-pub(super) struct ReducedMap {
-    /// Pixels along the side of a block.
-    pub(super) side: u32,
-    /// Columns and rows.
-    pub(super) size: [u32; 2],
-    /// Columns of the picture.
-    pub(super) width: u32,
-    pub(super) values: Vec<f32>,
-}
-
 impl Survey {
     /// Surveys a film that has all pixels, on the current rayon pool.
     pub fn measure(film: &Film) -> Self {
-        let metrics = film.heatmap_metrics();
-        let shown = film.metrics_in_files();
-        let mut hashes = PixelHashes::default();
-        // Survey hashes, distances and counts, and concurrently the cost of heatmaps.
-        let ((distances, counter_ends), (range, median, sum)) = rayon::join(
-            || {
-                hashes.add(film);
-                let ends = shown[1].map(|second| counter_ends(&film.metric(second)));
-                (Distances::collect(film), ends.unwrap_or_default())
-            },
-            || match metrics {
-                Some([first, _]) => {
-                    let values = film.metric(first);
-                    let sum = values.iter().copied().map(f64::from).sum();
-                    let [median] = floats_at(&values, [values.len() / 2]).unwrap_or_default();
-                    (Range::spanning(&values), lower_edge(median), sum)
-                }
-                None => {
-                    let distances = film.rows(|strip| &strip.distance).flatten();
-                    (Range::spanning(distances), 0.0, 0.0)
-                }
-            },
-        );
-        // Files that leave out the heatmaps' metrics show another one.
-        let shown_range = match shown[0] {
-            Some(first) if metrics.is_none_or(|[metric, _]| metric != first) => {
-                Range::spanning(&film.metric(first))
-            }
-            Some(_) => range,
-            None if metrics.is_none() => range,
-            None => Range::spanning(film.rows(|strip| &strip.distance).flatten()),
-        };
+        let mut surveyor = Surveyor::new(film);
+        surveyor.add(film);
+        surveyor.finish()
+    }
+}
+
+/// Surveys a picture, band by band from top to bottom.
+pub(super) struct Surveyor {
+    metrics: Option<[Metric; 2]>,
+    shown: [Option<Metric>; 2],
+    hashes: PixelHashes,
+    n_hits: u64,
+    times: [f64; 2],
+    n_rejected: u64,
+    hottest: [Option<(Metric, HotPixel)>; 2],
+    counted: Counted,
+    map: Option<ReducedMap>,
+}
+
+/// Returns an upper bound of the bytes to survey a picture in bands. The histograms of the picture
+/// and of its parts have a few of all possible bins.
+pub(super) fn bytes(image: &Image) -> u64 {
+    let map = ReducedMap::new([image.width, image.height]);
+    4 * Histogram::BYTES + (map.values.len() * size_of::<f32>()) as u64
+}
+
+/// The values of some pixels.
+#[derive(Default)]
+struct Counted {
+    /// The first heatmap metric, and its sum in each strip.
+    cost: Histogram,
+    sums: Vec<f64>,
+    /// The first shown metric, if it is another one.
+    shown: Histogram,
+    /// The second shown metric.
+    counter: Histogram,
+    distances: Histogram,
+}
+
+impl Surveyor {
+    /// Creates a surveyor for the picture of this film: of its pixels, if it has them, or of bands
+    /// that are read later.
+    pub fn new(film: &Film) -> Self {
         Self {
-            hashes,
-            n_hits: film.n_hits() as u64,
-            time_ns: film.total_time_ns(),
-            time_mad_ns: film.total_time_mad_ns(),
-            n_rejected: film.n_rejected(),
-            hottest: film.hottest_by_metrics(),
-            metrics,
-            range,
-            median,
-            sum,
+            metrics: film.heatmap_metrics(),
+            shown: film.metrics_in_files(),
+            hashes: PixelHashes::default(),
+            n_hits: 0,
+            times: [0.0; 2],
+            n_rejected: 0,
+            hottest: [None; 2],
+            counted: Counted::default(),
+            map: (!film.has_rows()).then(|| ReducedMap::new([film.grid.width, film.grid.height])),
+        }
+    }
+
+    /// Takes the next band, on the current rayon pool.
+    pub fn add(&mut self, band: &Film) {
+        let n_parts = PARTS_PER_THREAD * rayon::current_num_threads();
+        let parts = band
+            .strips
+            .par_chunks(band.strips.len().div_ceil(n_parts).max(1));
+        let (metrics, shown) = (self.metrics, self.shown);
+        let parts = parts.map(|strips| Counted::new(band, strips, metrics, shown));
+        let (hottest, parts) = rayon::join(
+            || band.hottest_by_metrics(),
+            || parts.collect::<Vec<Counted>>(),
+        );
+        parts.into_iter().for_each(|part| self.counted.add(part));
+        for (so_far, found) in self.hottest.iter_mut().zip(hottest) {
+            *so_far = hotter(*so_far, found);
+        }
+        if let (Some(map), Some([first, _])) = (&mut self.map, metrics) {
+            for_each_value(band, &band.strips, first, |strip, values| {
+                map.add(strip.first_row, values);
+            });
+        }
+        self.hashes.add(band);
+        self.n_hits += band.n_hits() as u64;
+        self.times[0] += band.total_time_ns();
+        self.times[1] += band.total_time_mad_ns();
+        self.n_rejected += band.n_rejected();
+    }
+
+    /// Returns the survey of all bands.
+    pub fn finish(self) -> Survey {
+        let Counted {
+            cost,
+            sums,
             shown,
-            shown_range,
-            counter_ends,
+            counter,
             distances,
-            map: None,
+        } = self.counted;
+        let of_distances = || Range::of_histogram(&distances);
+        let range = self
+            .metrics
+            .map_or_else(of_distances, |_| Range::of_histogram(&cost));
+        let shown_range = match self.shown[0] {
+            Some(first) if is_first(self.metrics, first) => range,
+            Some(_) => Range::of_histogram(&shown),
+            None => of_distances(),
+        };
+        let quantile = |part: u64| counter.at(counter.n.saturating_sub(1) * part / 200);
+        let [time_ns, time_mad_ns] = self.times;
+        Survey {
+            hashes: self.hashes,
+            n_hits: self.n_hits,
+            time_ns,
+            time_mad_ns,
+            n_rejected: self.n_rejected,
+            hottest: self.hottest,
+            metrics: self.metrics,
+            range,
+            median: cost.at(cost.n / 2).unwrap_or_default(),
+            sum: sums.into_iter().sum(),
+            shown: self.shown,
+            shown_range,
+            counter_ends: [1, 199].map(|part| quantile(part).unwrap_or_default().into()),
+            distances: Distances::of_histogram(&distances),
+            map: self.map.map(ReducedMap::means),
         }
     }
 }
 
-/// Returns the 0.5 % and the 99.5 % quantile of counts.
-fn counter_ends(counts: &[f32]) -> [f64; 2] {
-    let indices = [1, 199].map(|part| counts.len().saturating_sub(1) * part / 200);
-    let ends = floats_at(counts, indices).unwrap_or_default();
-    ends.map(|count| lower_edge(count).into())
+impl Counted {
+    /// Counts the values of some strips of a film.
+    fn new(
+        film: &Film,
+        strips: &[Strip],
+        metrics: Option<[Metric; 2]>,
+        in_files: [Option<Metric>; 2],
+    ) -> Self {
+        let mut counted = Self::default();
+        if let Some([first, _]) = metrics {
+            for_each_value(film, strips, first, |_, values| {
+                counted.cost.add(values.iter().copied());
+                counted
+                    .sums
+                    .push(values.iter().copied().map(f64::from).sum());
+            });
+        }
+        let [first, second] = in_files;
+        let other = first.filter(|&first| !is_first(metrics, first));
+        let shown = [(other, &mut counted.shown), (second, &mut counted.counter)];
+        for (metric, histogram) in shown {
+            if let Some(metric) = metric {
+                for_each_value(film, strips, metric, |_, values| {
+                    histogram.add(values.iter().copied());
+                });
+            }
+        }
+        for strip in strips {
+            counted.distances.add(strip.distance.iter().copied());
+        }
+        counted
+    }
+
+    /// Adds the values of the next strips.
+    fn add(&mut self, next: Self) {
+        self.cost.merge(&next.cost);
+        self.sums.extend(next.sums);
+        self.shown.merge(&next.shown);
+        self.counter.merge(&next.counter);
+        self.distances.merge(&next.distances);
+    }
+}
+
+/// Returns true if this is the first metric of heatmaps.
+fn is_first(metrics: Option<[Metric; 2]>, metric: Metric) -> bool {
+    metrics.is_some_and(|[first, _]| first == metric)
+}
+
+/// Returns the more expensive pixel, the first one if both are equal. Node visits come before
+/// primitive tests, the metric of a band without any.
+fn hotter(
+    first: Option<(Metric, HotPixel)>,
+    second: Option<(Metric, HotPixel)>,
+) -> Option<(Metric, HotPixel)> {
+    let is_second = |(first, hot): (Metric, HotPixel), (second, other): (Metric, HotPixel)| {
+        if first == second {
+            other.value > hot.value
+        } else {
+            second == Metric::NODE_VISITS
+        }
+    };
+    match (first, second) {
+        (Some(one), Some(other)) if is_second(one, other) => second,
+        _ => first.or(second),
+    }
+}
+
+/// Calls `take` with each of a film's strips and a metric of its pixels.
+fn for_each_value(
+    film: &Film,
+    strips: &[Strip],
+    metric: Metric,
+    mut take: impl FnMut(&Strip, &[f32]),
+) {
+    let mut values = Vec::new();
+    for strip in strips {
+        film.costs(strip, metric, &mut values);
+        take(strip, &values);
+    }
 }

@@ -46,7 +46,7 @@ impl Film {
             self.counts(strip, metric, &mut counts);
             let rows = counts.chunks_exact(self.grid.width as usize);
             rows.zip(strip.first_row..)
-                .for_each(|(row, y)| list.add_row(row, y));
+                .for_each(|(row, y)| list.add_row(row, y, |_| true));
         }
         list.pixels
     }
@@ -105,17 +105,7 @@ impl Times<'_> {
     pub fn hottest(&self, n: usize) -> Vec<HotPixel> {
         let mut list = HottestList::new(n);
         for (y, row) in self.ns.iter().enumerate() {
-            for (first, block) in (0..).step_by(BLOCK).zip(row.chunks(BLOCK)) {
-                // Most blocks have none: the compiler vectorizes this loop.
-                let most = block.iter().copied().fold(0.0, f32::max);
-                if f64::from(most) <= list.least() {
-                    continue;
-                }
-                for (x, &ns) in (first..).zip(block) {
-                    let place = (x as u32, y as u32);
-                    list.add(place, ns.into(), || self.is_trusted((x, y)));
-                }
-            }
+            list.add_row(row, y as u32, |x| self.is_trusted((x, y)));
         }
         list.pixels
     }
@@ -148,7 +138,7 @@ impl Times<'_> {
 pub fn highest_counts<'a>(rows: impl Iterator<Item = &'a [u32]>, n: usize) -> Vec<HotPixel> {
     let mut list = HottestList::new(n);
     for (row, y) in rows.zip(0..) {
-        list.add_row(row, y);
+        list.add_row(row, y, |_| true);
     }
     list.pixels
 }
@@ -167,10 +157,20 @@ impl HottestList {
         }
     }
 
-    /// Adds the pixels of a row.
-    fn add_row(&mut self, counts: &[u32], y: u32) {
-        for (&count, x) in counts.iter().zip(0..) {
-            self.add((x, y), count.into(), || true);
+    /// Adds the pixels of a row, given their costs, if `is_trusted` by column.
+    fn add_row<T>(&mut self, row: &[T], y: u32, is_trusted: impl Fn(usize) -> bool)
+    where
+        T: Copy + Default + PartialOrd + Into<f64>,
+    {
+        for (first, block) in (0..).step_by(BLOCK).zip(row.chunks(BLOCK)) {
+            // Most blocks have none: the compiler vectorizes this loop.
+            let greater = |most: T, &value: &T| if value > most { value } else { most };
+            if block.iter().fold(T::default(), greater).into() <= self.least() {
+                continue;
+            }
+            for (x, &value) in (first..).zip(block) {
+                self.add((x as u32, y), value.into(), || is_trusted(x));
+            }
         }
     }
 

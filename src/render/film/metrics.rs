@@ -89,8 +89,9 @@ impl Film {
         all
     }
 
-    /// Returns the first two of the film's [`metrics`](Self::metrics) that are not zero: without a
-    /// hierarchy, for example, there are no node visits. `None` for a film without cost.
+    /// Returns the first two of the film's [`metrics`](Self::metrics) that are not zero in the whole
+    /// picture: without a hierarchy, for example, there are no node visits. `None` for a film
+    /// without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
             return None;
@@ -99,57 +100,26 @@ impl Film {
         Some([shown.next()?, shown.next()?])
     }
 
-    /// Computes [`heatmap_metrics`](Self::heatmap_metrics) from the totals of the picture.
-    pub fn metrics_of_totals(&self) -> Option<[Metric; 2]> {
-        if !self.cost.has_counters() {
-            return None;
-        }
-        let mut shown = self.metrics().filter(|&metric| self.has_total(metric));
-        Some([shown.next()?, shown.next()?])
-    }
-
     /// Returns the metrics that are shown of the film's VTK files, two if they have two; metrics
     /// that are not zero come first.
     pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
-        self.first_in_files(|metric| self.has_any(metric))
-    }
-
-    /// Computes [`metrics_in_files`](Self::metrics_in_files) from the totals of the picture.
-    pub fn metrics_in_files_of_totals(&self) -> [Option<Metric>; 2] {
-        self.first_in_files(|metric| self.has_total(metric))
-    }
-
-    fn first_in_files(&self, has: impl Fn(Metric) -> bool) -> [Option<Metric>; 2] {
         let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
         let in_files = || self.metrics().filter(is_in_files);
-        let counted = in_files().filter(|&metric| has(metric));
-        let zero = in_files().filter(|&metric| !has(metric));
+        let counted = in_files().filter(|&metric| self.has_any(metric));
+        let zero = in_files().filter(|&metric| !self.has_any(metric));
         let mut metrics = counted.chain(zero);
         [metrics.next(), metrics.next()]
     }
 
-    fn has_total(&self, metric: Metric) -> bool {
-        if metric.is_timed() {
-            return Metric::of_times(self.cost) == Some(metric);
-        }
-        match metric.parts() {
-            Some(parts) => parts.into_iter().all(|part| self.has_total(part)),
-            None => metric.value(&self.totals) > 0,
-        }
-    }
-
+    /// Returns true if a metric is not zero in the whole picture.
     fn has_any(&self, metric: Metric) -> bool {
-        if metric.is_timed() {
-            return Metric::of_times(self.cost) == Some(metric);
+        match metric.source {
+            MetricSource::Clock => Metric::of_times(self.cost) == Some(metric),
+            MetricSource::Observed(counter) => self.total_steps(counter) > 0,
+            MetricSource::Counter(_) | MetricSource::AllRays => metric.value(&self.totals) > 0,
+            MetricSource::Ratio(_) => (metric.parts())
+                .is_some_and(|parts| parts.into_iter().all(|part| self.has_any(part))),
         }
-        if let Some(parts) = metric.parts() {
-            return parts.into_iter().all(|part| self.has_any(part));
-        }
-        let mut of_strip = Vec::new();
-        self.strips.iter().any(|strip| {
-            self.counts(strip, metric, &mut of_strip);
-            of_strip.iter().any(|&count| count > 0)
-        })
     }
 }
 
@@ -162,7 +132,8 @@ mod tests {
     #[test]
     fn a_film_without_cost_has_no_metric_to_show() {
         for (mode, is_shown) in [(CostMode::None, false), (CostMode::Time, true)] {
-            let film = Film::new(TileGrid::new(3, 2, 2), 4, mode);
+            let mut film = Film::new(TileGrid::new(3, 2, 2), 4, mode);
+            film.totals.rays[0] = 24;
             assert_eq!(film.heatmap_metrics().is_some(), is_shown);
         }
     }
