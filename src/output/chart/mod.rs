@@ -116,8 +116,11 @@ fn paint_map(picture: &mut RgbImage, map: &CostMap, colors: &Colors, layout: &La
     rows.for_each(|(rows, values)| {
         let (first, copies) = rows.split_at_mut(picture_width);
         let first = &mut first[in_map.clone()];
-        for (square, &value) in first.chunks_exact_mut(n_copies).zip(values) {
-            square.fill(colors.color(value).0);
+        for (square, color) in first
+            .chunks_exact_mut(n_copies)
+            .zip(colors.of_values(values))
+        {
+            square.fill(color.0);
         }
         for copy in copies.chunks_mut(picture_width) {
             copy[in_map.clone()].copy_from_slice(first);

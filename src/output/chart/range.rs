@@ -112,18 +112,11 @@ impl Range {
     pub fn position(&self, value: f64) -> f64 {
         self.scale.position(value, [self.low, self.high])
     }
-
-    /// Returns true if the scale can show `value`.
-    pub fn can_show(&self, value: f32) -> bool {
-        match self.scale {
-            Scale::Logarithmic => is_drawable(value),
-            Scale::Linear => value.is_finite(),
-        }
-    }
 }
 
 /// Returns true if a logarithmic scale can show `value`.
-fn is_drawable(value: f32) -> bool {
+#[inline]
+pub(super) fn is_drawable(value: f32) -> bool {
     (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
 }
 

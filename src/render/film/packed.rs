@@ -109,12 +109,6 @@ impl PackedCounters {
         [width, stride]: [usize; 2],
         sums: &mut [u32],
     ) {
-        // Without highest bytes, no sum of a few counters overflows.
-        let add = if self.present & HIGHEST == 0 {
-            add_row
-        } else {
-            add_row_saturating
-        };
         let mut present = self.present >> (N_PLANES * counter as u32) & PLANES;
         let before = self.present & (bit((counter, 0)) - 1);
         let mut planes = self.planes[before.count_ones() as usize * self.n_pixels..]
@@ -123,20 +117,26 @@ impl PackedCounters {
             && let Some(plane) = planes.next()
         {
             let shift = u8::BITS * present.trailing_zeros();
-            let rows = plane[pixels.clone()].chunks_exact(width);
-            for (sums, bytes) in sums.chunks_mut(stride).zip(rows) {
-                add(&mut sums[..width], bytes, shift);
+            let rows = sums
+                .chunks_mut(stride)
+                .zip(plane[pixels.clone()].chunks_exact(width));
+            // Without highest bytes, no sum of a few counters overflows.
+            if self.present & HIGHEST == 0 {
+                rows.for_each(|(sums, bytes)| add_row(sums, bytes, shift));
+            } else {
+                rows.for_each(|(sums, bytes)| add_row_saturating(sums, bytes, shift));
             }
             present &= present - 1;
         }
     }
 }
 
-/// Adds a plane of a row.
+/// Adds a plane of a row to the first sums.
+#[inline]
 fn add_row(sums: &mut [u32], bytes: &[u8], shift: u32) {
     // Chunks of sixteen compile to vector instructions.
     let (many, rest) = bytes.as_chunks::<16>();
-    let (many_sums, rest_sums) = sums.as_chunks_mut::<16>();
+    let (many_sums, rest_sums) = sums[..bytes.len()].as_chunks_mut::<16>();
     for (sums, bytes) in many_sums.iter_mut().zip(many) {
         for (sum, &byte) in sums.iter_mut().zip(bytes) {
             *sum += u32::from(byte) << shift;
@@ -147,7 +147,7 @@ fn add_row(sums: &mut [u32], bytes: &[u8], shift: u32) {
     }
 }
 
-/// Adds a plane of a row to sums that saturate.
+/// Adds a plane of a row to the first sums, which saturate.
 fn add_row_saturating(sums: &mut [u32], bytes: &[u8], shift: u32) {
     for (sum, &byte) in sums.iter_mut().zip(bytes) {
         *sum = sum.saturating_add(u32::from(byte) << shift);
