@@ -57,28 +57,30 @@ impl Histogram {
 
     /// Counts more values.
     pub fn add(&mut self, values: impl IntoIterator<Item = f32>) {
-        // In registers during the loop.
-        let (mut n, mut least, mut greatest) = (0, self.least_normal, self.greatest);
+        // In registers during the loop; floats that are not negative sort like their bits.
+        let (mut n, mut n_other) = (0, 0);
+        let [mut least, mut greatest] = [self.least_normal, self.greatest].map(f32::to_bits);
         for value in values {
-            if !(0.0..f32::INFINITY).contains(&value) {
-                self.n_other += 1;
+            // Without the sign of -0.
+            let bits = if value == 0.0 { 0.0 } else { value }.to_bits();
+            if bits >= f32::INFINITY.to_bits() {
+                n_other += 1;
                 continue;
             }
-            // Without the sign of -0.
-            let bits = value.abs().to_bits();
             let page = &mut self.pages[(bits >> N_MANTISSA) as usize];
             if page.is_empty() {
                 page.resize(PAGE_BINS, 0);
             }
             page[(bits >> N_OMITTED) as usize % PAGE_BINS] += 1;
             n += 1;
-            greatest = greatest.max(value);
-            if value >= f32::MIN_POSITIVE {
-                least = least.min(value);
+            greatest = greatest.max(bits);
+            if bits >= f32::MIN_POSITIVE.to_bits() {
+                least = least.min(bits);
             }
         }
         self.n += n;
-        (self.least_normal, self.greatest) = (least, greatest);
+        self.n_other += n_other;
+        [self.least_normal, self.greatest] = [least, greatest].map(f32::from_bits);
     }
 
     /// Adds the values of another histogram.

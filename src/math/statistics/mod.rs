@@ -1,5 +1,5 @@
 //! Statistics of measurements: order statistics, the summary of a sample, the comparison of two
-//! samples, and the fit of a linear model.
+//! samples, the fit of a linear model, and sums.
 //!
 //! Comparisons use only ranks: an interrupted run is one high rank, however long it took, and no
 //! distribution of the noise is assumed.
@@ -12,6 +12,7 @@ mod rank_sum;
 mod ratio;
 mod sample;
 mod spearman;
+mod sum;
 
 pub use histogram::Histogram;
 pub use least_squares::non_negative_least_squares;
@@ -21,3 +22,4 @@ pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};
 pub use sample::SampleStatistics;
 pub use spearman::spearman;
+pub use sum::sum;

@@ -6,7 +6,7 @@ use super::distances::Distances;
 use super::reduced_map::ReducedMap;
 use super::run::PixelHashes;
 use crate::chart::Range;
-use math::statistics::Histogram;
+use math::statistics::{Histogram, sum};
 use render::film::{Film, HotPixel, Strip};
 use scene::config::Image;
 use tracer::cost::Metric;
@@ -186,9 +186,7 @@ impl Counted {
         if let Some([first, _]) = metrics {
             for_each_value(film, strips, first, |_, values| {
                 counted.cost.add(values.iter().copied());
-                counted
-                    .sums
-                    .push(values.iter().copied().map(f64::from).sum());
+                counted.sums.push(sum(values));
             });
         }
         let [first, second] = in_files;

@@ -160,12 +160,15 @@ impl HottestList {
     /// Adds the pixels of a row, given their costs, if `is_trusted` by column.
     fn add_row<T>(&mut self, row: &[T], y: u32, is_trusted: impl Fn(usize) -> bool)
     where
-        T: Copy + Default + PartialOrd + Into<f64>,
+        T: Copy + Into<f64>,
     {
         for (first, block) in (0..).step_by(BLOCK).zip(row.chunks(BLOCK)) {
-            // Most blocks have none: the compiler vectorizes this loop.
-            let greater = |most: T, &value: &T| if value > most { value } else { most };
-            if block.iter().fold(T::default(), greater).into() <= self.least() {
+            // Most blocks have none. Without an early end, the loop compiles to vector instructions.
+            let least = self.least();
+            let exceeds = block
+                .iter()
+                .fold(false, |any, &value| any | (value.into() > least));
+            if !exceeds {
                 continue;
             }
             for (x, &value) in (first..).zip(block) {

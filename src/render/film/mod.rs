@@ -32,6 +32,7 @@ pub use tile::RenderedTile;
 
 use crate::schedule::TileGrid;
 use base::host::grow_heap;
+use math::statistics::sum;
 use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays, Repeats};
 use scene::geometry::RenderSpace;
@@ -214,19 +215,22 @@ impl Film {
 
     /// Returns the sum of `time_ns` over all pixels; 0 if no time was measured.
     pub fn total_time_ns(&self) -> f64 {
-        self.values(|strip| &strip.time_ns).map(f64::from).sum()
+        self.strips.iter().map(|strip| sum(&strip.time_ns)).sum()
     }
 
     /// Returns the sum of `time_mad_ns` over all pixels; 0 if not measured.
     pub fn total_time_mad_ns(&self) -> f64 {
-        let deviations = self.strips.iter().flat_map(|strip| &strip.time_mad_ns);
-        deviations.map(|&ns| f64::from(ns)).sum()
+        self.strips
+            .iter()
+            .map(|strip| sum(&strip.time_mad_ns))
+            .sum()
     }
 
     /// Returns the number of rejected times of all pixels, which were interrupted whenever they
     /// were measured.
     pub fn n_rejected(&self) -> u64 {
-        self.values(|strip| &strip.n_rejected).map(u64::from).sum()
+        let of_strip = |strip: &Strip| strip.n_rejected.iter().map(|&n| u64::from(n)).sum::<u64>();
+        self.strips.iter().map(of_strip).sum()
     }
 
     /// Returns the rows of an array, from top to bottom, each as a slice of its strip.
