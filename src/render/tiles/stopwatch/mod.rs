@@ -12,6 +12,9 @@ const N_TRIES: usize = 3;
 /// thread is not reported, nor is a pause of the virtual machine, nor are cold caches.
 pub(super) const SPIKE: f32 = 2.0;
 
+/// The caches are warm again after this time on a CPU.
+const WARM_NS: f32 = 2e4;
+
 /// The clocks of a thread.
 pub(super) trait Timer {
     /// Reads the clock.
@@ -61,7 +64,7 @@ pub(super) struct Stopwatch<T> {
     timer: T,
     /// The start of the pixel.
     begin: Instant,
-    /// True if the previous pixel was disturbed.
+    /// True if the previous pixel was disturbed, and too short to warm the caches again.
     was_disturbed: bool,
 }
 
@@ -127,7 +130,9 @@ impl<T: Timer> Stopwatch<T> {
                 if stop::is_requested() {
                     return;
                 }
-                render(i.saturating_sub(1));
+                if times[i].ns < WARM_NS {
+                    render(i.saturating_sub(1));
+                }
                 self.start();
                 render(i);
                 let again = self.lap();
@@ -158,7 +163,7 @@ impl<T: Timer> Stopwatch<T> {
 
     /// Ends a pixel; the same reading of the clock starts the next one.
     ///
-    /// A pixel after a disturbed one is rejected too: its caches are cold, and an interruption
+    /// A pixel after a short disturbed one is rejected too: its caches are cold, and an interruption
     /// between the reading of the clock and the check falls into its time.
     #[inline]
     fn lap(&mut self) -> PixelTime {
@@ -171,7 +176,7 @@ impl<T: Timer> Stopwatch<T> {
             is_rejected: is_disturbed || self.was_disturbed,
         };
         self.begin = end;
-        self.was_disturbed = is_disturbed;
+        self.was_disturbed = is_disturbed && time.ns < WARM_NS;
         time
     }
 }
