@@ -6,6 +6,7 @@ use super::options::{Event, Options};
 use super::rendering::Measured;
 use super::scope::Scope;
 use super::{RenderError, Session};
+use base::host::affinity;
 use base::stop;
 use math::simd::Simd;
 use output::memory;
@@ -68,8 +69,7 @@ impl Session {
                 Some(RanksSection::new(team, &schedule, &work))
             }
             None if scope.is_only_rank => {
-                let n_threads = rayon::current_num_threads() as u32;
-                Some(RanksSection::of_one(n_threads, &schedule))
+                Some(RanksSection::of_one(affinity::of_threads(), &schedule))
             }
             None => None,
         };

@@ -219,11 +219,7 @@ impl Session {
                 used: measured.schedule.n_threads as usize,
                 available: std::thread::available_parallelism().map_or(1, usize::from),
                 pin: options.pin,
-                affinity: pool.broadcast(|_| {
-                    affinity::allowed_cpus()
-                        .ok()
-                        .map(|cpus| affinity::cpu_list(&cpus))
-                }),
+                affinity: pool.install(affinity::of_threads),
             },
             measured,
             vtkhdf: options.vtkhdf,

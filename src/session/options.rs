@@ -89,7 +89,7 @@ impl Options<'_> {
     }
 
     /// Starts the threads.
-    pub(super) fn thread_pool(&self) -> Result<rayon::ThreadPool, RenderError> {
+    pub(crate) fn thread_pool(&self) -> Result<rayon::ThreadPool, RenderError> {
         let pool = thread_pool(self.threads, &self.cancellation).map_err(RenderError::Machine)?;
         if self.pin == Pinning::Cores {
             pin(&pool)?;

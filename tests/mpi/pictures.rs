@@ -106,6 +106,7 @@ fn every_tile_has_its_rank() {
         let n_tiles = ranks.iter().filter(|&&rank| rank == number as i32).count();
         assert_eq!(rank["n_tiles"], n_tiles);
         assert_eq!(rank["threads"], 1);
+        assert!(rank["affinity"][0].is_string());
         assert!(rank["busy_ms"].as_f64().unwrap() > 0.0 || n_tiles == 0);
     }
     // Each tile is an event of the process of its rank.
@@ -122,6 +123,17 @@ fn every_tile_has_its_rank() {
         processes,
         used.iter().map(|&rank| i64::from(rank) + 1).collect()
     );
+}
+
+#[test]
+fn pinned_ranks_of_one_machine_have_cpus_of_their_own() {
+    let job = Job::new("blocks", &[&SMALL[..], &["--pin=cores"]].concat());
+    job.render(2, "out", &["--quiet"]);
+    let summary = summary(&job.path("out"));
+    let [first, second] = [0, 1].map(|rank| &summary["ranks"]["of_rank"][rank]["affinity"][0]);
+    assert!(first.is_string() && second.is_string());
+    let n_cpus = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(first == second, n_cpus == 1, "{first} and {second}");
 }
 
 #[test]

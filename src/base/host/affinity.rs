@@ -45,6 +45,12 @@ pub fn pin_to_cpu(_: usize) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
+/// Returns the CPUs on which each thread of the current rayon pool may run, as Linux lists them,
+/// such as `0-3,8`; `None` where the system does not report them.
+pub fn of_threads() -> Vec<Option<String>> {
+    rayon::broadcast(|_| allowed_cpus().ok().map(|cpus| cpu_list(&cpus)))
+}
+
 /// Returns the CPUs on which the calling thread may run, one of each core before the second
 /// hardware threads of any.
 ///

@@ -2,10 +2,11 @@
 
 use super::RenderArguments;
 use super::hierarchies::{FrameHierarchies, FrameInput};
+use crate::cli::Failure;
 use crate::cli::open_scene::OpenScene;
-use crate::cli::{Failure, thread_pool};
 use crate::session::this_build;
 use crate::session::{Options, RenderError, Session};
+use base::host::affinity;
 use base::stop;
 use output::memory::Memory;
 use render::instruments::{HardwareCounters, Stages};
@@ -113,10 +114,10 @@ fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
 
 /// Returns the introduction of a rank before it renders.
 fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
-    let n_threads = thread_pool(arguments.run.threads)?.current_num_threads();
+    let pool = arguments.options(&|_| {}).thread_pool()?;
     Ok(Hello {
         host: ranks.host(),
-        n_threads: n_threads as u32,
+        affinity: pool.install(affinity::of_threads),
         scene: arguments.scene.scene.to_string_lossy().into_owned(),
         program: this_build().title(),
         flags: arguments.scene.all_flags(),

@@ -27,6 +27,10 @@ pub struct RankEntry {
     pub host: String,
     /// Number of threads.
     pub threads: u32,
+    /// The CPUs on which each thread may run, as Linux lists them, such as `0-3,8`; null where the
+    /// system does not report them.
+    #[serde(default)]
+    pub affinity: Vec<Option<String>>,
     /// The number of tiles that the rank rendered, in the last of repeated renderings.
     pub n_tiles: u64,
     /// Time from the start to the end of each of these tiles, summed over all threads, in
@@ -45,21 +49,16 @@ impl RanksSection {
         let entries = team.members.iter().zip(work).zip(0..);
         let of_rank = entries.map(|((member, work), rank)| {
             let host = member.host.clone();
-            RankEntry::new((rank, host), member.n_threads, schedule, *work)
+            RankEntry::new((rank, host), member.affinity.clone(), schedule, *work)
         });
         Self::with(of_rank.collect())
     }
 
-    /// Describes a single rank, which has sent nothing.
-    pub fn of_one(n_threads: u32, schedule: &Schedule) -> Self {
+    /// Describes a single rank, which has sent nothing, with the CPUs of its threads.
+    pub fn of_one(affinity: Vec<Option<String>>, schedule: &Schedule) -> Self {
         let host = System::host_name().unwrap_or_default();
         let nothing = RankWork::default();
-        Self::with(vec![RankEntry::new(
-            (0, host),
-            n_threads,
-            schedule,
-            nothing,
-        )])
+        Self::with(vec![RankEntry::new((0, host), affinity, schedule, nothing)])
     }
 
     fn with(of_rank: Vec<RankEntry>) -> Self {
@@ -74,14 +73,20 @@ impl RanksSection {
 
 impl RankEntry {
     /// Describes a rank on this machine with this communication.
-    fn new((rank, host): (u32, String), threads: u32, schedule: &Schedule, work: RankWork) -> Self {
+    fn new(
+        (rank, host): (u32, String),
+        affinity: Vec<Option<String>>,
+        schedule: &Schedule,
+        work: RankWork,
+    ) -> Self {
         let here = || {
             let runs = schedule.rendered().map(|(_, run)| run);
             runs.filter(|run| run.rank == rank)
         };
         Self {
             host,
-            threads,
+            threads: affinity.len() as u32,
+            affinity,
             n_tiles: here().count() as u64,
             busy_ms: here().map(TileRun::duration_ns).sum::<u64>() as f64 / 1e6,
             sent_bytes: work.sent_bytes,
@@ -112,6 +117,7 @@ mod tests {
         let rank = |threads, busy_ms| RankEntry {
             host: "node".to_owned(),
             threads,
+            affinity: Vec::new(),
             n_tiles: 1,
             busy_ms,
             sent_bytes: 0,

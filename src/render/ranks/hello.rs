@@ -30,8 +30,8 @@ pub enum Order {
 pub struct Hello {
     /// The name of the rank's machine.
     pub host: String,
-    /// Number of threads.
-    pub n_threads: u32,
+    /// The CPUs on which each thread may run, such as `0-3,8`, if the system reports them.
+    pub affinity: Vec<Option<String>>,
     /// The scene on its command line.
     pub scene: String,
     /// The program with its version and its commit.

@@ -35,14 +35,21 @@ pub struct Team<'a> {
 pub struct Member {
     /// The name of the rank's machine.
     pub host: String,
-    /// Number of threads.
-    pub n_threads: u32,
+    /// The CPUs on which each thread may run, such as `0-3,8`, if the system reports them.
+    pub affinity: Vec<Option<String>>,
     /// Number of the first thread among the threads of all ranks.
     pub first_thread: u32,
     /// The rank's clock minus the clock of rank 0, in nanoseconds.
     pub clock_ns: i64,
     /// True if its threads wait for tiles.
     pub is_ready: AtomicBool,
+}
+
+impl Member {
+    /// Returns the number of threads.
+    pub fn n_threads(&self) -> u32 {
+        self.affinity.len() as u32
+    }
 }
 
 /// A rank's communication while it rendered.
@@ -70,12 +77,12 @@ impl<'a> Team<'a> {
         let members = hellos.iter().map(|hello| {
             let member = Member {
                 host: hello.host.clone(),
-                n_threads: hello.n_threads,
+                affinity: hello.affinity.clone(),
                 first_thread,
                 clock_ns: 0,
                 is_ready: AtomicBool::new(false),
             };
-            first_thread += hello.n_threads;
+            first_thread += hello.affinity.len() as u32;
             member
         });
         let mut team = Self {
@@ -125,7 +132,7 @@ impl<'a> Team<'a> {
 
     /// Returns the number of threads of all ranks.
     pub fn n_threads(&self) -> u32 {
-        self.members.iter().map(|member| member.n_threads).sum()
+        self.members.iter().map(Member::n_threads).sum()
     }
 
     /// Handles a message other than a tile: a worker is ready, or has failed.

@@ -95,7 +95,7 @@ impl Dealer<'_, '_> {
         }
         let [n_left, n_ranks] = [self.queue.n_left(), self.team.ranks.n()].map(u64::from);
         let share = &self.shares[rank as usize];
-        let wanted = share.n_wanted(member.n_threads.into(), n_left, n_ranks);
+        let wanted = share.n_wanted(member.n_threads().into(), n_left, n_ranks);
         let mut bytes = Vec::new();
         for _ in 0..wanted {
             let Some((position, tile)) = self.queue.next(&mut self.runs, canvas) else {
@@ -145,7 +145,7 @@ impl Dealer<'_, '_> {
     fn accept(&mut self, rank: u32, record: TileRecord, canvas: Option<&Canvas>) -> Option<()> {
         let tile = self.queue.plan.grid.tile(record.tile);
         let (_, position) = self.dealt.remove(&record.tile).filter(|to| to.0 == rank)?;
-        if record.run.thread >= self.team.members[rank as usize].n_threads {
+        if record.run.thread >= self.team.members[rank as usize].n_threads() {
             return None;
         }
         let run = self.on_our_clock(
