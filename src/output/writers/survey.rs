@@ -62,10 +62,11 @@ pub(super) struct Surveyor {
     shown: [Option<Metric>; 2],
     hashes: PixelHashes,
     n_hits: u64,
+    /// The sums of the times and of their deviations.
     times: [f64; 2],
     n_rejected: u64,
     hottest: [Option<(Metric, HotPixel)>; 2],
-    counted: Counted,
+    histograms: SurveyHistograms,
     map: Option<ReducedMap>,
 }
 
@@ -78,7 +79,7 @@ pub(super) fn bytes(image: &Image) -> u64 {
 
 /// The values of some pixels.
 #[derive(Default)]
-struct Counted {
+struct SurveyHistograms {
     /// The first heatmap metric, and its sum in each strip.
     cost: Histogram,
     sums: Vec<f64>,
@@ -101,7 +102,7 @@ impl Surveyor {
             times: [0.0; 2],
             n_rejected: 0,
             hottest: [None; 2],
-            counted: Counted::default(),
+            histograms: SurveyHistograms::default(),
             map: (!film.has_rows()).then(|| ReducedMap::new([film.grid.width, film.grid.height])),
         }
     }
@@ -113,12 +114,12 @@ impl Surveyor {
             .strips
             .par_chunks(band.strips.len().div_ceil(n_parts).max(1));
         let (metrics, shown) = (self.metrics, self.shown);
-        let parts = parts.map(|strips| Counted::new(band, strips, metrics, shown));
+        let parts = parts.map(|strips| SurveyHistograms::new(band, strips, metrics, shown));
         let (hottest, parts) = rayon::join(
             || band.hottest_by_metrics(),
-            || parts.collect::<Vec<Counted>>(),
+            || parts.collect::<Vec<SurveyHistograms>>(),
         );
-        parts.into_iter().for_each(|part| self.counted.add(part));
+        parts.into_iter().for_each(|part| self.histograms.add(part));
         for (so_far, found) in self.hottest.iter_mut().zip(hottest) {
             *so_far = hotter(*so_far, found);
         }
@@ -136,13 +137,13 @@ impl Surveyor {
 
     /// Returns the survey of all bands.
     pub fn finish(self) -> Survey {
-        let Counted {
+        let SurveyHistograms {
             cost,
             sums,
             shown,
             counter,
             distances,
-        } = self.counted;
+        } = self.histograms;
         let of_distances = || Range::of_histogram(&distances);
         let range = self
             .metrics
@@ -174,7 +175,7 @@ impl Surveyor {
     }
 }
 
-impl Counted {
+impl SurveyHistograms {
     /// Counts the values of some strips of a film.
     fn new(
         film: &Film,
@@ -182,16 +183,19 @@ impl Counted {
         metrics: Option<[Metric; 2]>,
         in_files: [Option<Metric>; 2],
     ) -> Self {
-        let mut counted = Self::default();
+        let mut histograms = Self::default();
         if let Some([first, _]) = metrics {
             for_each_value(film, strips, first, |_, values| {
-                counted.cost.add(values.iter().copied());
-                counted.sums.push(sum(values));
+                histograms.cost.add(values.iter().copied());
+                histograms.sums.push(sum(values));
             });
         }
         let [first, second] = in_files;
         let other = first.filter(|&first| !is_first(metrics, first));
-        let shown = [(other, &mut counted.shown), (second, &mut counted.counter)];
+        let shown = [
+            (other, &mut histograms.shown),
+            (second, &mut histograms.counter),
+        ];
         for (metric, histogram) in shown {
             if let Some(metric) = metric {
                 for_each_value(film, strips, metric, |_, values| {
@@ -200,9 +204,9 @@ impl Counted {
             }
         }
         for strip in strips {
-            counted.distances.add(strip.distance.iter().copied());
+            histograms.distances.add(strip.distance.iter().copied());
         }
-        counted
+        histograms
     }
 
     /// Adds the values of the next strips.
