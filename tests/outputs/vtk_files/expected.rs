@@ -164,7 +164,8 @@ fn unit(name: &str) -> Option<String> {
 /// Which of these pixels are more than four times as far as the lower median.
 fn horizon(film: &Film, hits: &[Pixel]) -> Array {
     let mut finite: Vec<f32> = film.values(|strip| &strip.distance).collect();
-    finite.retain(|distance| distance.is_finite());
+    // Noise has negative distances, which no ray has.
+    finite.retain(|distance| distance.is_finite() && *distance >= 0.0);
     finite.sort_by(f32::total_cmp);
     let median = finite.get(finite.len().saturating_sub(1) / 2);
     let is_horizon = |pixel: &Pixel| {
