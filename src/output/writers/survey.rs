@@ -124,7 +124,7 @@ impl Surveyor {
             *so_far = hotter(*so_far, found);
         }
         if let (Some(map), Some([first, _])) = (&mut self.map, metrics) {
-            for_each_value(band, &band.strips, first, |strip, values| {
+            for_each_strip(band, &band.strips, first, |strip, values| {
                 map.add(strip.first_row, values);
             });
         }
@@ -185,7 +185,7 @@ impl SurveyHistograms {
     ) -> Self {
         let mut histograms = Self::default();
         if let Some([first, _]) = metrics {
-            for_each_value(film, strips, first, |_, values| {
+            for_each_strip(film, strips, first, |_, values| {
                 histograms.cost.add(values.iter().copied());
                 histograms.sums.push(sum(values));
             });
@@ -198,7 +198,7 @@ impl SurveyHistograms {
         ];
         for (metric, histogram) in shown {
             if let Some(metric) = metric {
-                for_each_value(film, strips, metric, |_, values| {
+                for_each_strip(film, strips, metric, |_, values| {
                     histogram.add(values.iter().copied());
                 });
             }
@@ -244,7 +244,7 @@ fn hotter(
 }
 
 /// Calls `take` with each of a film's strips and a metric of its pixels.
-fn for_each_value(
+fn for_each_strip(
     film: &Film,
     strips: &[Strip],
     metric: Metric,
