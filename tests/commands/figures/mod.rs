@@ -111,16 +111,11 @@ fn the_kept_results_are_small() {
     assert!(n_bytes < MOST_BYTES, "{n_bytes} bytes of results");
 }
 
-/// Other names of the measured program: a commit of documents came during the measurement, and
-/// then a change of the profile of benchmarks.
-const SAME_SOURCES: &[&str] = &["9ed4c894ae54", "9ed4c894ae54-dirty"];
-
 /// Figures of different programs are not comparable.
 #[test]
 fn all_results_are_of_one_program() {
     let results = Results::read();
-    let mut programs = results.programs();
-    programs.retain(|(_, commit)| SAME_SOURCES.iter().all(|name| commit != name));
+    let programs = results.programs();
     let first = &programs[0];
     for (file, commit) in &programs {
         assert_eq!(
