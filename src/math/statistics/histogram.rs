@@ -16,7 +16,7 @@ const PAGE_BINS: usize = 1 << (N_MANTISSA - N_OMITTED);
 const N_PAGES: usize = f32::INFINITY.to_bits() as usize >> N_MANTISSA;
 
 /// A histogram of finite floats that are not negative. A bin is the upper bits of a float, which
-/// sort like the floats themselves. Histograms of parts add up to that of the whole, in any order.
+/// sort like the floats themselves. Histograms of parts add up to the whole's, in any order.
 #[derive(Debug, Clone)]
 pub struct Histogram {
     /// The bins by exponent; an empty page where no value has that exponent.
@@ -109,14 +109,19 @@ impl Histogram {
     /// Returns the least float in the bin of the value that would have this index after sorting;
     /// `None` if out of range.
     pub fn at(&self, index: u64) -> Option<f32> {
-        let mut n_passed = 0;
-        let mut bins = self.bins();
-        let bin = bins.find(|&(_, n)| {
-            n_passed += n;
-            n_passed > index
-        });
-        bin.map(|(least, _)| least)
+        value_past(index, self.bins())
     }
+}
+
+/// Returns the value of the first of the `bins`, values and their numbers, at which the cumulative
+/// number exceeds `n`; `None` if there is none.
+pub fn value_past(n: u64, mut bins: impl Iterator<Item = (f32, u64)>) -> Option<f32> {
+    let mut n_passed = 0;
+    let bin = bins.find(|&(_, n_in_bin)| {
+        n_passed += n_in_bin;
+        n_passed > n
+    });
+    bin.map(|(value, _)| value)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod sample;
 mod spearman;
 mod sum;
 
-pub use histogram::Histogram;
+pub use histogram::{Histogram, value_past};
 pub use least_squares::non_negative_least_squares;
 pub use median_interval::MedianInterval;
 pub use order::{median, upper_median};

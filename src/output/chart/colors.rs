@@ -52,7 +52,7 @@ impl Colors {
         }
     }
 
-    /// Returns the colors of values, outside of the range that of the nearer end.
+    /// Returns the colors of values; outside of the range, the color of the nearer end.
     pub fn of_values(&self, values: &[f32]) -> impl Iterator<Item = Rgb<u8>> {
         let mut steps = vec![0; values.len()];
         // One loop per scale, which compiles to vector instructions.

@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use math::statistics::Histogram;
+use math::statistics::{Histogram, value_past};
 
 use super::ticks::Scale;
 
@@ -45,9 +45,9 @@ impl Range {
 
     /// Returns the logarithmic range for the values of a histogram.
     pub fn of_histogram(histogram: &Histogram) -> Self {
-        let n_drawable = drawable(histogram).map(|(_, n)| n).sum::<u64>();
-        let [min, max] = extremes(histogram, n_drawable);
-        let (low, high) = at_least_one_percent(robust_ends(histogram, n_drawable));
+        let drawable = Drawable::new(histogram);
+        let [min, max] = drawable.extremes;
+        let (low, high) = at_least_one_percent(drawable.robust_ends());
         // An end that clips values moves to the end of its step, so that the counts are exact.
         let low = if low > min.into() {
             f64::from(step_start(low as f32))
@@ -59,26 +59,22 @@ impl Range {
         } else {
             high
         };
-        let n = |is_outside: &dyn Fn(f64) -> bool| {
-            let outside = drawable(histogram).filter(|&(value, _)| is_outside(value.into()));
-            outside.map(|(_, n)| n).sum()
-        };
         Self {
             scale: Scale::Logarithmic,
             low,
             high,
             min,
             max,
-            n_below: n(&|value| value < low && low > min.into()),
-            n_above: n(&|value| value > high),
-            n_undrawable: histogram.n + histogram.n_other - n_drawable,
+            n_below: drawable.n_where(|value| value < low && low > min.into()),
+            n_above: drawable.n_where(|value| value > high),
+            n_undrawable: histogram.n + histogram.n_other - drawable.n,
         }
     }
 
     /// Returns a linear range that is symmetric around zero; -1 to 1 if all values are zero.
     pub fn around_zero(values: &[f32]) -> Self {
         let histogram = Histogram::count(values.iter().map(|value| value.abs()));
-        let reach = robust_max(&histogram);
+        let reach = Drawable::new(&histogram).robust_max();
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let n = |is_so: &dyn Fn(f64) -> bool| finite().filter(|&v| is_so(v.into())).count() as u64;
         Self {
@@ -120,17 +116,74 @@ pub(super) fn is_drawable(value: f32) -> bool {
     (f32::MIN_POSITIVE..f32::INFINITY).contains(&value)
 }
 
-/// Returns the bins of the drawable values, and their numbers.
-fn drawable(histogram: &Histogram) -> impl DoubleEndedIterator<Item = (f32, u64)> {
-    histogram.bins().filter(|&(value, _)| is_drawable(value))
+/// The drawable values of a histogram.
+struct Drawable<'a> {
+    histogram: &'a Histogram,
+    n: u64,
+    /// The least and the greatest value; 1 if there is none.
+    extremes: [f32; 2],
 }
 
-/// Returns the least and the greatest drawable value; 1 if there is none.
-fn extremes(histogram: &Histogram, n_drawable: u64) -> [f32; 2] {
-    match n_drawable {
-        0 => [1.0; 2],
-        _ => [histogram.least_normal, histogram.greatest],
+impl<'a> Drawable<'a> {
+    fn new(histogram: &'a Histogram) -> Self {
+        let n = drawable_bins(histogram).map(|(_, n)| n).sum();
+        let extremes = if n > 0 {
+            [histogram.least_normal, histogram.greatest]
+        } else {
+            [1.0; 2]
+        };
+        Self {
+            histogram,
+            n,
+            extremes,
+        }
     }
+
+    fn bins(&self) -> impl DoubleEndedIterator<Item = (f32, u64)> {
+        drawable_bins(self.histogram)
+    }
+
+    /// Returns the number of values in some bins.
+    fn n_where(&self, is_wanted: impl Fn(f64) -> bool) -> u64 {
+        let wanted = self.bins().filter(|&(value, _)| is_wanted(value.into()));
+        wanted.map(|(_, n)| n).sum()
+    }
+
+    /// Returns the 0.5 % and 99.5 % quantiles. Either is replaced by the extreme value on its side
+    /// if this is within a factor of two, or extends the logarithmic range by at most a third.
+    fn robust_ends(&self) -> (f64, f64) {
+        let [min, max] = self.extremes.map(f64::from);
+        // Among fewer than a hundred pixels none counts as an outlier.
+        let n_tail = if self.n < 100 {
+            0
+        } else {
+            (self.n / 200).max(1)
+        };
+        let low = value_past(n_tail, self.bins()).unwrap_or(1.0);
+        let high = value_past(n_tail, self.bins().rev()).unwrap_or(1.0);
+        let low = f64::from(step_start(low)).max(min);
+        let high = f64::from(step_end(high)).min(max);
+        let max_ratio = (high / low).cbrt().max(2.0);
+        (
+            if low / min <= max_ratio { min } else { low },
+            if max / high <= max_ratio { max } else { high },
+        )
+    }
+
+    /// Returns the 99 % quantile, or the greatest value if it is within a factor of two or there are
+    /// fewer than a hundred values.
+    fn robust_max(&self) -> f64 {
+        let max = f64::from(self.extremes[1]);
+        let n_tail = if self.n < 100 { 0 } else { self.n / 100 };
+        let most = value_past(n_tail, self.bins().rev()).unwrap_or(1.0);
+        let most = step_end(most).into();
+        if max <= 2.0 * most { max } else { most }
+    }
+}
+
+/// Returns the bins of the drawable values, each by its least float, and the number of values in it.
+fn drawable_bins(histogram: &Histogram) -> impl DoubleEndedIterator<Item = (f32, u64)> {
+    histogram.bins().filter(|&(value, _)| is_drawable(value))
 }
 
 /// Returns the least float in the step of a positive float.
@@ -141,51 +194,6 @@ fn step_start(value: f32) -> f32 {
 /// Returns the greatest float in the step of a positive float.
 fn step_end(value: f32) -> f32 {
     f32::from_bits(value.to_bits() | ((1 << N_OMITTED) - 1))
-}
-
-/// Returns the 0.5 % and 99.5 % quantiles of the drawable values. Either is replaced by the extreme
-/// value on its side if this is within a factor of two, or extends the logarithmic range by at most
-/// a third.
-fn robust_ends(histogram: &Histogram, n_drawable: u64) -> (f64, f64) {
-    let [min, max] = extremes(histogram, n_drawable).map(f64::from);
-    // Among fewer than a hundred pixels none counts as an outlier.
-    let n_tail = if n_drawable < 100 {
-        0
-    } else {
-        (n_drawable / 200).max(1)
-    };
-    let low = f64::from(step_start(value_past(n_tail, drawable(histogram)))).max(min);
-    let high = f64::from(step_end(value_past(n_tail, drawable(histogram).rev()))).min(max);
-    let max_ratio = (high / low).cbrt().max(2.0);
-    (
-        if low / min <= max_ratio { min } else { low },
-        if max / high <= max_ratio { max } else { high },
-    )
-}
-
-/// Returns the 99 % quantile of the drawable values, or the greatest one if it is within a factor
-/// of two or there are fewer than a hundred; 1 if there is none.
-fn robust_max(histogram: &Histogram) -> f64 {
-    let n_drawable = drawable(histogram).map(|(_, n)| n).sum::<u64>();
-    let [_, max] = extremes(histogram, n_drawable).map(f64::from);
-    let n_tail = if n_drawable < 100 {
-        0
-    } else {
-        n_drawable / 100
-    };
-    let most = step_end(value_past(n_tail, drawable(histogram).rev())).into();
-    if max <= 2.0 * most { max } else { most }
-}
-
-/// Returns the first of the `bins` at which the cumulative count exceeds `n_tail`; 1 if there is
-/// none.
-fn value_past(n_tail: u64, mut bins: impl Iterator<Item = (f32, u64)>) -> f32 {
-    let mut n_passed = 0;
-    let bin = bins.find(|&(_, n)| {
-        n_passed += n;
-        n_passed > n_tail
-    });
-    bin.map_or(1.0, |(value, _)| value)
 }
 
 /// Widens a range narrower than 1 %, such as a constant map's, to a factor of two around its

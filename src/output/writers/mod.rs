@@ -80,8 +80,8 @@ use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
 use vtk::{Codec, compressed};
 
-/// Upper bound of the bytes per pixel to write pictures and files: a copy of the times or counts,
-/// another to find their median, the cost map and its PNG.
+/// Upper bound of the bytes per pixel to write pictures and files: a copy of the times or counts, the
+/// cost map and its PNG.
 pub(crate) const BYTES_PER_PIXEL: u64 = 20;
 
 /// Returns an upper bound of the bytes to compress the VTK files, of which at most five are written

@@ -90,7 +90,7 @@ impl Film {
     }
 
     /// Returns the first two of the film's [`metrics`](Self::metrics) that are not zero in the whole
-    /// picture: without a hierarchy, for example, there are no node visits. `None` for a film
+    /// picture: without a hierarchy, for example, no node is visited. `None` for a film
     /// without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
