@@ -5,6 +5,10 @@ use glam::Vec3;
 use super::lanes::{InstructionSet, Lanes, N_LANES};
 use super::vector::Vector;
 
+/// Least length of a column that grows: the columns of a wave of rays reach it at once, instead of
+/// step by step, each with a wait for the lock of the heap.
+const LEAST_LEN: usize = 2048;
+
 /// Vectors as one array per coordinate, padded so that whole lanes fit past the last vector.
 #[derive(Debug, Clone, Default)]
 pub struct VectorColumn {
@@ -154,7 +158,7 @@ pub fn grow<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
 #[cold]
 #[inline(never)]
 fn resize<T: Clone + Default>(values: &mut Vec<T>, n: usize) {
-    let enough = (n + N_LANES).next_power_of_two();
+    let enough = (n + N_LANES).next_power_of_two().max(LEAST_LEN);
     values.resize(enough, T::default());
 }
 

@@ -42,8 +42,8 @@ use tracer::cost::{Cost, RaysByBounce, StepCounts};
 /// tiles side by side wait for each other only briefly, and enough for a large write to a file.
 pub const STRIP_ROWS: u32 = 4;
 
-/// Strips that a thread allocates at a time: a film of one tile has fewer.
-const STRIPS_PER_TASK: usize = 64;
+/// Strips that a thread fills at a time.
+const STRIPS_PER_TASK: usize = 8;
 
 /// A rendered image: the color, geometry and cost of every pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +100,9 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
 
 /// Returns the bytes of a pixel in all arrays that a rendering writes to a film.
 pub fn stored_bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
-    Strip::new([0, 1, 1], cost, extra).stored_bytes_per_pixel()
+    let mut strip = Strip::reserve([0, 1, 1], cost, extra);
+    strip.fill(1);
+    strip.stored_bytes_per_pixel()
 }
 
 impl Film {
@@ -139,18 +141,17 @@ impl Film {
 
     /// Returns the film with these rows of the grid, not rendered yet, instead of its rows.
     pub fn with_rows(self, rows: Range<u32>) -> Self {
-        let strip = |first_row| {
-            let n_rows = STRIP_ROWS.min(rows.end - first_row);
-            Strip::new([first_row, n_rows, self.grid.width], self.cost, self.extra)
-        };
         let n_pixels = rows.len() * self.grid.width as usize;
         grow_heap(n_pixels * stored_bytes_per_pixel(self.cost, self.extra));
-        let first_rows: Vec<u32> = rows.clone().step_by(STRIP_ROWS as usize).collect();
-        let strips = first_rows.into_par_iter().with_min_len(STRIPS_PER_TASK);
-        Self {
-            strips: strips.map(strip).collect(),
-            ..self
-        }
+        let strip = |first_row| {
+            let n_rows = STRIP_ROWS.min(rows.end - first_row);
+            Strip::reserve([first_row, n_rows, self.grid.width], self.cost, self.extra)
+        };
+        let first_rows = rows.clone().step_by(STRIP_ROWS as usize);
+        let mut strips: Vec<Strip> = first_rows.map(strip).collect();
+        let tasks = strips.par_iter_mut().with_min_len(STRIPS_PER_TASK);
+        tasks.for_each(|strip| strip.fill(self.grid.width));
+        Self { strips, ..self }
     }
 
     /// Creates an empty film of one tile of the grid, at its top left.

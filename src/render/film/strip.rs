@@ -43,7 +43,9 @@ pub struct Strip {
 }
 
 impl Strip {
-    pub(super) fn new(
+    /// Reserves memory for the pixels of a strip; [`fill`](Self::fill) gives it pixels. Threads that
+    /// reserve at the same time would wait for the lock of the heap.
+    pub(super) fn reserve(
         [first_row, n_rows, width]: [u32; 3],
         cost: CostMode,
         extra: ExtraArrays,
@@ -54,22 +56,34 @@ impl Strip {
         Self {
             first_row,
             n_rows,
-            rgb: vec![[0; 3]; n],
-            radiance: vec![Vec3::ZERO; n_if(extra.radiance)],
-            albedo: vec![Vec3::ZERO; n_if(extra.albedo)],
-            bounces: vec![RaysByBounce::default(); n_if(extra.bounces)],
+            rgb: Vec::with_capacity(n),
+            radiance: Vec::with_capacity(n_if(extra.radiance)),
+            albedo: Vec::with_capacity(n_if(extra.albedo)),
+            bounces: Vec::with_capacity(n_if(extra.bounces)),
             step_counts: Vec::new(),
-            instance: vec![0; n_if(extra.instance)],
-            position: vec![Vec3::ZERO; n],
-            normal: vec![Vec3::ZERO; n],
-            distance: vec![0.0; n],
-            footprint: vec![0.0; n],
-            object: vec![0; n],
-            material: vec![0; n],
-            time_ns: vec![0.0; n_times],
+            instance: Vec::with_capacity(n_if(extra.instance)),
+            position: Vec::with_capacity(n),
+            normal: Vec::with_capacity(n),
+            distance: Vec::with_capacity(n),
+            footprint: Vec::with_capacity(n),
+            object: Vec::with_capacity(n),
+            material: Vec::with_capacity(n),
+            time_ns: Vec::with_capacity(n_times),
             time_mad_ns: Vec::new(),
-            n_rejected: vec![0; n_times],
+            n_rejected: Vec::with_capacity(n_times),
         }
+    }
+
+    /// Fills the reserved arrays with zeros, for rows of `width` pixels that are not rendered yet.
+    pub(super) fn fill(&mut self, width: u32) {
+        let n = self.n_rows as usize * width as usize;
+        macro_rules! fill {
+            ($($field:ident),*) => {
+                $(self.$field.resize(n.min(self.$field.capacity()), Default::default());)*
+            };
+        }
+        fill!(rgb, radiance, albedo, bounces, instance, position, normal);
+        fill!(distance, footprint, object, material, time_ns, n_rejected);
     }
 
     /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the indices from

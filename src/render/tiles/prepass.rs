@@ -1,8 +1,9 @@
 //! Estimates the work of each tile from some of its pixels.
 
-use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::stream::{StreamRenderer, WAVE_LEN};
+use super::stream::StreamRenderer;
 use super::view::View;
 use crate::schedule::{Tile, TileGrid};
 use scene::config::Image;
@@ -15,16 +16,18 @@ const STEP: u32 = 8;
 /// Distance of probed pixels where each gets all samples of the picture.
 const WIDE_STEP: u32 = 32;
 
+/// Greatest number of pixels that are traced at a time, unless one tile has more: enough for a
+/// stream, few enough that the threads share the work of a small picture.
+const CHUNK_LEN: u32 = 512;
+
 /// Estimates the work of each tile in traversal steps: one sample of some of its pixels, at least
 /// one, extrapolated to all of them. It is counted, not timed, and so does not depend on the run or
 /// the number of threads.
 pub(super) fn work(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<u64> {
     let view = View::new(tracer, &of_one_sample(sensor));
-    let per_tile = grid.tile_size.div_ceil(STEP).pow(2);
-    // Enough tiles to fill a stream.
-    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
+    let n_probed = grid.tile_size.div_ceil(STEP).pow(2);
     let renderer = || StreamRenderer::<Counters>::new(view);
-    chunks(grid, n_per_chunk, renderer, |renderer, tiles| {
+    chunks(grid, n_probed, renderer, |renderer, tiles| {
         steps_of_tiles(renderer, tiles, STEP)
     })
 }
@@ -42,10 +45,9 @@ pub(super) fn counts(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<Ra
         Some(_) => (*sensor, WIDE_STEP, 1.0),
     };
     let view = View::new(tracer, &sensor);
-    let per_tile = grid.tile_size.div_ceil(step).pow(2);
-    let n_per_chunk = (WAVE_LEN as u32 / per_tile).max(1);
+    let n_probed = grid.tile_size.div_ceil(step).pow(2);
     let renderer = || StreamRenderer::<Counters>::new(view);
-    chunks(grid, n_per_chunk, renderer, |renderer, tiles| {
+    chunks(grid, n_probed, renderer, |renderer, tiles| {
         let costs = costs_of_tiles(renderer, tiles, step);
         let of_tile = |(tile, (cost, n_probed)): (&Tile, (Cost, usize))| {
             let factor = factor * tile.n_pixels() as f64 / n_probed as f64;
@@ -75,24 +77,35 @@ fn of_one_sample(sensor: &Sensor) -> Sensor {
     Sensor { image, ..*sensor }
 }
 
-/// Calls `of_chunk` with the tiles of the grid, some at a time, on the current rayon pool. Returns
-/// the results of all tiles.
+/// Calls `of_chunk` with the tiles of the grid, some at a time, with `n_probed` pixels of each, on
+/// the current rayon pool. Returns the results of all tiles.
 fn chunks<R, T: Send>(
     grid: &TileGrid,
-    n_per_chunk: u32,
-    renderer: impl Fn() -> R + Sync + Send,
-    of_chunk: impl Fn(&mut R, &[Tile]) -> Vec<T> + Sync + Send,
+    n_probed: u32,
+    renderer: impl Fn() -> R + Sync,
+    of_chunk: impl Fn(&mut R, &[Tile]) -> Vec<T> + Sync,
 ) -> Vec<T> {
-    (0..grid.n_tiles().div_ceil(n_per_chunk))
-        .into_par_iter()
-        .map_init(renderer, |renderer, chunk| {
-            let first = chunk * n_per_chunk;
-            let numbers = first..grid.n_tiles().min(first + n_per_chunk);
-            let tiles: Vec<Tile> = numbers.map(|number| grid.tile(number)).collect();
-            of_chunk(renderer, &tiles)
-        })
-        .flatten_iter()
-        .collect()
+    let n_per_chunk = (CHUNK_LEN / n_probed).max(1);
+    let chunks = (0..grid.n_tiles()).step_by(n_per_chunk as usize);
+    let chunks: Vec<Range<u32>> = chunks
+        .map(|first| first..grid.n_tiles().min(first + n_per_chunk))
+        .collect();
+    let n_taken = AtomicUsize::new(0);
+    let some_chunks = |_: rayon::BroadcastContext| {
+        let mut renderer = renderer();
+        let mut done = Vec::new();
+        while let Some(numbers) = chunks.get(n_taken.fetch_add(1, Ordering::Relaxed)) {
+            let tiles: Vec<Tile> = numbers.clone().map(|number| grid.tile(number)).collect();
+            done.push((numbers.start, of_chunk(&mut renderer, &tiles)));
+        }
+        done
+    };
+    let mut done: Vec<(u32, Vec<T>)> = rayon::broadcast(some_chunks)
+        .into_iter()
+        .flatten()
+        .collect();
+    done.sort_unstable_by_key(|&(first, _)| first);
+    done.into_iter().flat_map(|(_, results)| results).collect()
 }
 
 /// Traces the probed pixels of tiles. Returns the steps of each tile.

@@ -24,7 +24,7 @@ use tracer::trace::Points;
 
 /// Greatest number of paths in flight at a time, unless a tile has more pixels: enough to keep the
 /// kernel busy, few enough to stay in the cache between two steps.
-pub(super) const WAVE_LEN: usize = 2048;
+const WAVE_LEN: usize = 2048;
 
 /// The starts of the wave's paths.
 macro_rules! starts {

@@ -26,6 +26,7 @@ mod index;
 mod instanced;
 mod update;
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
@@ -50,6 +51,12 @@ pub use search::BoxTests;
 use search::{AnyHit, NearestHit, Queries, Search};
 pub use statistics::BvhStatistics;
 pub use update::FrameBase;
+
+thread_local! {
+    /// The indices of a batch's incoherent rays, reused from batch to batch: threads that allocate
+    /// for each wave of rays would wait for the lock of the heap.
+    static INCOHERENT: RefCell<Vec<u32>> = const { RefCell::new(Vec::new()) };
+}
 
 /// An acceleration structure over everything in a scene that rays can hit.
 #[derive(Debug, Clone, PartialEq)]
@@ -268,13 +275,18 @@ impl<'a> Accel<'a> {
         if queries.rays().is_empty() {
             return;
         }
-        let incoherent = self.simd.run(PacketTraversal(batch.reborrow()));
+        let mut incoherent = INCOHERENT.take();
+        self.simd.run(PacketTraversal {
+            batch: batch.reborrow(),
+            incoherent: &mut incoherent,
+        });
         if !incoherent.is_empty() {
             self.simd.run(StreamTraversal {
                 batch,
                 indices: &incoherent,
             });
         }
+        INCOHERENT.set(incoherent);
     }
 
     /// Tests the search against all primitives that the ray may hit. Reports the counters to the

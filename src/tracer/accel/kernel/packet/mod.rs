@@ -47,22 +47,27 @@ use traversal::{Packet, PacketStack};
 const MIN_RAYS: u32 = 8;
 
 /// Finds the coherent rays of a batch and answers their queries.
-pub(in crate::accel) struct PacketTraversal<'a, Q: Queries, P>(
-    pub(in crate::accel) Batch<'a, Q, P>,
-);
+pub(in crate::accel) struct PacketTraversal<'a, Q: Queries, P> {
+    pub(in crate::accel) batch: Batch<'a, Q, P>,
+    /// Is overwritten with the indices of the remaining queries.
+    pub(in crate::accel) incoherent: &'a mut Vec<u32>,
+}
 
 impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
-    /// Indices of the remaining queries.
-    type Output = Vec<u32>;
+    type Output = ();
 
     #[inline(always)]
-    fn run<I: InstructionSet>(self, set: I) -> Vec<u32> {
-        let Self(mut batch) = self;
+    fn run<I: InstructionSet>(self, set: I) {
+        let Self {
+            mut batch,
+            incoherent,
+        } = self;
         let n_queries = batch.queries.rays().len() as u32;
-        let mut incoherent = Vec::with_capacity(n_queries as usize);
+        incoherent.clear();
+        incoherent.reserve(n_queries as usize);
         if batch.arena.is_empty() {
             incoherent.extend(0..n_queries);
-            return incoherent;
+            return;
         }
         let (mut soa, mut stack) = (RaySoa::EMPTY, PacketStack::new());
         // The work that packets have saved so far. Where rays diverge early, this is negative after
@@ -103,7 +108,6 @@ impl<Q: Queries, P: StreamProbe> SimdKernel for PacketTraversal<'_, Q, P> {
             first = next;
         }
         incoherent.extend(first..n_queries);
-        incoherent
     }
 }
 
@@ -131,14 +135,19 @@ mod tests {
         let primitives: Vec<_> = (-9..9).map(primitive).collect();
         let bvh = Bvh::new(&primitives, &[], Quality::Fast, |_| {}).unwrap();
         let mut answers = vec![None; rays.len()];
-        simd.run(PacketTraversal(Batch {
-            arena: bvh.arena(),
-            primitives: &primitives,
-            unbounded: &Unbounded::default(),
-            queries: &rays.iter().copied().collect::<RayStream>(),
-            answers: &mut answers,
-            probe: &mut NoProbe,
-        }))
+        let mut incoherent = vec![7];
+        simd.run(PacketTraversal {
+            batch: Batch {
+                arena: bvh.arena(),
+                primitives: &primitives,
+                unbounded: &Unbounded::default(),
+                queries: &rays.iter().copied().collect::<RayStream>(),
+                answers: &mut answers,
+                probe: &mut NoProbe,
+            },
+            incoherent: &mut incoherent,
+        });
+        incoherent
     }
 
     #[test]
