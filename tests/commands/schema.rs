@@ -105,11 +105,12 @@ fn yaml_files(folder: &str) -> Vec<PathBuf> {
         .collect()
 }
 
-const KINDS: [(&str, SchemaKind, &str); 4] = [
+const KINDS: [(&str, SchemaKind, &str); 5] = [
     ("configs", SchemaKind::Scene, "scene.json"),
     ("configs/library", SchemaKind::Part, "part.json"),
     ("configs/studies", SchemaKind::Study, "study.json"),
     ("configs/studies/ranks", SchemaKind::Study, "study.json"),
+    ("configs/studies/16_cores", SchemaKind::Study, "study.json"),
 ];
 
 #[test]

@@ -23,12 +23,40 @@ fn open(state: &Path, out: &Path, name: &str) -> Output {
         .expect("run tests/with-paraview")
 }
 
+/// Opens states of an output folder one after the other.
+fn open_all(out: &Path, states: &[&str]) {
+    for state in states {
+        let file = out.join(state).with_extension("pvsm");
+        assert_success(&open(&file, out, state));
+    }
+}
+
+// Several tests, which run side by side: each window takes seconds.
+
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
-fn every_state_opens_in_the_window_without_a_message() {
+fn the_states_of_a_rendering_open_in_the_window_without_a_message() {
+    let out = render(&in_repository("configs/seed_extended.yaml"), "window", &[]);
+    open_all(&out, &["geometry", "heatmap", "overview"]);
+    let template = in_repository("paraview/heatmap.pvsm");
+    assert_success(&open(&template, &out, "heatmap by variable"));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_states_of_pieces_open_in_the_window_without_a_message() {
+    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "window", &["--also=schedule,surface,bvh"]);
-    trace(&scene, "window", &["--pixel=290,190"]);
+    let out = render(&scene, "window of pieces", &flags);
+    open_all(&out, &["geometry", "heatmap", "overview"]);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
+fn the_other_states_open_in_the_window_without_a_message() {
+    let scene = in_repository("configs/seed_extended.yaml");
+    let out = render(&scene, "window of others", &["--also=schedule,surface,bvh"]);
+    trace(&scene, "window of others", &["--pixel=290,190"]);
     let before = render(&scene, "before the window", &[]);
     let mut diff = raycost();
     diff.arg("diff")
@@ -36,20 +64,7 @@ fn every_state_opens_in_the_window_without_a_message() {
         .arg("--out")
         .arg(&out);
     assert_success(&diff.output().unwrap());
-    for state in [
-        "geometry", "heatmap", "overview", "schedule", "surface", "bvh", "rays", "diff",
-    ] {
-        let file = out.join(state).with_extension("pvsm");
-        assert_success(&open(&file, &out, state));
-    }
-    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
-    let pieces = render(&scene, "window of pieces", &flags);
-    for state in ["geometry", "heatmap", "overview"] {
-        let file = pieces.join(state).with_extension("pvsm");
-        assert_success(&open(&file, &pieces, state));
-    }
-    let template = in_repository("paraview/heatmap.pvsm");
-    assert_success(&open(&template, &out, "heatmap by variable"));
+    open_all(&out, &["schedule", "surface", "bvh", "rays", "diff"]);
 }
 
 /// The messages of the window after the plugin's macro has printed these words.

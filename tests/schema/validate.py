@@ -36,6 +36,7 @@ def main():
         ("configs/library", "part"),
         ("configs/studies", "study"),
         ("configs/studies/ranks", "study"),
+        ("configs/studies/16_cores", "study"),
     ]
     for folder, kind in folders:
         for path in sorted((ROOT / folder).glob("*.yaml")):

@@ -93,7 +93,11 @@ fn the_page_on_studies_lists_all_factors() {
 
 #[test]
 fn the_studies_of_the_repository_are_valid() {
-    let folders = ["configs/studies", "configs/studies/ranks"];
+    let folders = [
+        "configs/studies",
+        "configs/studies/ranks",
+        "configs/studies/16_cores",
+    ];
     let entries = folders.map(|folder| fs::read_dir(in_repository(folder)).unwrap());
     let paths = entries
         .into_iter()
