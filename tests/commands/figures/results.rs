@@ -53,6 +53,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("cache", Results::cache),
     ("waves", Results::waves),
     ("ladder", Results::ladder),
+    ("ladder-16", Results::ladder_on_16_cores),
+    ("threads-16", Results::speedup_of_16_threads),
 ];
 
 /// The files of `docs/results` by their stems; texts as JSON strings.
@@ -183,6 +185,23 @@ impl Results {
             left_out.collect::<Option<String>>()?,
         ];
         Some(format!("{head}{rows}{left_out}\n"))
+    }
+
+    /// The greatest speedup of the ladder over its first step, on 16 cores.
+    fn ladder_on_16_cores(&self) -> Option<String> {
+        let points = self.list("ladder_on_16_cores", "points")?.iter();
+        let speedup = |point: &Value| point["metrics"]["speedup_over_start"][1].as_f64();
+        points.filter_map(speedup).reduce(f64::max).map(digits)
+    }
+
+    /// The speedups of 16 threads over one.
+    fn speedup_of_16_threads(&self) -> Option<String> {
+        let points = self.list("strong_scaling_to_16_threads", "points")?.iter();
+        let with_all = points.filter(|point| point["point"]["threads"] == 16);
+        range(
+            with_all.map(|point| point["metrics"]["speedup"][1].as_f64()),
+            "",
+        )
     }
 
     /// "5.4 nodes among 10,000 of them and 8.2 among 1,000,000".
