@@ -3,11 +3,11 @@
 use std::fmt;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 
 use super::MAX_FRAMES;
 use super::interpolation::Interpolation;
-use crate::yaml;
+use crate::yaml::{self, integers_as_f64};
 
 /// A value at a frame.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -17,17 +17,13 @@ use crate::yaml;
 )]
 pub struct Keyframe {
     /// The number of the frame; the first is 0.
-    #[serde(deserialize_with = "frame")]
+    #[serde(deserialize_with = "yaml::between::<_, _, 0, { MAX_FRAMES - 1 }>")]
     pub frame: u32,
     /// The value at this frame.
     pub value: KeyframeValue,
     /// The interpolation until the next keyframe.
     #[serde(default)]
     pub interpolation: Option<Interpolation>,
-}
-
-fn frame<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, 0..=MAX_FRAMES - 1)
 }
 
 /// A number, or a list of numbers: a vector or a color.
@@ -41,9 +37,6 @@ pub enum KeyframeValue {
 
 /// Maximum length of a list: the entries of a 4 x 4 matrix.
 const MAX_NUMBERS: usize = 16;
-/// Largest magnitude of a number, as everywhere in a scene.
-const MAX_MAGNITUDE: f64 = 1e15;
-const NUMBER: &str = "a number from -1e15 to 1e15";
 const EXPECTED: &str = "a number, a list of numbers or a color \"#rrggbb\"";
 
 impl KeyframeValue {
@@ -101,16 +94,10 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<KeyframeValue, E> {
-        number_of(number).map(KeyframeValue::Number)
+        yaml::exact_coordinate(number.into_deserializer()).map(KeyframeValue::Number)
     }
 
-    fn visit_i64<E: Error>(self, number: i64) -> Result<KeyframeValue, E> {
-        self.visit_f64(number as f64)
-    }
-
-    fn visit_u64<E: Error>(self, number: u64) -> Result<KeyframeValue, E> {
-        self.visit_f64(number as f64)
-    }
+    integers_as_f64!();
 
     fn visit_str<E: Error>(self, text: &str) -> Result<KeyframeValue, E> {
         let rgb = yaml::hex_color(text)
@@ -138,40 +125,5 @@ impl<'de> Visitor<'de> for ValueVisitor {
 }
 
 /// A number of a list.
-struct Coordinate(f64);
-
-impl<'de> Deserialize<'de> for Coordinate {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(CoordinateVisitor)
-    }
-}
-
-struct CoordinateVisitor;
-
-impl Visitor<'_> for CoordinateVisitor {
-    type Value = Coordinate;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(NUMBER)
-    }
-
-    fn visit_f64<E: Error>(self, number: f64) -> Result<Coordinate, E> {
-        number_of(number).map(Coordinate)
-    }
-
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Coordinate, E> {
-        self.visit_f64(number as f64)
-    }
-
-    fn visit_u64<E: Error>(self, number: u64) -> Result<Coordinate, E> {
-        self.visit_f64(number as f64)
-    }
-}
-
-fn number_of<E: Error>(number: f64) -> Result<f64, E> {
-    if number.abs() <= MAX_MAGNITUDE {
-        return Ok(number);
-    }
-    let found = serde::de::Unexpected::Float(number);
-    Err(E::invalid_value(found, &NUMBER))
-}
+#[derive(Deserialize)]
+struct Coordinate(#[serde(deserialize_with = "yaml::exact_coordinate")] f64);

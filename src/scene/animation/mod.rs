@@ -24,7 +24,7 @@ pub use interpolation::Interpolation;
 pub use keyframe::{Keyframe, KeyframeValue};
 pub use orbit::Orbit;
 
-use crate::yaml::{self, Document, Fault, FieldPath, Number};
+use crate::yaml::{self, Document, Fault, FieldPath};
 use base::text::Diagnostic;
 
 /// Values of the scene that change from frame to frame.
@@ -49,7 +49,7 @@ use base::text::Diagnostic;
 pub struct Animation {
     /// The number of frames, 1 to 100,000; by default the number of time steps of the longest data
     /// series.
-    #[serde(default, deserialize_with = "frames")]
+    #[serde(default, deserialize_with = "yaml::between::<_, _, 1, MAX_FRAMES>")]
     pub frames: Option<u32>,
     /// Frames per second of the video, and of time if no data series gives it; 24 by default.
     #[serde(default = "default_fps", deserialize_with = "fps")]
@@ -78,20 +78,12 @@ const DEFAULT_FPS: f32 = 24.0;
 /// Maximum number of frames of an animation.
 pub const MAX_FRAMES: u32 = 100_000;
 
-fn frames<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
-    yaml::whole(d, 1..=MAX_FRAMES).map(Some)
-}
-
 fn default_fps() -> f32 {
     DEFAULT_FPS
 }
 
 fn fps<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "frames per second from 0.001 to 1000",
-        accepts: |fps| (0.001..=1000.0).contains(&fps),
-    };
-    serde::de::DeserializeSeed::deserialize(number, d)
+    yaml::within(d, 0.001..=1000.0, "frames per second from 0.001 to 1000")
 }
 
 /// No keyframes, for scenes that only show a data series.

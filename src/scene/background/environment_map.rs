@@ -33,7 +33,7 @@ pub struct EnvironmentMap {
     #[serde(default, deserialize_with = "yaml::coordinate")]
     pub rotation_deg: f32,
     /// A factor on the colors, at least 0; 1 by default.
-    #[serde(default = "one", deserialize_with = "yaml::non_negative")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::non_negative")]
     pub intensity: f32,
     /// The transfer function of the file's numbers; by default the usual one of its format.
     #[serde(default)]
@@ -45,10 +45,6 @@ pub struct EnvironmentMap {
 
 /// Maximum radiance, as for any other light.
 const MAX_RADIANCE: f32 = 1e15;
-
-fn one() -> f32 {
-    1.0
-}
 
 impl EnvironmentMap {
     /// Returns the radiance from a direction, a unit vector.

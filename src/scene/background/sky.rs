@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
 use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer};
+use serde::de::Deserializer;
 
 use super::EnvironmentMap;
 use super::sun::Sun;
 use crate::picture::{Picture, Texels};
-use crate::yaml::{self, Number};
+use crate::yaml;
 
 /// A clear sky by day, its sun, and a ground below the horizon that both illuminate. A white
 /// surface facing the sun above the atmosphere has radiance 1.
@@ -55,7 +55,7 @@ struct SkyKeys {
     #[serde(default = "ground", deserialize_with = "yaml::color")]
     ground: Vec3,
     /// A factor on the light of the sky and the sun, at least 0; 1 by default.
-    #[serde(default = "one", deserialize_with = "yaml::non_negative")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::non_negative")]
     intensity: f32,
 }
 
@@ -81,24 +81,12 @@ fn ground() -> Vec3 {
     Vec3::splat(0.2)
 }
 
-fn one() -> f32 {
-    1.0
-}
-
 fn turbidities<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "a number from 2 to 10",
-        accepts: |turbidity| (2.0..=10.0).contains(&turbidity),
-    };
-    number.deserialize(d)
+    yaml::within(d, 2.0..=10.0, "a number from 2 to 10")
 }
 
 fn elevation<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "an angle from 0 to 90",
-        accepts: |angle| (0.0..=90.0).contains(&angle),
-    };
-    number.deserialize(d)
+    yaml::within(d, 0.0..=90.0, "an angle from 0 to 90")
 }
 
 impl From<SkyKeys> for Sky {

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::basis::Basis;
 use crate::geometry::RenderSpace;
-use crate::yaml::{self, Number};
+use crate::yaml;
 use math::sampling::{Polygon, disk};
 use math::simd::{Real, Vector};
 
@@ -60,16 +60,16 @@ enum Focus {
 #[serde(deny_unknown_fields, expecting = "a lens such as { radius: 0.05 }")]
 struct LensFields {
     /// The radius of the lens in world units; 0 is a pinhole.
-    #[serde(default, deserialize_with = "radius")]
+    #[serde(default, deserialize_with = "yaml::non_negative")]
     radius: Option<f32>,
     /// Instead of the radius: the focal length divided by the diameter.
     #[serde(default, deserialize_with = "f_number")]
     f_number: Option<f32>,
     /// The distance of the plane in focus from the eye, in world units.
-    #[serde(default, deserialize_with = "distance")]
+    #[serde(default, deserialize_with = "yaml::positive")]
     focus_distance: Option<f32>,
     /// Instead of the distance: a point of the plane in focus; the target if neither is given.
-    #[serde(default, deserialize_with = "point")]
+    #[serde(default, deserialize_with = "yaml::point")]
     focus_point: Option<DVec3>,
     /// The number of corners of the aperture, 3 to 32; 0 for a circle, as if not given.
     #[serde(default, deserialize_with = "blades")]
@@ -79,24 +79,8 @@ struct LensFields {
     rotation_deg: f32,
 }
 
-fn radius<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::non_negative(d).map(Some)
-}
-
 fn f_number<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    let number = Number {
-        expected: "an f-number from 0.1 to 10000",
-        accepts: |n| (0.1..=1e4).contains(&n),
-    };
-    serde::de::DeserializeSeed::deserialize(number, d).map(Some)
-}
-
-fn distance<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::positive(d).map(Some)
-}
-
-fn point<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<DVec3>, D::Error> {
-    yaml::point(d).map(Some)
+    yaml::within(d, 0.1..=1e4, "an f-number from 0.1 to 10000")
 }
 
 /// Reads a number of blades: 0, or from 3 to 32.

@@ -7,7 +7,7 @@ use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
 use super::lens::{FRAME_HEIGHT, Lens, LensKeys};
 use crate::geometry::RenderSpace;
-use crate::yaml::{self, Number};
+use crate::yaml;
 
 /// A perspective camera, a pinhole or with a lens.
 ///
@@ -53,19 +53,15 @@ struct LookAtKeys {
 }
 
 fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    let number = Number {
-        expected: "an angle in degrees from 0.001 to 179.9",
-        accepts: |deg| (0.001..=179.9).contains(&deg),
-    };
-    serde::de::DeserializeSeed::deserialize(number, d).map(Some)
+    yaml::within(d, 0.001..=179.9, "an angle in degrees from 0.001 to 179.9")
 }
 
 fn focal_length_mm<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    let number = Number {
-        expected: "a focal length in millimeters from 1 to 10000",
-        accepts: |mm| (1.0..=1e4).contains(&mm),
-    };
-    serde::de::DeserializeSeed::deserialize(number, d).map(Some)
+    yaml::within(
+        d,
+        1.0..=1e4,
+        "a focal length in millimeters from 1 to 10000",
+    )
 }
 
 impl TryFrom<LookAtKeys> for LookAt {

@@ -1,9 +1,9 @@
 //! The key `adaptive` of the `image` section.
 
 use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer};
+use serde::de::Deserializer;
 
-use crate::yaml::{self, Number};
+use crate::yaml;
 use base::text::numbers::counted;
 
 /// Maximum number of camera rays through a pixel.
@@ -27,7 +27,10 @@ pub struct Adaptive {
     pub noise: f32,
     /// Samples that each pixel gets, at least 2 and at most the image's samples per pixel;
     /// 16 if not given.
-    #[serde(deserialize_with = "min_samples", default = "sixteen")]
+    #[serde(
+        deserialize_with = "yaml::between::<_, _, 2, MAX_SAMPLES>",
+        default = "sixteen"
+    )]
     pub min_samples: u32,
 }
 
@@ -45,15 +48,7 @@ impl Adaptive {
 }
 
 fn noise<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "a standard error from 0.0001 to 1",
-        accepts: |noise| (1e-4..=1.0).contains(&noise),
-    };
-    number.deserialize(d)
-}
-
-fn min_samples<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, 2..=MAX_SAMPLES)
+    yaml::within(d, 1e-4..=1.0, "a standard error from 0.0001 to 1")
 }
 
 fn sixteen() -> u32 {

@@ -124,7 +124,7 @@ pub struct MeshFile {
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
     /// A factor on the lights of a glTF file, at least 0; 1 by default.
-    #[serde(default = "one", deserialize_with = "yaml::intensity")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::intensity")]
     pub lights: f32,
 }
 
@@ -209,16 +209,12 @@ pub struct RadiusArray {
     /// The name of the array of points, or of the column of a table.
     pub array: String,
     /// The factor from its numbers to radii, greater than 0; 1 by default.
-    #[serde(default = "one", deserialize_with = "yaml::positive")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::positive")]
     pub scale: f32,
 }
 
 impl NumberArray for RadiusArray {
     const EXPECTED: &str = "a radius greater than 0, or { array: … }";
-}
-
-fn one() -> f32 {
-    1.0
 }
 
 fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {

@@ -39,7 +39,7 @@ pub struct FilmSettings {
     /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
     /// the mean is taken, which removes single bright pixels and some light; none, and 1 for the
     /// shading model `seed`, by default.
-    #[serde(deserialize_with = "limit")]
+    #[serde(deserialize_with = "yaml::positive")]
     pub sample_limit: Option<f32>,
 }
 
@@ -64,15 +64,7 @@ impl FilmSettings {
 }
 
 fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "a number of stops from -32 to 32",
-        accepts: |stops| FilmSettings::STOPS.contains(&stops),
-    };
-    number.deserialize(d)
-}
-
-fn limit<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::positive(d).map(Some)
+    yaml::within(d, FilmSettings::STOPS, "a number of stops from -32 to 32")
 }
 
 fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {

@@ -1,10 +1,10 @@
 //! The `image` section.
 
-use serde::de::{DeserializeSeed, Deserializer};
+use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
 
 use super::adaptive::{Adaptive, MAX_SAMPLES};
-use crate::yaml::{self, Fault, FieldPath, Number};
+use crate::yaml::{self, Fault, FieldPath};
 use math::sampling::{PixelFilter, PixelPattern};
 
 /// Longest side of a picture in pixels.
@@ -32,7 +32,10 @@ pub struct Image {
     #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
     pub height: u32,
     /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
-    #[serde(deserialize_with = "yaml::count::<_, MAX_SAMPLES>", default = "one")]
+    #[serde(
+        deserialize_with = "yaml::count::<_, MAX_SAMPLES>",
+        default = "yaml::one"
+    )]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
     #[serde(deserialize_with = "yaml::seed", default)]
@@ -162,13 +165,5 @@ impl Image {
 }
 
 fn filter_radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    let number = Number {
-        expected: "a radius in pixels from 0.1 to 10",
-        accepts: |radius| (0.1..=10.0).contains(&radius),
-    };
-    number.deserialize(d).map(Some)
-}
-
-fn one() -> u32 {
-    1
+    yaml::within(d, 0.1..=10.0, "a radius in pixels from 0.1 to 10")
 }

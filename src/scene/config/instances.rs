@@ -176,7 +176,7 @@ pub struct PlaceCloud {
     #[serde(default = "same_size", deserialize_with = "yaml::positive_range")]
     pub scale: [f32; 2],
     /// The axis about which each instance is rotated by a random angle; no rotation if not given.
-    #[serde(default, deserialize_with = "axis")]
+    #[serde(default, deserialize_with = "yaml::direction")]
     pub turn: Option<Vec3>,
     /// The seed of positions, scales and angles; 0 if not given.
     #[serde(deserialize_with = "yaml::seed", default)]
@@ -185,10 +185,6 @@ pub struct PlaceCloud {
 
 fn same_size() -> [f32; 2] {
     [1.0; 2]
-}
-
-fn axis<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
-    yaml::direction(d).map(Some)
 }
 
 impl PlaceCloud {

@@ -27,7 +27,7 @@ pub struct Isosurface {
     #[serde(deserialize_with = "yaml::name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "component")]
+    #[serde(default, deserialize_with = "yaml::between::<_, _, 0, 255>")]
     component: Option<u32>,
     /// The value, or a list with one per surface.
     #[serde(deserialize_with = "values")]
@@ -47,10 +47,6 @@ impl Isosurface {
             values: self.value.clone(),
         }
     }
-}
-
-fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
-    yaml::whole(d, 0..=255).map(Some)
 }
 
 fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f32>, D::Error> {

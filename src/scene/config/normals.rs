@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, Visitor};
+use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
 
-use crate::yaml::Number;
+use crate::yaml;
 
 /// The shading normals of a mesh.
 ///
@@ -40,11 +40,7 @@ pub struct Creases {
 }
 
 fn crease_angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "an angle from 0 to 180",
-        accepts: |angle| (0.0..=180.0).contains(&angle),
-    };
-    number.deserialize(d)
+    yaml::within(d, 0.0..=180.0, "an angle from 0 to 180")
 }
 
 /// Normals as a word.

@@ -88,19 +88,11 @@ pub struct ExtraArrays {
 #[serde(deny_unknown_fields, default)]
 pub struct BvhLimits {
     /// Greatest depth of a node; the root has depth 0.
-    #[serde(deserialize_with = "depth")]
+    #[serde(deserialize_with = "yaml::between::<_, _, 0, { u32::MAX }>")]
     pub max_depth: u32,
     /// Least number of rays that visited a node.
-    #[serde(deserialize_with = "visits")]
+    #[serde(deserialize_with = "yaml::seed")]
     pub min_visits: u64,
-}
-
-fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, 0..=u32::MAX)
-}
-
-fn visits<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
-    yaml::whole(d, 0..=u64::MAX)
 }
 
 impl OptionalOutput {

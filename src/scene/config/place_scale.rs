@@ -1,7 +1,6 @@
 //! The scale of instances at points.
 
 use serde::Deserialize;
-use serde::de::Deserializer;
 
 use super::same_or_array::{NumberArray, SameOrArray};
 use crate::import::ArrayChoice;
@@ -21,23 +20,15 @@ pub struct ScaleArray {
     #[serde(deserialize_with = "yaml::name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "component")]
+    #[serde(default, deserialize_with = "yaml::between::<_, _, 0, 255>")]
     component: Option<u32>,
     /// The factor from its numbers to scales, greater than 0; 1 by default.
-    #[serde(default = "one", deserialize_with = "yaml::positive")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::positive")]
     factor: f32,
 }
 
 impl NumberArray for ScaleArray {
     const EXPECTED: &str = "a scale greater than 0, or { array: … }";
-}
-
-fn one() -> f32 {
-    1.0
-}
-
-fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
-    yaml::whole(d, 0..=255).map(Some)
 }
 
 impl Default for PlaceScale {

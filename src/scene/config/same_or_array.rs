@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
-use crate::yaml;
+use crate::yaml::{self, integers_as_f64};
 
 /// A number greater than 0, or an array.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +43,7 @@ impl<'de, A: NumberArray> Visitor<'de> for SameOrArrayVisitor<A> {
         yaml::positive(found.into_deserializer()).map(SameOrArray::Same)
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<Self::Value, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<Self::Value, E> {
-        self.visit_f64(found as f64)
-    }
+    integers_as_f64!();
 
     fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<Self::Value, M::Error> {
         A::deserialize(MapAccessDeserializer::new(map)).map(SameOrArray::Array)

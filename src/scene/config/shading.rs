@@ -43,15 +43,15 @@ pub struct Shading {
 struct ShadingKeys {
     #[serde(default)]
     model: ShadingModel,
-    #[serde(default, deserialize_with = "ambient")]
+    #[serde(default, deserialize_with = "yaml::radiance")]
     ambient: Option<Vec3>,
-    #[serde(default = "default_depth", deserialize_with = "depth")]
+    #[serde(default = "default_depth", deserialize_with = "yaml::byte")]
     max_depth: u8,
     #[serde(default)]
     light_sampling: Option<LightSampling>,
     #[serde(default)]
     masking: Option<Masking>,
-    #[serde(default, deserialize_with = "distance")]
+    #[serde(default, deserialize_with = "yaml::positive")]
     occlusion_distance: Option<f32>,
     #[serde(default)]
     shadows: Option<bool>,
@@ -171,20 +171,8 @@ impl<'de> Deserialize<'de> for ShadingModel {
     }
 }
 
-fn ambient<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec3>, D::Error> {
-    yaml::radiance(d).map(Some)
-}
-
-fn distance<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::positive(d).map(Some)
-}
-
 fn default_depth() -> u8 {
     8
-}
-
-fn depth<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
-    yaml::whole(d, 0..=u8::MAX)
 }
 
 impl Shading {

@@ -22,7 +22,9 @@ use base::text;
 )]
 pub struct Tiling {
     /// Side of a tile in pixels, 2 to 256; 16 if not given.
-    #[serde(deserialize_with = "size")]
+    #[serde(
+        deserialize_with = "yaml::between::<_, _, { Tiling::MIN_SIZE }, { Tiling::MAX_SIZE }>"
+    )]
     pub size: u32,
     /// The order in which threads take tiles.
     pub order: TileOrder,
@@ -70,8 +72,4 @@ impl<'de> Deserialize<'de> for TileOrder {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         text::keyword(d)
     }
-}
-
-fn size<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, Tiling::MIN_SIZE..=Tiling::MAX_SIZE)
 }

@@ -4,10 +4,9 @@ mod phase;
 mod sphere;
 
 use glam::Vec3;
-use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
-use crate::yaml::{self, Number};
+use crate::yaml;
 
 pub use phase::HenyeyGreenstein;
 pub use sphere::FogSphere;
@@ -37,7 +36,7 @@ pub struct Fog {
     /// The color; white by default. In path tracing, the fraction of the light that the particles
     /// scatter rather than absorb (the albedo). In `blinn_phong`, the color that distant objects
     /// fade to.
-    #[serde(default = "white", deserialize_with = "yaml::color")]
+    #[serde(default = "yaml::white", deserialize_with = "yaml::color")]
     pub color: Vec3,
     /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
     /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
@@ -45,22 +44,10 @@ pub struct Fog {
     pub anisotropy: f32,
     /// The radius of the sphere of fog around the center of the objects; by default, the smallest
     /// sphere that contains all bounded objects and the camera.
-    #[serde(default, deserialize_with = "radius")]
+    #[serde(default, deserialize_with = "yaml::positive")]
     pub radius: Option<f32>,
 }
 
-fn white() -> Vec3 {
-    Vec3::ONE
-}
-
-fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::positive(d).map(Some)
-}
-
 fn anisotropy<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "a number from -0.99 to 0.99",
-        accepts: |n| (-0.99..=0.99).contains(&n),
-    };
-    number.deserialize(d)
+    yaml::within(d, -0.99..=0.99, "a number from -0.99 to 0.99")
 }

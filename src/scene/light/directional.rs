@@ -24,10 +24,10 @@ pub struct DirectionalLight {
     #[serde(deserialize_with = "yaml::direction")]
     pub direction: Vec3,
     /// The color, each channel at least 0; white by default.
-    #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
+    #[serde(deserialize_with = "yaml::radiance", default = "yaml::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
+    #[serde(deserialize_with = "yaml::intensity", default = "yaml::one")]
     pub intensity: f32,
 }
 

@@ -3,7 +3,6 @@
 //! Each kind of light has one file. To add a light, write its file, its `mod` line and
 //! its row in the list of lights.
 
-mod default;
 mod directional;
 mod falloff;
 mod illumination;

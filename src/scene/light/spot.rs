@@ -1,14 +1,13 @@
 //! The spot light.
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
 use super::point::PointLight;
 use crate::geometry::RenderSpace;
-use crate::yaml::{self, Number};
+use crate::yaml;
 use math::simd::{Real, Vector};
 
 /// A light that shines from one point into a cone.
@@ -46,10 +45,10 @@ struct SpotKeys {
     #[serde(deserialize_with = "yaml::fraction", default = "soft_edge")]
     soft_edge: f32,
     /// The color, each channel at least 0; white by default.
-    #[serde(deserialize_with = "yaml::radiance", default = "super::default::white")]
+    #[serde(deserialize_with = "yaml::radiance", default = "yaml::white")]
     color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(deserialize_with = "yaml::intensity", default = "super::default::one")]
+    #[serde(deserialize_with = "yaml::intensity", default = "yaml::one")]
     intensity: f32,
     /// The falloff with the distance; none by default.
     #[serde(default)]
@@ -58,11 +57,11 @@ struct SpotKeys {
 
 /// Returns the whole angle of a cone.
 fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "an angle greater than 0 and at most 180",
-        accepts: |angle| angle > 0.0 && angle <= 180.0,
-    };
-    number.deserialize(d)
+    yaml::within(
+        d,
+        f64::MIN_POSITIVE..=180.0,
+        "an angle greater than 0 and at most 180",
+    )
 }
 
 fn soft_edge() -> f32 {

@@ -72,7 +72,7 @@ struct ArrayKeys {
     #[serde(deserialize_with = "yaml::name")]
     name: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "component")]
+    #[serde(default, deserialize_with = "yaml::between::<_, _, 0, MAX_COMPONENT>")]
     component: Option<u32>,
     /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
     /// if it has both.
@@ -145,10 +145,6 @@ pub enum ArrayScale {
     Linear,
     /// In equal ratios, of positive numbers.
     Log,
-}
-
-fn component<'de, D: Deserializer<'de>>(d: D) -> Result<Option<u32>, D::Error> {
-    yaml::whole(d, 0..=MAX_COMPONENT).map(Some)
 }
 
 fn title<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {

@@ -106,7 +106,7 @@ struct ConductorKeys {
 
 /// Reads an optical constant. Metals' are less than 100 from the ultraviolet to the far infrared.
 fn optical_constant<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    let number = Number {
+    let number: Number = Number {
         expected: "a number from 0 to 1000",
         accepts: |n| (0.0..=1000.0).contains(&n),
     };

@@ -25,12 +25,8 @@ pub struct Cutout {
     /// The picture: its opacity counts, or its largest channel if it is opaque.
     pub image: ImageTexture,
     /// The least opacity of the surface, 0 to 1; there are holes below it. 0.5 by default.
-    #[serde(default = "half", deserialize_with = "yaml::fraction")]
+    #[serde(default = "yaml::half", deserialize_with = "yaml::fraction")]
     pub threshold: f32,
-}
-
-fn half() -> f32 {
-    0.5
 }
 
 impl Cutout {

@@ -1,10 +1,9 @@
 //! Transparent media: glass, water, ice.
 
 use glam::Vec3;
-use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
-use crate::yaml::{self, Number};
+use crate::yaml;
 
 /// A smooth, clear medium inside a closed surface.
 ///
@@ -28,18 +27,10 @@ pub struct Dielectric {
     pub absorption: Vec3,
     /// Where media overlap, the one with the highest priority counts; of equal ones the one that
     /// the ray entered last.
-    #[serde(deserialize_with = "priority", default)]
+    #[serde(deserialize_with = "yaml::byte", default)]
     pub priority: u8,
 }
 
 pub(super) fn index<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    let number = Number {
-        expected: "an index of refraction from 1 to 10",
-        accepts: |n| (1.0..=10.0).contains(&n),
-    };
-    number.deserialize(d)
-}
-
-fn priority<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
-    yaml::whole(d, 0..=u8::MAX)
+    yaml::within(d, 1.0..=10.0, "an index of refraction from 1 to 10")
 }

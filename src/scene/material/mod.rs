@@ -20,7 +20,7 @@ mod texture;
 use std::sync::Arc;
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
 pub use array::{ArrayRange, ArrayScale, ArrayTexture};
 pub use checker::{Axes, Rounding};
@@ -244,20 +244,20 @@ struct MaterialKeys {
     #[serde(default)]
     color: Option<Texture>,
     /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a metal.
-    #[serde(default, deserialize_with = "fraction")]
+    #[serde(default, deserialize_with = "yaml::fraction")]
     ambient: Option<f32>,
     /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
-    #[serde(default, deserialize_with = "fraction")]
+    #[serde(default, deserialize_with = "yaml::fraction")]
     diffuse: Option<f32>,
     /// Strength of the highlight, 0 to 1; 0 by default.
-    #[serde(default, deserialize_with = "fraction")]
+    #[serde(default, deserialize_with = "yaml::fraction")]
     specular: Option<f32>,
     /// Exponent of the highlight, at least 0; 50 by default.
-    #[serde(default, deserialize_with = "exponent")]
+    #[serde(default, deserialize_with = "yaml::non_negative")]
     exponent: Option<f32>,
     /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
     /// metal, which reflect light by Fresnel's equations.
-    #[serde(default, deserialize_with = "fraction")]
+    #[serde(default, deserialize_with = "yaml::fraction")]
     reflection: Option<f32>,
     /// The medium inside the surface, if light enters it.
     #[serde(default)]
@@ -272,7 +272,7 @@ struct MaterialKeys {
     #[serde(default)]
     cutout: Option<Cutout>,
     /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
-    #[serde(default, deserialize_with = "fraction")]
+    #[serde(default, deserialize_with = "yaml::fraction")]
     roughness: Option<f32>,
     /// The principled surface, if it is one.
     #[serde(default)]
@@ -292,14 +292,6 @@ struct MaterialKeys {
 
 fn by_default() -> bool {
     true
-}
-
-fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::fraction(d).map(Some)
-}
-
-fn exponent<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::non_negative(d).map(Some)
 }
 
 impl TryFrom<MaterialKeys> for Material {

@@ -35,12 +35,8 @@ pub struct NormalMap {
 )]
 struct NormalMapKeys {
     image: ImageTexture,
-    #[serde(default = "one", deserialize_with = "yaml::non_negative")]
+    #[serde(default = "yaml::one", deserialize_with = "yaml::non_negative")]
     strength: f32,
-}
-
-fn one() -> f32 {
-    1.0
 }
 
 impl From<NormalMapKeys> for NormalMap {

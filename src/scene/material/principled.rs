@@ -32,7 +32,7 @@ pub struct Principled {
     #[serde(default, deserialize_with = "yaml::fraction")]
     pub metallic: f32,
     /// The roughness, 0 to 1; 0.5 by default.
-    #[serde(default = "half", deserialize_with = "yaml::fraction")]
+    #[serde(default = "yaml::half", deserialize_with = "yaml::fraction")]
     pub roughness: f32,
     /// The share of the rest that lets light through, 0 to 1: the surface of a clear medium
     /// that colors it. 0 by default.
@@ -41,10 +41,6 @@ pub struct Principled {
     /// The index of refraction of the coat and of the medium, 1 to 10; 1.5 by default.
     #[serde(default = "glass", deserialize_with = "index")]
     pub index: f32,
-}
-
-fn half() -> f32 {
-    0.5
 }
 
 fn glass() -> f32 {

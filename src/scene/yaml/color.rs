@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 
-use super::number::{NON_NEGATIVE, Number, NumberList, Splat, rounded};
+use super::number::{NON_NEGATIVE, Number, NumberList, Splat, integers_as_f64, rounded};
 
 const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
 
@@ -23,8 +23,8 @@ pub fn color<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
 }
 
 /// Reads a radiance: each channel at least 0.
-pub fn radiance<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_any(Color(NON_NEGATIVE))
+pub fn radiance<'de, D: Deserializer<'de>, T: From<Vec3>>(d: D) -> Result<T, D::Error> {
+    d.deserialize_any(Color(NON_NEGATIVE)).map(T::from)
 }
 
 /// Reads a `number` for each channel.
@@ -100,13 +100,7 @@ impl<'de> Visitor<'de> for Color {
         self.numbers().visit_f64(found).map(vector_of)
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<Vec3, E> {
-        self.numbers().visit_i64(found).map(vector_of)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<Vec3, E> {
-        self.numbers().visit_u64(found).map(vector_of)
-    }
+    integers_as_f64!();
 
     fn visit_str<E: Error>(self, found: &str) -> Result<Vec3, E> {
         match hex_color(found) {
@@ -134,13 +128,7 @@ impl<'de, T: Deserialize<'de> + ColorPattern> Visitor<'de> for ColorOrVisitor<T>
         Color(self.0).visit_f64(found).map(ColorOr::Color)
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<ColorOr<T>, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<ColorOr<T>, E> {
-        self.visit_f64(found as f64)
-    }
+    integers_as_f64!();
 
     fn visit_str<E: Error>(self, found: &str) -> Result<ColorOr<T>, E> {
         match hex_color(found) {

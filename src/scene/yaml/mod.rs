@@ -5,6 +5,7 @@
 //! events of saphyr-parser give the position of each key and value, so that every error, including
 //! one found later, is shown in its place.
 
+mod default;
 mod color;
 mod name;
 mod number;
@@ -29,16 +30,19 @@ mod include;
 mod document;
 
 pub use color::{ColorOr, ColorPattern, RadianceOr, channels, color, hex_color, radiance};
+pub use default::{half, one, white};
 pub use deserialize::{Refusal, YamlFile, deserialize};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub(crate) use missing::why_missing;
 pub use name::{MAX_NAME, name};
+pub(crate) use number::integers_as_f64;
 pub use number::{
-    Number, OneOrList, cone_radii, coordinate, coordinate_or_list, count, direction,
+    Number, OneOrList, between, byte, cone_radii, coordinate, coordinate_or_list, count, direction,
     exact_coordinate, exact_positive, fraction, intensity, non_empty, non_negative, point,
     positive, positive_or_list, positive_range, radii, range, scale, seed, size, vector, whole,
+    within,
 };
 pub use origins::Merging;
 pub use source::refusal;

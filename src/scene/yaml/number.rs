@@ -1,8 +1,8 @@
 //! Deserializers of numbers that check their range.
 //!
-//! Each function is for `#[serde(deserialize_with = "…")]`. All reject NaN,
-//! infinities and magnitudes above 1e15, whose squares and products would
-//! overflow `f32` in the kernel.
+//! Each function is for `#[serde(deserialize_with = "…")]`, of a field that may be an `Option`. All
+//! reject NaN, infinities and magnitudes above 1e15, whose squares and products would overflow
+//! `f32` in the kernel.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -18,11 +18,11 @@ const MIN_LENGTH: f64 = 1e-15;
 
 /// The numbers that a field accepts.
 #[derive(Clone, Copy)]
-pub struct Number {
+pub struct Number<A = fn(f64) -> bool> {
     /// A description that follows the word "expected".
     pub expected: &'static str,
     /// True if a finite number is accepted.
-    pub accepts: fn(f64) -> bool,
+    pub accepts: A,
 }
 
 /// A coordinate.
@@ -55,28 +55,38 @@ const SCALE: Number = Number {
 };
 
 /// Reads a length, greater than 0.
-pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    POSITIVE.deserialize(d)
+pub fn positive<'de, D: Deserializer<'de>, T: From<f32>>(d: D) -> Result<T, D::Error> {
+    POSITIVE.deserialize(d).map(T::from)
 }
 
 /// Reads the intensity of a light, at least 0.
-pub fn intensity<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    INTENSITY.deserialize(d)
+pub fn intensity<'de, D: Deserializer<'de>, T: From<f32>>(d: D) -> Result<T, D::Error> {
+    INTENSITY.deserialize(d).map(T::from)
 }
 
 /// Reads a number, at least 0.
-pub fn non_negative<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    NON_NEGATIVE.deserialize(d)
+pub fn non_negative<'de, D: Deserializer<'de>, T: From<f32>>(d: D) -> Result<T, D::Error> {
+    NON_NEGATIVE.deserialize(d).map(T::from)
 }
 
 /// Reads a fraction, 0 to 1.
-pub fn fraction<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    FRACTION.deserialize(d)
+pub fn fraction<'de, D: Deserializer<'de>, T: From<f32>>(d: D) -> Result<T, D::Error> {
+    FRACTION.deserialize(d).map(T::from)
 }
 
 /// Reads a coordinate, or an angle in degrees, of any sign.
-pub fn coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    COORDINATE.deserialize(d)
+pub fn coordinate<'de, D: Deserializer<'de>, T: From<f32>>(d: D) -> Result<T, D::Error> {
+    COORDINATE.deserialize(d).map(T::from)
+}
+
+/// Reads a number in `range`; the text describes it in messages.
+pub fn within<'de, D: Deserializer<'de>, T: From<f32>>(
+    d: D,
+    range: RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<T, D::Error> {
+    let accepts = |number| range.contains(&number);
+    Number { expected, accepts }.deserialize(d).map(T::from)
 }
 
 /// Reads a length, greater than 0, with 64 bits.
@@ -91,7 +101,21 @@ pub fn exact_coordinate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error
 
 /// Reads a count, at least 1 and at most `MAX`.
 pub fn count<'de, D: Deserializer<'de>, const MAX: u32>(d: D) -> Result<u32, D::Error> {
-    whole(d, 1..=MAX)
+    between::<D, u32, 1, MAX>(d)
+}
+
+/// Reads a whole number, at least `LEAST` and at most `GREATEST`.
+pub fn between<'de, D, T, const LEAST: u32, const GREATEST: u32>(d: D) -> Result<T, D::Error>
+where
+    D: Deserializer<'de>,
+    T: From<u32>,
+{
+    whole(d, LEAST..=GREATEST).map(T::from)
+}
+
+/// Reads a whole number of 8 bits.
+pub fn byte<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
+    whole(d, 0..=u8::MAX)
 }
 
 /// Reads a seed: any unsigned 64-bit number.
@@ -184,9 +208,9 @@ pub(super) fn rounded<const N: usize>(numbers: [f64; N]) -> [f32; N] {
 }
 
 /// Reads a point: `[x, y, z]`.
-pub fn point<'de, D: Deserializer<'de>>(d: D) -> Result<DVec3, D::Error> {
+pub fn point<'de, D: Deserializer<'de>, T: From<DVec3>>(d: D) -> Result<T, D::Error> {
     d.deserialize_seq(NumberList(COORDINATE, "a point [x, y, z]"))
-        .map(DVec3::from_array)
+        .map(|point| DVec3::from_array(point).into())
 }
 
 /// Reads a displacement, which may be zero: `[x, y, z]`.
@@ -197,12 +221,13 @@ pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<DVec3, D::Error> {
 
 /// Reads a direction, `[x, y, z]` of any length but zero; returns the unit
 /// vector.
-pub fn direction<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
+pub fn direction<'de, D: Deserializer<'de>, T: From<Vec3>>(d: D) -> Result<T, D::Error> {
     let found = d.deserialize_seq(NumberList(COORDINATE, "a direction [x, y, z]"))?;
     let found = Vec3::from(rounded(found));
     // Scaled first, so that no square overflows or underflows f32.
     let largest = found.abs().max_element();
-    (found / largest).try_normalize().ok_or_else(|| {
+    let unit = (found / largest).try_normalize();
+    unit.map(T::from).ok_or_else(|| {
         D::Error::invalid_value(
             Unexpected::Other("the zero vector"),
             &"a direction [x, y, z] that is not zero",
@@ -242,10 +267,24 @@ pub fn positive_range<'de, D: Deserializer<'de>>(d: D) -> Result<[f32; 2], D::Er
     }
 }
 
-/// A number with 64 bits.
-struct Exactly(Number);
+/// The methods of a visitor that takes whole numbers as it takes others.
+macro_rules! integers_as_f64 {
+    () => {
+        fn visit_i64<E: serde::de::Error>(self, found: i64) -> Result<Self::Value, E> {
+            self.visit_f64(found as f64)
+        }
 
-impl<'de> Visitor<'de> for Exactly {
+        fn visit_u64<E: serde::de::Error>(self, found: u64) -> Result<Self::Value, E> {
+            self.visit_f64(found as f64)
+        }
+    };
+}
+pub(crate) use integers_as_f64;
+
+/// A number with 64 bits.
+struct Exactly<A>(Number<A>);
+
+impl<'de, A: Fn(f64) -> bool> Visitor<'de> for Exactly<A> {
     type Value = f64;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -260,16 +299,10 @@ impl<'de> Visitor<'de> for Exactly {
         }
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<f64, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<f64, E> {
-        self.visit_f64(found as f64)
-    }
+    integers_as_f64!();
 }
 
-impl<'de> DeserializeSeed<'de> for Exactly {
+impl<'de, A: Fn(f64) -> bool> DeserializeSeed<'de> for Exactly<A> {
     type Value = f64;
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<f64, D::Error> {
@@ -277,7 +310,7 @@ impl<'de> DeserializeSeed<'de> for Exactly {
     }
 }
 
-impl<'de> DeserializeSeed<'de> for Number {
+impl<'de, A: Fn(f64) -> bool> DeserializeSeed<'de> for Number<A> {
     type Value = f32;
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<f32, D::Error> {
@@ -327,13 +360,7 @@ impl<'de, const N: usize> Visitor<'de> for Splat<N> {
         Exactly(self.0.0).visit_f64(found).map(|number| [number; N])
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<[f64; N], E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<[f64; N], E> {
-        self.visit_f64(found as f64)
-    }
+    integers_as_f64!();
 }
 
 /// Reads a number, or a list of them; the text describes both in messages.
@@ -362,13 +389,7 @@ impl<'de> Visitor<'de> for OneOrListVisitor {
         Ok(OneOrList::One(found as f32))
     }
 
-    fn visit_i64<E: Error>(self, found: i64) -> Result<OneOrList, E> {
-        self.visit_f64(found as f64)
-    }
-
-    fn visit_u64<E: Error>(self, found: u64) -> Result<OneOrList, E> {
-        self.visit_f64(found as f64)
-    }
+    integers_as_f64!();
 }
 
 /// Visits a whole number in a range.

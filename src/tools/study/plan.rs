@@ -53,13 +53,19 @@ pub struct StudyPlan {
     #[serde(default)]
     pub launcher: Option<Launcher>,
     /// Runs of each point that enter the statistics; 10 if not given.
-    #[serde(default = "ten", deserialize_with = "repeats")]
+    #[serde(
+        default = "ten",
+        deserialize_with = "yaml::between::<_, _, 1, 100_000>"
+    )]
     pub repeats: u32,
     /// Earlier runs of each point that are ignored; 1 if not given.
-    #[serde(default = "one", deserialize_with = "warm_up")]
+    #[serde(
+        default = "yaml::one",
+        deserialize_with = "yaml::between::<_, _, 0, 1000>"
+    )]
     pub warm_up: u32,
     /// Time in seconds after which no further run starts; no limit if not given.
-    #[serde(default, deserialize_with = "budget")]
+    #[serde(default, deserialize_with = "yaml::positive")]
     pub time_budget_s: Option<f32>,
     /// The plots to draw.
     #[serde(default)]
@@ -87,7 +93,10 @@ pub struct QuickPlan {
     #[serde(default)]
     pub flags: Option<Vec<String>>,
     /// Replaces [`StudyPlan::repeats`]; 3 if not given.
-    #[serde(default = "three", deserialize_with = "repeats")]
+    #[serde(
+        default = "three",
+        deserialize_with = "yaml::between::<_, _, 1, 100_000>"
+    )]
     pub repeats: u32,
 }
 
@@ -204,22 +213,6 @@ fn points_of_steps(steps: &[StudyStep], scene: &StudyPoint) -> Vec<StudyPoint> {
 
 fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {
     yaml::non_empty(d, "scene file")
-}
-
-fn repeats<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, 1..=100_000)
-}
-
-fn warm_up<'de, D: Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    yaml::whole(d, 0..=1000)
-}
-
-fn budget<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::positive(d).map(Some)
-}
-
-fn one() -> u32 {
-    1
 }
 
 fn three() -> u32 {
