@@ -15,6 +15,18 @@ pub fn keyword<'de, T: ValueEnum, D: Deserializer<'de>>(d: D) -> Result<T, D::Er
     d.deserialize_enum("keyword", &[], KeywordVisitor(PhantomData))
 }
 
+/// Implements `Deserialize` for types of keywords by [`keyword`](crate::text::keyword).
+#[macro_export]
+macro_rules! deserialize_keywords {
+    ($($type:ty),+) => {$(
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+                $crate::text::keyword(d)
+            }
+        }
+    )+};
+}
+
 /// Returns the name of a keyword.
 pub fn keyword_name(keyword: &impl ValueEnum) -> String {
     let value = keyword.to_possible_value();
@@ -90,11 +102,7 @@ mod tests {
         VeryWide,
     }
 
-    impl<'de> Deserialize<'de> for Width {
-        fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-            keyword(d)
-        }
-    }
+    deserialize_keywords!(Width);
 
     #[test]
     fn names_are_those_of_the_command_line_and_messages_list_them() {

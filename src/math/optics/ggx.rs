@@ -6,11 +6,10 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use clap::ValueEnum;
-use serde::{Deserialize, Deserializer};
 
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
-use base::text;
+use base::deserialize_keywords;
 
 /// The microfacets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,11 +32,7 @@ pub enum Masking {
     Separable,
 }
 
-impl<'de> Deserialize<'de> for Masking {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(Masking);
 
 /// Reflection toward a direction.
 pub struct Facets<R> {

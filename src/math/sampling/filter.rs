@@ -6,10 +6,10 @@
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 
 use crate::simd::{Double, Real};
-use base::text;
+use base::deserialize_keywords;
 
 /// The weight of light by its distance from the pixel's center, separately in x and y.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -25,11 +25,7 @@ pub enum PixelFilter {
     BlackmanHarris,
 }
 
-impl<'de> Deserialize<'de> for PixelFilter {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(PixelFilter);
 
 impl PixelFilter {
     /// Returns the usual radius in pixels.

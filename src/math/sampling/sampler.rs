@@ -1,12 +1,12 @@
 //! The samples of pixels.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 
 use super::hash::{hash, mixed, unit};
 use super::sobol;
 use super::stratified::Strata;
 use crate::simd::{Integer, Real};
-use base::text;
+use base::deserialize_keywords;
 
 /// A pattern of the samples' positions in a pixel. Each pattern contains the pixel's center.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -20,11 +20,7 @@ pub enum PixelPattern {
     Sobol,
 }
 
-impl<'de> Deserialize<'de> for PixelPattern {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(PixelPattern);
 
 /// The decision that two numbers of a sample are used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,9 @@
 //! Color maps: colors for numbers from 0 to 1, or for categories.
 
 use clap::ValueEnum;
-use serde::{Deserialize, Deserializer};
 
 use super::{diverging, tables};
-use base::text;
+use base::deserialize_keywords;
 
 /// Number of colors of a named map for numbers, as matplotlib and VTK draw it.
 const N_STEPS: f64 = 256.0;
@@ -120,11 +119,7 @@ pub(super) fn nearest<T>(colors: &[T], position: f64) -> &T {
     &colors[((position * n as f64) as usize).min(n - 1)]
 }
 
-impl<'de> Deserialize<'de> for ColorMap {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(ColorMap);
 
 #[cfg(test)]
 mod tests {

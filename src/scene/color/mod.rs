@@ -17,9 +17,8 @@ mod tone_curve;
 use std::sync::LazyLock;
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
 
-use base::text;
+use base::deserialize_keywords;
 use levels::linear8;
 pub use map::ColorMap;
 pub use map::rgb8;
@@ -151,11 +150,7 @@ impl Default for Development {
     }
 }
 
-impl<'de> Deserialize<'de> for Transfer {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(Transfer);
 
 #[cfg(test)]
 mod tests {

@@ -1,10 +1,9 @@
 //! Tone curves: bright light → light that a display can show.
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
 
 use super::{aces, agx};
-use base::text;
+use base::deserialize_keywords;
 
 /// A function from exposed light to displayed light, both linear and with the primaries of sRGB.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -31,11 +30,7 @@ impl ToneCurve {
     }
 }
 
-impl<'de> Deserialize<'de> for ToneCurve {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(ToneCurve);
 
 #[cfg(test)]
 mod tests {

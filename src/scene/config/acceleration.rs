@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
-use base::text;
+use base::deserialize_keywords;
 
 /// The structure that finds the nearest hit of a ray.
 ///
@@ -84,11 +84,7 @@ pub enum Structure {
     BruteForce,
 }
 
-impl<'de> Deserialize<'de> for Structure {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(Structure);
 
 impl From<Structure> for Acceleration {
     fn from(structure: Structure) -> Self {

@@ -1,9 +1,9 @@
 //! The key `arrays` of the `output` section.
 
 use clap::ValueEnum;
-use serde::{Deserialize, Deserializer};
 
-use base::text::{self, keyword_name};
+use base::deserialize_keywords;
+use base::text::keyword_name;
 
 /// An array of the cloud and the frame.
 ///
@@ -143,8 +143,4 @@ impl PixelArray {
     }
 }
 
-impl<'de> Deserialize<'de> for PixelArray {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(PixelArray);

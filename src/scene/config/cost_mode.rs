@@ -1,8 +1,8 @@
 //! The `cost` section.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 
-use base::text;
+use base::deserialize_keywords;
 
 /// The cost measured for each pixel. All modes give the same picture, and the
 /// three modes with counters the same counters.
@@ -49,8 +49,4 @@ impl CostMode {
     }
 }
 
-impl<'de> Deserialize<'de> for CostMode {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(CostMode);

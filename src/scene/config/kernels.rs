@@ -1,9 +1,10 @@
 //! The vector instructions, the traversal of rays and the places of threads, which do not change
 //! the results.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 
-use base::text::{self, Diagnostic, keyword_name};
+use base::deserialize_keywords;
+use base::text::{Diagnostic, keyword_name};
 use math::simd::Simd;
 
 /// A set of vector instructions.
@@ -60,20 +61,4 @@ impl SimdSet {
     }
 }
 
-impl<'de> Deserialize<'de> for SimdSet {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
-
-impl<'de> Deserialize<'de> for Pinning {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
-
-impl<'de> Deserialize<'de> for Traversal {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(SimdSet, Pinning, Traversal);

@@ -1,12 +1,12 @@
 //! The `shading` section.
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 
 use crate::color::Transfer;
 use crate::geometry::RenderSpace;
 use crate::yaml;
-use base::text;
+use base::deserialize_keywords;
 use math::optics::Masking;
 
 /// The shading model and its parameters.
@@ -109,11 +109,7 @@ pub enum LightSampling {
     Power,
 }
 
-impl<'de> Deserialize<'de> for LightSampling {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(LightSampling);
 
 /// A shading model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -165,11 +161,7 @@ impl ShadingModel {
     }
 }
 
-impl<'de> Deserialize<'de> for ShadingModel {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(ShadingModel);
 
 fn default_depth() -> u8 {
     8

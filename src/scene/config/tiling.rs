@@ -1,8 +1,9 @@
 //! The `tiles` section.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::yaml;
+use base::deserialize_keywords;
 use base::text;
 
 /// The division of the picture among threads. It changes neither the picture nor its counters.
@@ -68,8 +69,4 @@ impl TileOrder {
     }
 }
 
-impl<'de> Deserialize<'de> for TileOrder {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(TileOrder);

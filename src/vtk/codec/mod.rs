@@ -10,9 +10,9 @@ use std::fmt::Debug;
 use std::io;
 
 use clap::ValueEnum;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
 
-use base::text;
+use base::deserialize_keywords;
 
 /// Bytes of a block before compression; the last block of an array may be shorter. Larger blocks do
 /// not compress better, and leave fewer blocks for the threads.
@@ -59,11 +59,7 @@ impl Codec {
     }
 }
 
-impl<'de> Deserialize<'de> for Codec {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        text::keyword(d)
-    }
-}
+deserialize_keywords!(Codec);
 
 /// Compresses blocks, each independently of the others.
 pub trait Compressor: Debug + Sync {
