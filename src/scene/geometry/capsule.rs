@@ -243,11 +243,6 @@ impl Sampled for Capsule {
         let point = begin + (end - begin) * fraction + normal * radius;
         Seen::new(point, normal, from).by_area(area)
     }
-
-    #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        seen.density_by_area(Self::area(parameters))
-    }
 }
 
 /// Returns the areas of the parts of the surface: first sphere, cone, second sphere.

@@ -205,11 +205,6 @@ impl Sampled for Cone {
         let normal = Vector::select(is_side, normal, axis.direction * end);
         Seen::new(point, normal, from).by_area(area)
     }
-
-    #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        seen.density_by_area(Self::area(parameters))
-    }
 }
 
 /// Returns the areas of the first end, the side and the second end.

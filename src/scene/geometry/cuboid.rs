@@ -171,12 +171,6 @@ impl Sampled for Cuboid {
         let point = min + (max - min).times(fraction);
         Seen::new(point, normal, from).by_area(two * half_area)
     }
-
-    #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        let [x, y, z] = face_areas(parameters);
-        seen.density_by_area(x.splat(2.0) * (x + y + z))
-    }
 }
 
 /// Returns the areas of a box's faces, by the axis of their normals.

@@ -152,11 +152,6 @@ impl Sampled for Disk {
         let point = center + u * (radius * x) + v * (radius * y);
         Seen::new(point, normal, from).by_area(area(radius))
     }
-
-    #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        seen.density_by_area(area(parameters[6]))
-    }
 }
 
 #[inline(always)]

@@ -18,8 +18,11 @@ pub trait Sampled {
     ) -> SurfaceSample<R>;
 
     /// Returns the probability density with which [`sample`](Self::sample) chooses the direction to
-    /// this point of the surface.
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], from: Vector<R>, seen: &Seen<R>) -> R;
+    /// this point of the surface: unless overridden, uniform over the area.
+    #[inline(always)]
+    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _from: Vector<R>, seen: &Seen<R>) -> R {
+        seen.density_by_area(Self::area(parameters))
+    }
 }
 
 /// A sampled direction to a surface.

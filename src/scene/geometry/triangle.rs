@@ -155,11 +155,6 @@ impl Sampled for Triangle {
         let (normal, area) = normal_and_area(parameters);
         Seen::new(point, normal, from).by_area(area)
     }
-
-    #[inline(always)]
-    fn density<R: Real>(parameters: &[R; N_PARAMETERS], _: Vector<R>, seen: &Seen<R>) -> R {
-        seen.density_by_area(normal_and_area(parameters).1)
-    }
 }
 
 /// Returns the unit normal and the area.

@@ -9,6 +9,7 @@ mod fault;
 mod choice;
 mod lines;
 mod budget;
+mod percent;
 mod picture;
 mod materials;
 mod mesh;

@@ -9,11 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
-use image::codecs::hdr::HdrDecoder;
-use image::codecs::jpeg::JpegDecoder;
-use image::codecs::openexr::OpenExrDecoder;
-use image::codecs::png::PngDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::{FileFault, Result, length_of, open};
 use crate::color::Transfer;
@@ -83,8 +79,11 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     let is_of = |format: &&Format| head.starts_with(format.signature);
     let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
     let damaged = |error| format.damaged(&error);
-    let decoder = (format.decoder)(file).map_err(damaged)?;
-    check_size(&*decoder, reading.available)?;
+    let mut reader = ImageReader::with_format(file, format.format);
+    // The size of the picture is checked below.
+    reader.no_limits();
+    let decoder = reader.into_decoder().map_err(damaged)?;
+    check_size(&decoder, reading.available)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
     let mut texels = texels(decoded, reading.transfer.unwrap_or(format.transfer))?;
@@ -93,9 +92,6 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     Ok(Arc::new(picture))
 }
 
-/// A decoder of one format.
-type Decoder = Box<dyn ImageDecoder>;
-
 /// A format of pictures.
 struct Format {
     name: &'static str,
@@ -103,40 +99,36 @@ struct Format {
     signature: &'static [u8],
     /// The default transfer function.
     transfer: Transfer,
-    decoder: fn(PictureBytes) -> ImageResult<Decoder>,
+    format: ImageFormat,
 }
 
 const FORMATS: [Format; 5] = [
-    Format {
-        name: "PNG",
-        signature: b"\x89PNG\r\n\x1a\n",
-        transfer: Transfer::Srgb,
-        decoder: |file| Ok(Box::new(PngDecoder::new(file)?)),
-    },
-    Format {
-        name: "JPEG",
-        signature: b"\xff\xd8\xff",
-        transfer: Transfer::Srgb,
-        decoder: |file| Ok(Box::new(JpegDecoder::new(file)?)),
-    },
-    Format {
-        name: "OpenEXR",
-        signature: b"\x76\x2f\x31\x01",
-        transfer: Transfer::Linear,
-        decoder: |file| Ok(Box::new(OpenExrDecoder::new(file)?)),
-    },
-    radiance(b"#?RADIANCE"),
-    radiance(b"#?RGBE"),
+    Format::new(
+        "PNG",
+        b"\x89PNG\r\n\x1a\n",
+        Transfer::Srgb,
+        ImageFormat::Png,
+    ),
+    Format::new("JPEG", b"\xff\xd8\xff", Transfer::Srgb, ImageFormat::Jpeg),
+    Format::new(
+        "OpenEXR",
+        b"\x76\x2f\x31\x01",
+        Transfer::Linear,
+        ImageFormat::OpenExr,
+    ),
+    Format::new(
+        "Radiance HDR",
+        b"#?RADIANCE",
+        Transfer::Linear,
+        ImageFormat::Hdr,
+    ),
+    Format::new(
+        "Radiance HDR",
+        b"#?RGBE",
+        Transfer::Linear,
+        ImageFormat::Hdr,
+    ),
 ];
-
-const fn radiance(signature: &'static [u8]) -> Format {
-    Format {
-        name: "Radiance HDR",
-        signature,
-        transfer: Transfer::Linear,
-        decoder: |file| Ok(Box::new(HdrDecoder::new(file)?)),
-    }
-}
 
 /// Length of the longest signature in bytes.
 const MAX_SIGNATURE: usize = 10;
@@ -235,6 +227,20 @@ fn unknown_format() -> FileFault {
 }
 
 impl Format {
+    const fn new(
+        name: &'static str,
+        signature: &'static [u8],
+        transfer: Transfer,
+        format: ImageFormat,
+    ) -> Self {
+        Self {
+            name,
+            signature,
+            transfer,
+            format,
+        }
+    }
+
     fn damaged(&self, error: &ImageError) -> FileFault {
         let name = self.name;
         match error {

@@ -1,6 +1,6 @@
 //! The numbers of a glTF file's accessors.
 
-use gltf_json::accessor::{Accessor, ComponentType, Type, sparse};
+use gltf_json::accessor::{Accessor, ComponentType, sparse};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, buffer};
 
@@ -109,7 +109,7 @@ impl Accessors<'_> {
         };
         let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
         let component = component(accessor);
-        let size = n_components(accessor) * size_of_component(component);
+        let size = n_components(accessor) * component.size();
         let elements = self.in_view(view, offset, size, component, accessor.count.0);
         let elements = elements?.ok_or_else(|| outside(index))?;
         Ok(Some(Elements {
@@ -165,9 +165,9 @@ impl Accessors<'_> {
             Checked::Invalid => ComponentType::U32,
         };
         let component = component(accessor);
-        let size = n_components(accessor) * size_of_component(component);
+        let size = n_components(accessor) * component.size();
         let (at, from) = (indices.byte_offset.0, values.byte_offset.0);
-        let index_size = size_of_component(of_indices);
+        let index_size = of_indices.size();
         let indices = self.in_view(indices.buffer_view, at, index_size, of_indices, count.0)?;
         let values = self.in_view(values.buffer_view, from, size, component, count.0)?;
         let (Some(indices), Some(values)) = (indices, values) else {
@@ -233,22 +233,10 @@ fn component(accessor: &Accessor) -> ComponentType {
     }
 }
 
-fn size_of_component(component: ComponentType) -> usize {
-    match component {
-        ComponentType::I8 | ComponentType::U8 => 1,
-        ComponentType::I16 | ComponentType::U16 => 2,
-        ComponentType::U32 | ComponentType::F32 => 4,
-    }
-}
-
 /// Returns the number of components, whose type was checked before.
 fn n_components(accessor: &Accessor) -> usize {
     match &accessor.type_ {
-        Checked::Valid(Type::Scalar) | Checked::Invalid => 1,
-        Checked::Valid(Type::Vec2) => 2,
-        Checked::Valid(Type::Vec3) => 3,
-        Checked::Valid(Type::Vec4 | Type::Mat2) => 4,
-        Checked::Valid(Type::Mat3) => 9,
-        Checked::Valid(Type::Mat4) => 16,
+        Checked::Valid(kind) => kind.multiplicity(),
+        Checked::Invalid => 1,
     }
 }

@@ -9,6 +9,7 @@ use gltf_json::{Index, Root, buffer};
 
 use crate::import::budget::Budget;
 use crate::import::materials::{of_reference, path_in};
+use crate::import::percent::percent_decoded;
 use crate::import::{FileFault, Result, max_bytes, open, read_whole};
 
 /// The bytes of all buffers.
@@ -78,7 +79,7 @@ pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Res
     if let Some(bytes) = embedded(uri, budget) {
         return bytes;
     }
-    let path = path_in(folder, &decoded(uri));
+    let path = path_in(folder, &percent_decoded(uri));
     let read = max_bytes(&path).and_then(|_| read_whole(open(&path)?, budget));
     read.map_err(|fault| of_reference(&path, fault))
 }
@@ -92,27 +93,4 @@ pub(super) fn embedded(uri: &str, budget: &mut Budget) -> Option<Result<Vec<u8>>
             FileFault::new(problem, "base64 with its padding")
         })
     }))
-}
-
-/// Decodes a URI's path: `%20` is a blank.
-pub(super) fn decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, behind @ ..] = rest {
-        let code = behind
-            .get(..2)
-            .and_then(|digits| std::str::from_utf8(digits).ok());
-        let code = code.and_then(|digits| u8::from_str_radix(digits, 16).ok());
-        match code.filter(|_| *first == b'%') {
-            Some(byte) => {
-                bytes.push(byte);
-                rest = &behind[2..];
-            }
-            None => {
-                bytes.push(*first);
-                rest = behind;
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
 }

@@ -10,12 +10,13 @@ use gltf_json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, image, texture};
 
-use super::buffers::{Buffers, decoded, embedded};
+use super::buffers::{Buffers, embedded};
 use crate::color::Transfer;
 use crate::import::budget::Budget;
 use crate::import::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in,
 };
+use crate::import::percent::percent_decoded;
 use crate::import::picture::{PictureBytes, bytes_of_file};
 use crate::import::{FileFault, Result};
 use crate::picture::{Sampling, TexelFilter, Wrap};
@@ -265,7 +266,7 @@ fn placing(info: &Info) -> Placing {
 /// Returns the name of a picture in messages, unique in its file.
 fn name_of(index: Index<image::Image>, image: &image::Image, folder: &Path) -> PathBuf {
     match &image.uri {
-        Some(uri) if !uri.starts_with("data:") => path_in(folder, &decoded(uri)),
+        Some(uri) if !uri.starts_with("data:") => path_in(folder, &percent_decoded(uri)),
         _ => PathBuf::from(format!("images[{}]", index.value())),
     }
 }
@@ -281,7 +282,7 @@ fn bytes_of(
     let bytes = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => match embedded(uri, budget) {
             Some(bytes) => bytes?,
-            None => return bytes_of_file(&path_in(folder, &decoded(uri))),
+            None => return bytes_of_file(&path_in(folder, &percent_decoded(uri))),
         },
         (None, Some(view)) => {
             let (bytes, _) = buffers.view(root, view)?;

@@ -6,12 +6,13 @@
 mod parts;
 mod words;
 
+use super::super::percent::percent_decoded;
 use super::super::{FileFault, FileLocation, Result};
 use super::budget::Budget;
 use super::numbers::{ByteOrder, NumberType, Numbers};
 use super::piece::{Piece, Wanted, grid_size, is_wanted};
 use parts::{CellArray, DataOf, Parts};
-use words::{Words, decoded_name};
+use words::Words;
 
 /// The start of all legacy files.
 pub(super) const SIGNATURE: &[u8] = b"# vtk DataFile Version";
@@ -90,7 +91,7 @@ impl LegacyReader<'_, '_> {
 
     /// Reads one or several arrays of points or cells.
     fn attribute(&mut self, keyword: &str) -> Result<()> {
-        let name = decoded_name(self.words.next()?);
+        let name = percent_decoded(self.words.next()?);
         let n_tuples = self.parts.data_of.map_or(0, |(_, n)| n);
         let numbers = match keyword {
             "FIELD" => return self.field(),
@@ -145,7 +146,7 @@ impl LegacyReader<'_, '_> {
                 self.words.skip_metadata();
                 name = self.words.next()?;
             }
-            let name = decoded_name(name);
+            let name = percent_decoded(name);
             let [n_components, n_tuples] = self.words.numbers::<usize, 2>()?;
             if self
                 .words

@@ -4,27 +4,6 @@ use super::super::numbers::ByteOrder;
 use crate::import::fault::cut;
 use crate::import::{FileFault, Result};
 
-/// Returns the name of an array, in which VTK writes blanks and other characters as `%20`.
-pub(super) fn decoded_name(name: &str) -> String {
-    let mut bytes = Vec::with_capacity(name.len());
-    let mut rest = name.as_bytes();
-    while let Some((&byte, behind)) = rest.split_first() {
-        let code = behind.get(..2).and_then(|code| str::from_utf8(code).ok());
-        let code = code.and_then(|code| u8::from_str_radix(code, 16).ok());
-        match code.filter(|_| byte == b'%') {
-            Some(code) => {
-                bytes.push(code);
-                rest = &behind[2..];
-            }
-            None => {
-                bytes.push(byte);
-                rest = behind;
-            }
-        }
-    }
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
 /// The words of a file; in binary files, with bytes between them.
 pub(super) struct Words<'a> {
     /// The rest of the file, from which line feeds have not been counted.
