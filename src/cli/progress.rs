@@ -7,17 +7,16 @@ use std::time::Duration;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::session::Event;
-use base::text::one_line;
 use render::instruments::TimeLeft;
 use render::tiles::{Progress, Report};
 
-/// A build that takes less than this shows no bar.
-const BAR_DELAY: Duration = Duration::from_secs(1);
+/// A build that takes less than this does not show a bar.
+const BUILD_DELAY: Duration = Duration::from_secs(1);
 /// The length of bars of fractions.
 const MILLION: u64 = 1_000_000;
 
 /// Returns a bar on standard error, if that is a terminal.
-fn bar(length: u64, quiet: bool) -> ProgressBar {
+pub(super) fn bar(length: u64, quiet: bool) -> ProgressBar {
     // indicatif hides the bar where standard error is not a terminal.
     let target = if quiet {
         ProgressDrawTarget::hidden()
@@ -32,46 +31,18 @@ fn bar(length: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// A bar for building the hierarchy; drawn only if the build takes over a second.
-pub(super) struct BuildBar {
+/// A bar for building or rendering, which shows the estimated work.
+pub(super) struct StageBar {
     bar: ProgressBar,
-    n_millionths: AtomicU64,
-}
-
-impl BuildBar {
-    /// Creates a bar that is never drawn if `quiet`.
-    pub(super) fn new(quiet: bool) -> Self {
-        Self {
-            bar: bar(MILLION, quiet).with_message("building"),
-            n_millionths: AtomicU64::new(0),
-        }
-    }
-
-    /// Advances the bar by a fraction of the build, from 0 to 1.
-    pub(super) fn advance(&self, part: f64) {
-        let n = (part * 1e6) as u64;
-        let n_millionths = n + self.n_millionths.fetch_add(n, Ordering::Relaxed);
-        if self.bar.elapsed() > BAR_DELAY {
-            self.bar.set_position(n_millionths);
-        }
-    }
-
-    /// Removes the bar from the terminal.
-    pub(super) fn clear(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-/// A bar for rendering, which shows the estimated work.
-pub(super) struct PixelBar {
-    bar: ProgressBar,
+    /// The bar is drawn after this time.
+    delay: Duration,
     time_left: TimeLeft,
     n_rays: AtomicU64,
 }
 
-impl PixelBar {
+impl StageBar {
     /// Creates a bar of `n_pixels` rendered for a purpose; never drawn if `quiet`.
-    pub(super) fn new(purpose: &'static str, n_pixels: u64, quiet: bool) -> Self {
+    pub(super) fn of_pixels(purpose: &'static str, n_pixels: u64, quiet: bool) -> Self {
         let bar = bar(MILLION, quiet).with_prefix(purpose);
         let template = "{bar:40.cyan} {percent:>3} %  {prefix}{msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -79,9 +50,27 @@ impl PixelBar {
         }
         Self {
             bar,
+            delay: Duration::ZERO,
             time_left: TimeLeft::begin(n_pixels as f64),
             n_rays: AtomicU64::new(0),
         }
+    }
+
+    /// Creates a bar for building the hierarchy, drawn only if that takes over a second; never if
+    /// `quiet`.
+    pub(super) fn of_build(quiet: bool) -> Self {
+        Self {
+            delay: BUILD_DELAY,
+            ..Self::of_pixels("building  ", 1, quiet)
+        }
+    }
+
+    /// Advances a build's bar by a fraction of the work.
+    pub(super) fn advance_build(&self, fraction: f64) {
+        self.advance(Progress {
+            work: fraction,
+            ..Progress::default()
+        });
     }
 
     /// Advances the bar.
@@ -101,8 +90,10 @@ impl PixelBar {
         if let Some(left) = self.time_left.left() {
             message += &format!("{:#} left", HumanDuration(left));
         }
-        self.bar.set_message(message);
-        self.bar.set_position((part * MILLION as f64) as u64);
+        if self.bar.elapsed() >= self.delay {
+            self.bar.set_message(message);
+            self.bar.set_position((part * MILLION as f64) as u64);
+        }
     }
 
     /// Removes the bar from the terminal.
@@ -135,12 +126,6 @@ pub(super) struct Bars {
     current: RwLock<Option<StageBar>>,
 }
 
-/// The bar of a stage.
-enum StageBar {
-    Build(BuildBar),
-    Pixels(PixelBar),
-}
-
 impl Bars {
     /// Creates bars that are never drawn if `quiet`.
     pub(super) fn new(quiet: bool) -> Self {
@@ -159,14 +144,14 @@ impl Bars {
     pub(super) fn show(&self, event: Event) {
         match event {
             Event::Begin { stage: "build", .. } => {
-                self.replace(Some(StageBar::Build(BuildBar::new(self.quiet))));
+                self.replace(Some(StageBar::of_build(self.quiet)));
             }
             Event::Begin { stage, n_pixels } => {
-                let bar = PixelBar::new(purpose(stage), n_pixels, self.quiet);
-                self.replace(Some(StageBar::Pixels(bar)));
+                let bar = StageBar::of_pixels(purpose(stage), n_pixels, self.quiet);
+                self.replace(Some(bar));
             }
             Event::Built { fraction } => self.with(|bar| bar.advance_build(fraction)),
-            Event::Rendered(progress) => self.with(|bar| bar.advance_pixels(progress)),
+            Event::Rendered(progress) => self.with(|bar| bar.advance(progress)),
             Event::End => {
                 self.with(StageBar::clear);
                 self.replace(None);
@@ -186,59 +171,9 @@ impl Bars {
     }
 }
 
-impl StageBar {
-    fn advance_build(&self, fraction: f64) {
-        if let Self::Build(bar) = self {
-            bar.advance(fraction);
-        }
-    }
-
-    fn advance_pixels(&self, progress: Progress) {
-        if let Self::Pixels(bar) = self {
-            bar.advance(progress);
-        }
-    }
-
-    fn clear(&self) {
-        match self {
-            Self::Build(bar) => bar.clear(),
-            Self::Pixels(bar) => bar.clear(),
-        }
-    }
-}
-
-/// A bar for a study, which counts runs.
-pub(super) struct StudyBar {
-    bar: ProgressBar,
-}
-
-impl StudyBar {
-    /// Creates a bar of `n_runs`; never drawn if `quiet`.
-    pub(super) fn new(n_runs: u64, quiet: bool) -> Self {
-        Self {
-            bar: bar(n_runs, quiet),
-        }
-    }
-
-    /// Shows the label of the current run.
-    pub(super) fn begin(&self, label: &str) {
-        self.bar.set_message(one_line(label).into_owned());
-    }
-
-    /// Advances the bar by one run.
-    pub(super) fn advance(&self) {
-        self.bar.inc(1);
-    }
-
-    /// Removes the bar from the terminal.
-    pub(super) fn clear(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
 /// Does `work` on `n_pixels` pixels, which reports its progress, with a bar.
 pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
-    let bar = PixelBar::new("", n_pixels, quiet);
+    let bar = StageBar::of_pixels("", n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
     done
@@ -263,12 +198,11 @@ mod tests {
         let bars = Bars::new(true);
         let prefix = |stage| {
             bars.show(Event::Begin { stage, n_pixels: 9 });
-            match &*bars.current.read().unwrap() {
-                Some(StageBar::Pixels(bar)) => bar.bar.prefix(),
-                _ => unreachable!("pixels have a bar"),
-            }
+            let current = bars.current.read().unwrap();
+            current.as_ref().map(|bar| bar.bar.prefix())
         };
-        assert_eq!(prefix("render"), "");
-        assert_eq!(prefix("observe"), "again for the costs of objects, ");
+        assert_eq!(prefix("render").as_deref(), Some(""));
+        let again = "again for the costs of objects, ";
+        assert_eq!(prefix("observe").as_deref(), Some(again));
     }
 }

@@ -22,7 +22,7 @@ pub(super) use check::{checked, is_study, refuse_flags};
 use report::StudyResults;
 use scene_files::SceneFiles;
 
-use super::progress::StudyBar;
+use super::progress;
 use super::{Cli, Failure, thread_pool};
 use base::folder::{Replace, lock_folder, refuse_file, write_file};
 use base::stop;
@@ -228,7 +228,7 @@ impl Study {
         let planned = self.plan.runs().into_iter();
         let is_missing = |run: &PlannedRun| !log.has(&self.points[run.point], run.round);
         let todo: Vec<PlannedRun> = planned.filter(is_missing).collect();
-        let bar = StudyBar::new(todo.len() as u64, quiet);
+        let bar = progress::bar(todo.len() as u64, quiet);
         let start = Instant::now();
         let budget = self.plan.time_budget_s.map(Duration::from_secs_f32);
         for (n_done, planned) in todo.iter().enumerate() {
@@ -239,17 +239,17 @@ impl Study {
             let point = &self.points[planned.point];
             let step = point.step().unwrap_or_default();
             if missing.failed.iter().any(|failed| failed.step == step) {
-                bar.advance();
+                bar.inc(1);
                 continue;
             }
-            bar.begin(&point.label());
+            bar.set_message(text::one_line(&point.label()).into_owned());
             stop::check()?;
             let metrics = match process::render(&self.plan, point, &self.folder, &self.out) {
                 Err(Failure::Machine(failure)) if point.command.is_some() => {
                     stop::check()?;
                     let (step, reason) = (step.to_owned(), failure.message().to_owned());
                     missing.failed.push(LeftOutStep { step, reason });
-                    bar.advance();
+                    bar.inc(1);
                     continue;
                 }
                 rendered => rendered?,
@@ -262,9 +262,9 @@ impl Study {
             };
             let failed = |error| cannot_write(&self.out, &error);
             log.add(run).map_err(failed)?;
-            bar.advance();
+            bar.inc(1);
         }
-        bar.clear();
+        bar.finish_and_clear();
         Ok(missing)
     }
 

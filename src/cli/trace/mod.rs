@@ -6,7 +6,7 @@ mod tree;
 use std::path::Path;
 
 use super::open_scene::OpenScene;
-use super::progress::{BuildBar, PixelBar};
+use super::progress::StageBar;
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
@@ -118,8 +118,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
-    let bar = BuildBar::new(arguments.quiet);
-    let report = |part| bar.advance(part);
+    let bar = StageBar::of_build(arguments.quiet);
+    let report = |part| bar.advance_build(part);
     let kind = config.acceleration;
     let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
     let accel = pool.install(|| Accel::of_frame(&scene, kind, base, &report));
@@ -243,7 +243,7 @@ fn observe(
     quiet: bool,
 ) -> Result<Vec<ObservedPixel>, Failure> {
     let n_pixels = pixels.n();
-    let bar = PixelBar::new("", n_pixels, quiet);
+    let bar = StageBar::of_pixels("", n_pixels, quiet);
     let report = |n_pixels| bar.advance(Progress::of_pixels(n_pixels, 0));
     let observed = observer.observe_many(pixels.places(), memory::available() / 2, report);
     bar.clear();
