@@ -5,7 +5,7 @@ use std::time::Duration;
 use base::text::numbers;
 use output::summary::ThreadTime;
 use output::writers::{RenderingView, thread_time};
-use render::tiles::{N_ROUNDS, Overhead};
+use render::tiles::Overhead;
 
 /// Least time without a CPU, in percent of the time at work, that is reported.
 const LEAST_WAITING_PERCENT: f64 = 0.1;
@@ -73,12 +73,16 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
 
 /// Returns the overhead of measurement.
 fn overhead(overhead: &Overhead) -> String {
+    let [counters, clock, both, single_ray] = [
+        overhead.counters_percent,
+        overhead.clock_percent,
+        overhead.time_percent,
+        overhead.single_ray_percent,
+    ]
+    .map(Option::unwrap_or_default);
     format!(
-        "measure counters {:+.1} %, a clock {:+.1} %, both {:+.1} %; \
-         rays one by one instead of in streams {:+.1} % ({N_ROUNDS} rounds)\n",
-        overhead.counters_percent(),
-        overhead.clock_percent(),
-        overhead.time_percent(),
-        overhead.single_ray_percent(),
+        "measure counters {counters:+.1} %, a clock {clock:+.1} %, both {both:+.1} %; \
+         rays one by one instead of in streams {single_ray:+.1} % ({} rounds)\n",
+        overhead.rounds,
     )
 }

@@ -53,16 +53,11 @@ pub fn available_memory() -> u64 {
         0 => u64::MAX,
         n_bytes => n_bytes,
     };
-    let own = memory_limit().map(|limit| limit.saturating_sub(resident_bytes()));
+    let own = memory_limit().map(|limit| limit.saturating_sub(resident_memory().unwrap_or(0)));
     of_machine
         .min(within_limits())
         .min(within_groups())
         .min(own.unwrap_or(u64::MAX))
-}
-
-/// Returns the bytes of memory that the process uses; 0 if the system does not report them.
-fn resident_bytes() -> u64 {
-    bytes_of_status(["VmRSS:"])[0]
 }
 
 /// Returns the bytes available within the process's own limits.
@@ -88,12 +83,8 @@ fn within_limits() -> u64 {
 /// Returns the resident memory of this process in bytes; `None` if the system does not
 /// report it.
 pub fn resident_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmRSS:"))?;
-    let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
-    Some(kib << 10)
+    let [resident] = bytes_of_status(["VmRSS:"]);
+    resident
 }
 
 /// Returns the bytes of address space, and of data and stack within it, that the
@@ -101,16 +92,17 @@ pub fn resident_memory() -> Option<u64> {
 #[cfg(unix)]
 fn bytes_in_use() -> [u64; 2] {
     let [size, data, stack] = bytes_of_status(["VmSize:", "VmData:", "VmStk:"]);
-    [size, data + stack]
+    [size.unwrap_or(0), data.unwrap_or(0) + stack.unwrap_or(0)]
 }
 
-/// Returns values of `/proc/self/status` in bytes; 0 for values that the system does not report.
-fn bytes_of_status<const N: usize>(keys: [&str; N]) -> [u64; N] {
+/// Returns values of `/proc/self/status` in bytes, as proc_pid_status(5) describes them; `None` for
+/// values that the system does not report.
+pub fn bytes_of_status<const N: usize>(keys: [&str; N]) -> [Option<u64>; N] {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     keys.map(|key| {
-        let line = status.lines().find_map(|line| line.strip_prefix(key));
-        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
-        kib.unwrap_or(0) << 10
+        let line = status.lines().find_map(|line| line.strip_prefix(key))?;
+        let kib: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+        Some(kib << 10)
     })
 }
 

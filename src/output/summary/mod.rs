@@ -26,13 +26,14 @@ pub use scene::{
     AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
     SceneSection,
 };
-pub use timing::{OverheadSection, RepeatsSection, StageEntry, ThreadTime};
+pub use timing::{RepeatsSection, StageEntry, ThreadTime};
 pub use write::is_whole;
 
 use serde::{Deserialize, Serialize};
 
 pub use base::folder::SUMMARY as FILE;
 use base::provenance::RunId;
+use render::tiles::Overhead;
 use vtk::Codec;
 
 /// The contents of `summary.json`, in the order of its keys. The file ends with one more key: the
@@ -95,7 +96,7 @@ pub struct Summary {
     /// The breakdown of the threads' time; `None` if pixels were not timed.
     pub thread_time: Option<ThreadTime>,
     /// The overhead of measurement; `None` if it was not measured.
-    pub overhead: Option<OverheadSection>,
+    pub overhead: Option<Overhead>,
     /// Why there are no hardware counters; `None` if there are.
     pub no_hardware_counters: Option<String>,
     /// Why no energy was measured; `None` if it was.

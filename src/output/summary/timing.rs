@@ -4,7 +4,6 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use render::instruments::Stage;
-use render::tiles::{N_ROUNDS, Overhead};
 use scene::config::Repeats;
 
 /// A stage of the run.
@@ -72,30 +71,6 @@ pub struct ThreadTime {
     pub waiting_ns: f64,
 }
 
-/// The overhead of measurement: CPU time of one rendering in milliseconds, and differences in
-/// percent. A percentage of zero time is null.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OverheadSection {
-    /// Rounds of renderings, whose medians follow.
-    pub rounds: usize,
-    /// Rays in streams, not measured.
-    pub none_ms: f64,
-    /// Rays in streams, counted.
-    pub counters_ms: f64,
-    /// Rays in streams, counted, and waves timed.
-    pub time_ms: f64,
-    /// Single rays, counted, and each pixel timed.
-    pub single_ray_ms: f64,
-    /// The overhead of counters in streams.
-    pub counters_percent: Option<f64>,
-    /// The additional overhead of timing waves.
-    pub clock_percent: Option<f64>,
-    /// The overhead of both.
-    pub time_percent: Option<f64>,
-    /// The overhead of tracing and timing single rays instead of counted streams.
-    pub single_ray_percent: Option<f64>,
-}
-
 impl From<&Stage> for StageEntry {
     fn from(stage: &Stage) -> Self {
         let events = stage.events.iter();
@@ -133,22 +108,6 @@ impl ThreadTime {
         match self.busy_ns {
             0.0 => 0.0,
             busy_ns => 100.0 * part_ns / busy_ns,
-        }
-    }
-}
-
-impl From<&Overhead> for OverheadSection {
-    fn from(overhead: &Overhead) -> Self {
-        Self {
-            rounds: N_ROUNDS,
-            none_ms: overhead.none_ms,
-            counters_ms: overhead.counters_ms,
-            time_ms: overhead.time_ms,
-            single_ray_ms: overhead.single_ray_ms,
-            counters_percent: Some(overhead.counters_percent()),
-            clock_percent: Some(overhead.clock_percent()),
-            time_percent: Some(overhead.time_percent()),
-            single_ray_percent: Some(overhead.single_ray_percent()),
         }
     }
 }

@@ -65,7 +65,7 @@ fn summarize(job: &Job) -> Summary {
         stages: stages.ended.iter().map(StageEntry::from).collect(),
         repeats: Some(repeats(rendering)),
         thread_time: thread_time(rendering),
-        overhead: rendering.overhead.as_ref().map(Into::into),
+        overhead: rendering.overhead,
         no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
         no_energy: stages.no_energy().map(str::to_owned),
         peak_memory_bytes: peak_memory_bytes(),

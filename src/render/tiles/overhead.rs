@@ -11,6 +11,7 @@
 use std::hint::black_box;
 
 use cpu_time::ProcessTime;
+use serde::{Deserialize, Serialize};
 
 use super::{Report, TilePlan, render};
 use math::statistics::median;
@@ -24,18 +25,30 @@ pub const N_ROUNDS: usize = 8;
 /// The number of renderings in [`Overhead::measure`].
 pub const N_RENDERINGS: usize = 4 * N_ROUNDS;
 
-/// CPU time of one rendering in milliseconds, summed over all threads, with the allocation of the
-/// film: medians of [`N_ROUNDS`] renderings.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The overhead of measurement: CPU time of one rendering in milliseconds, summed over all threads,
+/// with the allocation of the film, and differences in percent. A percentage of zero time is null in
+/// JSON.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Overhead {
-    /// Rays in streams, nothing measured.
+    /// Rounds of renderings, whose medians follow.
+    pub rounds: usize,
+    /// Rays in streams, not measured.
     pub none_ms: f64,
     /// Rays in streams, counted.
     pub counters_ms: f64,
-    /// Rays in streams, counted, and their waves timed.
+    /// Rays in streams, counted, and waves timed.
     pub time_ms: f64,
-    /// Rays one by one, counted, and each pixel timed.
+    /// Single rays, counted, and each pixel timed.
     pub single_ray_ms: f64,
+    /// The overhead of counters in streams.
+    pub counters_percent: Option<f64>,
+    /// The additional overhead of timing waves.
+    pub clock_percent: Option<f64>,
+    /// The overhead of both.
+    pub time_percent: Option<f64>,
+    /// The overhead of tracing and timing single rays instead of counted streams; negative if streams
+    /// are slower.
+    pub single_ray_percent: Option<f64>,
 }
 
 /// The modes in the order of [`Overhead`]'s times.
@@ -69,37 +82,21 @@ impl Overhead {
         let [none_ms, counters_ms, time_ms, single_ray_ms] =
             times_ms.map(|mut times_ms| median(&mut times_ms).unwrap_or_default());
         Self {
+            rounds: N_ROUNDS,
             none_ms,
             counters_ms,
             time_ms,
             single_ray_ms,
+            counters_percent: percent_more(counters_ms, none_ms),
+            clock_percent: percent_more(time_ms, counters_ms),
+            time_percent: percent_more(time_ms, none_ms),
+            single_ray_percent: percent_more(single_ray_ms, counters_ms),
         }
-    }
-
-    /// Returns the overhead of counters in streams, in percent.
-    pub fn counters_percent(&self) -> f64 {
-        percent_more(self.counters_ms, self.none_ms)
-    }
-
-    /// Returns the overhead of the clock of waves on top of counters, in percent.
-    pub fn clock_percent(&self) -> f64 {
-        percent_more(self.time_ms, self.counters_ms)
-    }
-
-    /// Returns the overhead of both, in percent of streams without measurement.
-    pub fn time_percent(&self) -> f64 {
-        percent_more(self.time_ms, self.none_ms)
-    }
-
-    /// Returns the overhead of tracing and timing rays one by one instead of in counted streams, in
-    /// percent; negative if streams are slower.
-    pub fn single_ray_percent(&self) -> f64 {
-        percent_more(self.single_ray_ms, self.counters_ms)
     }
 }
 
-fn percent_more(ms: f64, base_ms: f64) -> f64 {
-    100.0 * (ms / base_ms - 1.0)
+fn percent_more(ms: f64, base_ms: f64) -> Option<f64> {
+    Some(100.0 * (ms / base_ms - 1.0))
 }
 
 #[cfg(test)]
@@ -110,23 +107,21 @@ mod tests {
     fn each_variant_has_its_own_median() {
         let row = |ms: f64| (0..N_ROUNDS).map(|round| ms + round as f64).collect();
         let overhead = Overhead::from_times([row(96.5), row(106.5), row(161.5), row(216.5)]);
-        assert_eq!(
-            overhead,
-            Overhead {
-                none_ms: 100.0,
-                counters_ms: 110.0,
-                time_ms: 165.0,
-                single_ray_ms: 220.0,
-            }
-        );
+        let times_ms = [
+            overhead.none_ms,
+            overhead.counters_ms,
+            overhead.time_ms,
+            overhead.single_ray_ms,
+        ];
+        assert_eq!(times_ms, [100.0, 110.0, 165.0, 220.0]);
         let percents = [
-            (overhead.counters_percent(), 10.0),
-            (overhead.clock_percent(), 50.0),
-            (overhead.time_percent(), 65.0),
-            (overhead.single_ray_percent(), 100.0),
+            (overhead.counters_percent, 10.0),
+            (overhead.clock_percent, 50.0),
+            (overhead.time_percent, 65.0),
+            (overhead.single_ray_percent, 100.0),
         ];
         for (percent, expected) in percents {
-            assert!((percent - expected).abs() < 1e-9, "{percent}");
+            assert!((percent.unwrap() - expected).abs() < 1e-9, "{percent:?}");
         }
     }
 }
