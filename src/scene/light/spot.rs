@@ -57,11 +57,8 @@ struct SpotKeys {
 
 /// Returns the whole angle of a cone.
 fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    yaml::within(
-        d,
-        f64::MIN_POSITIVE..=180.0,
-        "an angle greater than 0 and at most 180",
-    )
+    // From the least number above 0.
+    yaml::within(d, 5e-324..=180.0, "an angle greater than 0 and at most 180")
 }
 
 fn soft_edge() -> f32 {

@@ -53,84 +53,42 @@ fn with_time(state: &str, [begin, end]: [f64; 2]) -> String {
         &format!("<Proxy group=\"sources\" {COLLECTION_READER}"),
     );
     let views = ids(state, "<Proxy group=\"views\"");
-    let proxy = |id: &u32| vec![format!("<Proxy value=\"{id}\"/>")];
-    let many = |ids: &[String]| -> Vec<String> {
-        ids.iter()
-            .map(|id| format!("<Proxy value=\"{id}\"/>"))
-            .collect()
-    };
-    let number = |value: f64| vec![format!("<Element index=\"0\" value=\"{value}\"/>")];
-    let added = [
-        proxy_text(
-            "misc",
-            "TimeKeeper",
-            KEEPER,
-            &[
-                ("Time", number(begin)),
-                ("TimeSources", many(&sources)),
-                ("Views", many(&views)),
-            ],
-        ),
-        proxy_text(
-            "animation",
-            "AnimationScene",
-            SCENE,
-            &[
-                ("AnimationTime", number(begin)),
-                ("Cues", proxy(&CUE)),
-                ("StartTime", number(begin)),
-                ("EndTime", number(end)),
-                // From time step to time step.
-                ("PlayMode", number(2.0)),
-                ("TimeKeeper", proxy(&KEEPER)),
-                ("ViewModules", many(&views)),
-            ],
-        ),
-        proxy_text(
-            "animation",
-            "TimeAnimationCue",
-            CUE,
-            &[
-                ("AnimatedProxy", proxy(&KEEPER)),
-                (
-                    "AnimatedPropertyName",
-                    vec!["<Element index=\"0\" value=\"Time\"/>".to_owned()],
-                ),
-                ("UseAnimationTime", number(1.0)),
-            ],
-        ),
-    ];
-    let groups = [
-        ("animation", SCENE, "AnimationScene1"),
-        ("animation", CUE, "TimeAnimationCue1"),
-        ("timekeeper", KEEPER, "TimeKeeper1"),
-    ];
-    let groups = groups.map(|(group, id, name)| {
-        format!(
-            "\n  <ProxyCollection name=\"{group}\">\n   <Item id=\"{id}\" name=\"{name}\"/>\n  \
-             </ProxyCollection>"
-        )
+    let [n_sources, n_views] = [sources.len(), views.len()];
+    let [sources, views] = [sources, views].map(|ids| -> String {
+        let proxy = |id: &String| format!("<Proxy value=\"{id}\"/>");
+        ids.iter().map(proxy).collect()
     });
+    // Play mode 2: from time step to time step.
     format!(
-        "{proxies}{}{}{COLLECTIONS}{collections}",
-        added.concat(),
-        groups.concat()
-    )
-}
-
-/// Returns a proxy with its properties: the name and the elements of each.
-fn proxy_text(group: &str, kind: &str, id: u32, properties: &[(&str, Vec<String>)]) -> String {
-    let property = |(name, elements): &(&str, Vec<String>)| {
-        format!(
-            "\n   <Property name=\"{name}\" id=\"{id}.{name}\" number_of_elements=\"{}\">\n    {}\n   \
-             </Property>",
-            elements.len(),
-            elements.join("\n    ")
-        )
-    };
-    let properties: String = properties.iter().map(property).collect();
-    format!(
-        "\n  <Proxy group=\"{group}\" type=\"{kind}\" id=\"{id}\" servers=\"16\">{properties}\n  </Proxy>"
+        r#"{proxies}
+  <Proxy group="misc" type="TimeKeeper" id="{KEEPER}" servers="16">
+   <Property name="Time" id="{KEEPER}.Time" number_of_elements="1"><Element index="0" value="{begin}"/></Property>
+   <Property name="TimeSources" id="{KEEPER}.TimeSources" number_of_elements="{n_sources}">{sources}</Property>
+   <Property name="Views" id="{KEEPER}.Views" number_of_elements="{n_views}">{views}</Property>
+  </Proxy>
+  <Proxy group="animation" type="AnimationScene" id="{SCENE}" servers="16">
+   <Property name="AnimationTime" id="{SCENE}.AnimationTime" number_of_elements="1"><Element index="0" value="{begin}"/></Property>
+   <Property name="Cues" id="{SCENE}.Cues" number_of_elements="1"><Proxy value="{CUE}"/></Property>
+   <Property name="StartTime" id="{SCENE}.StartTime" number_of_elements="1"><Element index="0" value="{begin}"/></Property>
+   <Property name="EndTime" id="{SCENE}.EndTime" number_of_elements="1"><Element index="0" value="{end}"/></Property>
+   <Property name="PlayMode" id="{SCENE}.PlayMode" number_of_elements="1"><Element index="0" value="2"/></Property>
+   <Property name="TimeKeeper" id="{SCENE}.TimeKeeper" number_of_elements="1"><Proxy value="{KEEPER}"/></Property>
+   <Property name="ViewModules" id="{SCENE}.ViewModules" number_of_elements="{n_views}">{views}</Property>
+  </Proxy>
+  <Proxy group="animation" type="TimeAnimationCue" id="{CUE}" servers="16">
+   <Property name="AnimatedProxy" id="{CUE}.AnimatedProxy" number_of_elements="1"><Proxy value="{KEEPER}"/></Property>
+   <Property name="AnimatedPropertyName" id="{CUE}.AnimatedPropertyName" number_of_elements="1"><Element index="0" value="Time"/></Property>
+   <Property name="UseAnimationTime" id="{CUE}.UseAnimationTime" number_of_elements="1"><Element index="0" value="1"/></Property>
+  </Proxy>
+  <ProxyCollection name="animation">
+   <Item id="{SCENE}" name="AnimationScene1"/>
+  </ProxyCollection>
+  <ProxyCollection name="animation">
+   <Item id="{CUE}" name="TimeAnimationCue1"/>
+  </ProxyCollection>
+  <ProxyCollection name="timekeeper">
+   <Item id="{KEEPER}" name="TimeKeeper1"/>
+  </ProxyCollection>{COLLECTIONS}{collections}"#
     )
 }
 

@@ -69,30 +69,12 @@ impl FrameSeries {
     /// Returns ffmpeg's arguments before the name of the file. H.264 in 4:2:0, which all players
     /// show, needs even sides.
     fn arguments(&self, fps: f32) -> Vec<String> {
-        let pictures = format!("{FRAMES}/%04d/image.png");
-        let (fps, n_frames) = (fps.to_string(), self.n_frames().to_string());
-        [
-            &[
-                "-y",
-                "-loglevel",
-                "error",
-                "-framerate",
-                &fps,
-                "-i",
-                &pictures,
-            ][..],
-            &[
-                "-frames:v",
-                &n_frames,
-                "-vf",
-                "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-            ],
-            &["-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p"],
-            &["-movflags", "+faststart"],
-        ]
-        .concat()
-        .into_iter()
-        .map(str::to_owned)
-        .collect()
+        let n_frames = self.n_frames();
+        let arguments = format!(
+            "-y -loglevel error -framerate {fps} -i {FRAMES}/%04d/image.png -frames:v {n_frames} \
+             -vf pad=ceil(iw/2)*2:ceil(ih/2)*2 -c:v libx264 -crf 18 -pix_fmt yuv420p \
+             -movflags +faststart"
+        );
+        arguments.split(' ').map(str::to_owned).collect()
     }
 }
