@@ -91,8 +91,8 @@ impl StageBar {
             message += &format!("{:#} left", HumanDuration(left));
         }
         if self.bar.elapsed() >= self.delay {
-            self.bar.set_message(message);
             self.bar.set_position((part * MILLION as f64) as u64);
+            self.bar.set_message(message);
         }
     }
 

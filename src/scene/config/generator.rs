@@ -108,7 +108,7 @@ pub struct SphereCloud {
     #[serde(deserialize_with = "yaml::positive_range")]
     pub radius: [f32; 2],
     /// The seed of centers, radii and materials; 0 if not given.
-    #[serde(deserialize_with = "yaml::seed", default)]
+    #[serde(deserialize_with = "yaml::unsigned", default)]
     pub seed: u64,
 }
 

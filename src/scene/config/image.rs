@@ -38,7 +38,7 @@ pub struct Image {
     )]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
-    #[serde(deserialize_with = "yaml::seed", default)]
+    #[serde(deserialize_with = "yaml::unsigned", default)]
     pub seed: u64,
     /// The pattern of the samples in a pixel; `stratified` if not given.
     #[serde(default)]

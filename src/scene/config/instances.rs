@@ -179,7 +179,7 @@ pub struct PlaceCloud {
     #[serde(default, deserialize_with = "yaml::direction")]
     pub turn: Option<Vec3>,
     /// The seed of positions, scales and angles; 0 if not given.
-    #[serde(deserialize_with = "yaml::seed", default)]
+    #[serde(deserialize_with = "yaml::unsigned", default)]
     pub seed: u64,
 }
 

@@ -91,7 +91,7 @@ pub struct BvhLimits {
     #[serde(deserialize_with = "yaml::between::<_, _, 0, { u32::MAX }>")]
     pub max_depth: u32,
     /// Least number of rays that visited a node.
-    #[serde(deserialize_with = "yaml::seed")]
+    #[serde(deserialize_with = "yaml::unsigned")]
     pub min_visits: u64,
 }
 

@@ -79,7 +79,7 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     let is_of = |format: &&Format| head.starts_with(format.signature);
     let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
     let damaged = |error| format.damaged(&error);
-    let mut reader = ImageReader::with_format(file, format.format);
+    let mut reader = ImageReader::with_format(file, format.kind);
     // The size of the picture is checked below.
     reader.no_limits();
     let decoder = reader.into_decoder().map_err(damaged)?;
@@ -99,7 +99,7 @@ struct Format {
     signature: &'static [u8],
     /// The default transfer function.
     transfer: Transfer,
-    format: ImageFormat,
+    kind: ImageFormat,
 }
 
 const FORMATS: [Format; 5] = [
@@ -231,13 +231,13 @@ impl Format {
         name: &'static str,
         signature: &'static [u8],
         transfer: Transfer,
-        format: ImageFormat,
+        kind: ImageFormat,
     ) -> Self {
         Self {
             name,
             signature,
             transfer,
-            format,
+            kind,
         }
     }
 

@@ -41,7 +41,7 @@ pub(crate) use number::integers_as_f64;
 pub use number::{
     Number, OneOrList, between, byte, cone_radii, coordinate, coordinate_or_list, count, direction,
     exact_coordinate, exact_positive, fraction, intensity, non_empty, non_negative, point,
-    positive, positive_or_list, positive_range, radii, range, scale, seed, size, vector, whole,
+    positive, positive_or_list, positive_range, radii, range, scale, size, unsigned, vector, whole,
     within,
 };
 pub use origins::Merging;

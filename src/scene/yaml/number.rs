@@ -118,8 +118,8 @@ pub fn byte<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
     whole(d, 0..=u8::MAX)
 }
 
-/// Reads a seed: any unsigned 64-bit number.
-pub fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
+/// Reads any unsigned 64-bit number, such as a seed.
+pub fn unsigned<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
     whole(d, 0..=u64::MAX)
 }
 
