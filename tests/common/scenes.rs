@@ -51,6 +51,7 @@ impl RandomScene {
     }
 
     /// Its YAML text.
+    #[expect(clippy::too_many_lines, reason = "one random scene in one place")]
     pub fn text(&self) -> String {
         let Self {
             model,

@@ -380,6 +380,7 @@ fn fault_of(pointer: &str, value: Value) -> String {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn a_mistake_is_reported_with_its_place() {
     for (pointer, value, expected) in [
         (

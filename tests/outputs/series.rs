@@ -576,6 +576,7 @@ fn time_steps_are_frames_with_their_times_and_one_range_of_colors() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn broken_series_are_refused_with_file_and_place() {
     let scene = series("p%03d.vtk");
     let message = |prepare: &dyn Fn(&Scene), file: &str| {

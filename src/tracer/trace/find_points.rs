@@ -11,7 +11,7 @@ use math::simd::{
     to_arrays,
 };
 use scene::camera::RayCone;
-use scene::geometry::{InstanceTransform, RayStream};
+use scene::geometry::{InstanceTransform, N_PARAMETERS, RayStream};
 use scene::material::{MaterialKind, PictureFactors, TexturePoint};
 use scene::world::{
     AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
@@ -139,19 +139,8 @@ impl FindPoints<'_> {
             let colors = of_vertices(set, colors);
             at_point.color = interpolated_color(&parameters, colors, position);
         }
-        if group.attributes.has_corner_scalars() {
-            let scalars = self.vertex_scalars(set, &hits);
-            at_point.scalar = interpolated_scalar(&parameters, scalars, position);
-        } else if group.attributes == AttributeKind::Scalars {
-            at_point.scalar = self.own_scalars(set, &hits.primitives);
-        } else if group.attributes == AttributeKind::Ends {
-            at_point.scalar = match group.shape {
-                Some(_) => {
-                    let scalars = self.end_scalars(set, &hits.primitives);
-                    scalar_along(&parameters, scalars, position)
-                }
-                None => self.placed_scalars(set, &hits, position),
-            };
+        if let Some(scalar) = self.scalars(set, group, &hits, &parameters, position) {
+            at_point.scalar = scalar;
         }
         if let Some(cone) = self.cone {
             let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
@@ -182,6 +171,31 @@ impl FindPoints<'_> {
         points.direction.store(at.first, direction);
         *lanes_mut(&mut points.error, at.first) = error.to_array();
         *lanes_mut(&mut points.side, at.first) = side.to_array();
+    }
+
+    /// Returns the scalars at eight points that textures read; `None` if the group has none.
+    #[inline(always)]
+    fn scalars<I: InstructionSet>(
+        &self,
+        set: I,
+        group: &PointGroup,
+        hits: &LaneHits,
+        parameters: &[I::Lanes; N_PARAMETERS],
+        position: Vector<I::Lanes>,
+    ) -> Option<I::Lanes> {
+        if group.attributes.has_corner_scalars() {
+            let scalars = self.vertex_scalars(set, hits);
+            return Some(interpolated_scalar(parameters, scalars, position));
+        }
+        match (group.attributes, group.shape) {
+            (AttributeKind::Scalars, _) => Some(self.own_scalars(set, &hits.primitives)),
+            (AttributeKind::Ends, Some(_)) => {
+                let scalars = self.end_scalars(set, &hits.primitives);
+                Some(scalar_along(parameters, scalars, position))
+            }
+            (AttributeKind::Ends, None) => Some(self.placed_scalars(set, hits, position)),
+            _ => None,
+        }
     }
 
     /// Computes eight particles of fog, as [`SurfacePoint::of_particle`](super::SurfacePoint) does.

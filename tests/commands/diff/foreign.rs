@@ -333,6 +333,7 @@ fn a_cost_map_of_other_pixels_is_told_apart() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn files_that_cannot_be_compared_are_refused() {
     let folder = output(&["--cost=counters"]);
     let path = folder.path();

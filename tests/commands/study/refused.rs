@@ -111,6 +111,7 @@ fn mistakes_are_reported_before_the_first_run() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn mistakes_about_the_launcher_are_shown_at_their_lines() {
     for (lines, expected) in [
         (

@@ -5,6 +5,7 @@ use scene::import::read_spheres;
 use super::{mesh_of, message, reading};
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
     assert_messages(&[
         (

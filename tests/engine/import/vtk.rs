@@ -232,6 +232,7 @@ fn tetrahedron() -> String {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn each_mistake_of_a_vtk_file_is_reported() {
     let whole = tetrahedron();
     let velocity = choice("velocity");
