@@ -1,14 +1,19 @@
-//! The gallery shows every scene of `configs/`, and what it says of their objects is true.
+//! The gallery shows every scene of `configs/`, and its numbers are those of a rendering.
 
-use std::cell::LazyCell;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::process::Command;
+use std::rc::Rc;
 
 use serde_json::Value;
 
 use crate::common::{config, in_repository};
+use crate::figures::compare;
+use crate::figures::quoted::{Quote, documents};
 
+/// Width of the renderings, which docs/gallery.md states.
+const WIDTH: u32 = 120;
 /// Samples per pixel of the renderings.
 const N_SAMPLES: u32 = 4;
 
@@ -44,113 +49,133 @@ fn every_scene_has_a_section_with_its_picture() {
     }
 }
 
-/// Counters per pixel of each object, by its name and the kind of rays, from `objects.csv`.
-struct Costs(BTreeMap<(String, String), BTreeMap<String, f64>>);
-
-/// Renders a small picture of a scene.
-fn render(scene: &str, flags: &[&str]) -> tempfile::TempDir {
-    let image = config(scene).image;
-    let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_raycost"))
-        .arg("render")
-        .arg(in_repository(&format!("configs/{scene}.yaml")))
-        .args(["--quiet", "--cost=counters", "--width=80"])
-        .arg(format!("--height={}", 80 * image.height / image.width))
-        .arg(format!("--spp={N_SAMPLES}"))
-        .args(flags)
-        .arg("--out")
-        .arg(folder.path())
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{scene}: {said}");
-    folder
-}
-
-/// Renders a frame of an animation; returns the sum of a counter.
-fn sum_of_frame(scene: &str, frame: &str, counter: &str) -> f64 {
-    let folder = render(scene, &["--frames", frame]);
-    let name = format!("frames/{:04}/summary.json", frame.parse::<u32>().unwrap());
-    let summary = fs::read(folder.path().join(name)).unwrap();
-    let summary: Value = serde_json::from_slice(&summary).unwrap();
-    summary["cost"]["totals"][counter].as_f64().unwrap()
+/// The counters of one rendering.
+struct Costs {
+    /// Counters and numbers of pixels of each object, by its name and the kind of rays, from `objects.csv`; none for an
+    /// animation.
+    objects: BTreeMap<(String, String), BTreeMap<String, f64>>,
+    totals: Value,
 }
 
 impl Costs {
-    fn measure(scene: &str) -> Self {
-        let folder = render(scene, &["--also=objects"]);
-        let table = fs::read_to_string(folder.path().join("objects.csv")).unwrap();
-        let mut lines = table.lines().map(|line| line.split(',').collect());
-        let head: Vec<&str> = lines.next().unwrap();
-        // A name may have commas: the other columns are counted from both ends.
-        let n_after = head.len() - 3;
-        let mut costs = BTreeMap::new();
-        for row in lines {
-            let (name, after) = (&row[2..row.len() - n_after], &row[row.len() - n_after..]);
-            if row[0] != "object" || after[0] != "primary" {
-                continue;
-            }
-            let values = head[3..].iter().zip(after).skip(2);
-            let values =
-                values.map(|(column, value)| ((*column).to_owned(), value.parse().unwrap()));
-            let name = name.join(",").trim_matches('"').to_owned();
-            costs.insert((name, after[1].to_owned()), values.collect());
+    /// Renders a small picture of a scene.
+    fn measure(scene: &str, flags: &[String]) -> Self {
+        let image = config(scene).image;
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_raycost"));
+        command
+            .arg("render")
+            .arg(in_repository(&format!("configs/{scene}.yaml")))
+            .args(["--quiet", "--cost=counters", "--also=objects"])
+            .arg(format!("--width={WIDTH}"))
+            .arg(format!("--height={}", WIDTH * image.height / image.width))
+            .args(flags)
+            .arg("--out")
+            .arg(folder.path());
+        if !flags.iter().any(|flag| flag.starts_with("--spp")) {
+            command.arg(format!("--spp={N_SAMPLES}"));
         }
-        Self(costs)
+        let output = command.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{scene}: {said}");
+        let frames = fs::read_dir(folder.path().join("frames")).ok();
+        let frame = frames.map(|mut frames| frames.next().unwrap().unwrap().path());
+        let folder = frame.unwrap_or(folder.path().to_owned());
+        let summary = fs::read(folder.join("summary.json")).unwrap();
+        let mut summary: Value = serde_json::from_slice(&summary).unwrap();
+        Self {
+            objects: read_objects(&fs::read_to_string(folder.join("objects.csv")).unwrap()),
+            totals: summary["cost"]["totals"].take(),
+        }
     }
 
     /// A counter per pixel of an object, such as `node_visits` or `diffuse_rays`.
     fn per_pixel(&self, counter: &str, object: &str) -> f64 {
-        if object == "samples" {
-            return f64::from(N_SAMPLES);
-        }
         let (kind, column) = match counter.strip_suffix("_rays") {
             Some(kind) => (kind, "rays"),
             None => ("all", counter),
         };
-        let row = self.0.get(&(object.to_owned(), kind.to_owned()));
+        let row = self.objects.get(&(object.to_owned(), kind.to_owned()));
         let row = row.unwrap_or_else(|| panic!("there is no object `{object}`"));
         assert!(row["pixels"] > 20.0, "`{object}` is hardly seen");
         row[column] / row["pixels"]
     }
 }
 
-/// A claim reads `node_visits: glass cow > 1.5 * clay cow`, or `node_visits: frame 19 > 2 * frame 0`.
-#[test]
-fn the_claims_are_true() {
-    let mut n_claims = 0;
-    for (scene, section) in sections() {
-        let claims = section.split("<!-- claim: ").skip(1);
-        let claims: Vec<&str> = claims
-            .map(|rest| rest.split_once(" -->").unwrap().0)
-            .collect();
-        if claims.is_empty() {
+/// The rows of objects by what is seen first.
+fn read_objects(table: &str) -> BTreeMap<(String, String), BTreeMap<String, f64>> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let head = reader.headers().unwrap().clone();
+    let mut objects = BTreeMap::new();
+    for row in reader.records().map(Result::unwrap) {
+        if &row[0] != "object" || &row[3] != "primary" {
             continue;
         }
-        let costs = LazyCell::new(|| Costs::measure(&scene));
-        let cost = |counter: &str, subject: &str| match subject.strip_prefix("frame ") {
-            Some(frame) => sum_of_frame(&scene, frame, counter),
-            None => costs.per_pixel(counter, subject),
-        };
-        for claim in claims {
-            let (counter, rest) = claim.split_once(": ").unwrap();
-            let (left, right) = rest.split_once(" * ").unwrap();
-            let (left, is_greater, factor) = match left.split_once(" > ") {
-                Some((left, factor)) => (left, true, factor),
-                None => {
-                    let (left, factor) = left.split_once(" < ").unwrap();
-                    (left, false, factor)
-                }
-            };
-            let ratio = cost(counter, left) / cost(counter, right);
-            let factor: f64 = factor.parse().unwrap();
-            assert_eq!(
-                ratio > factor,
-                is_greater,
-                "{scene}: {claim}: it is {ratio}"
-            );
-            n_claims += 1;
+        let values = head.iter().zip(&row).skip(5);
+        let values = values.map(|(column, value)| (column.to_owned(), value.parse().unwrap()));
+        objects.insert((row[2].to_owned(), row[4].to_owned()), values.collect());
+    }
+    objects
+}
+
+/// The renderings of scenes by their flags, each made once.
+#[derive(Default)]
+struct Renderings(RefCell<BTreeMap<(String, String), Rc<Costs>>>);
+
+impl Renderings {
+    /// The counter of a subject: an object; `picture`; `frame N`; `samples`. Flags of the rendering follow ` with `.
+    fn cost(&self, scene: &str, counter: &str, subject: &str) -> f64 {
+        let (subject, flags) = subject.split_once(" with ").unwrap_or((subject, ""));
+        let frame = subject.strip_prefix("frame ");
+        let flags = frame.map_or(flags.to_owned(), |frame| format!("--frames={frame}"));
+        let costs = self.render(scene, &flags);
+        match subject {
+            "samples" => f64::from(N_SAMPLES),
+            "picture" => costs.totals[counter].as_f64().unwrap(),
+            _ if frame.is_some() => costs.totals[counter].as_f64().unwrap(),
+            object => costs.per_pixel(counter, object),
         }
     }
-    assert!(n_claims > 30, "{n_claims}");
+
+    fn render(&self, scene: &str, flags: &str) -> Rc<Costs> {
+        let mut made = self.0.borrow_mut();
+        let costs = made.entry((scene.to_owned(), flags.to_owned()));
+        let flags = flags.split("--").skip(1);
+        let flags: Vec<String> = flags.map(|flag| format!("--{}", flag.trim_end())).collect();
+        Rc::clone(costs.or_insert_with(|| Rc::new(Costs::measure(scene, &flags))))
+    }
+}
+
+/// A number reads `<!-- ratio: node_visits, glass cow / clay cow -->2.0<!-- /ratio -->`.
+#[test]
+fn every_number_is_that_of_a_rendering() {
+    let gallery = documents()
+        .into_iter()
+        .filter(|document| document.name() == "gallery.md");
+    let gallery: Vec<_> = gallery.collect();
+    let sections: Vec<(usize, &str)> = gallery[0].text.match_indices("\n### `").collect();
+    let renderings = Renderings::default();
+    compare(&gallery, "ratio", |quote: &Quote| {
+        let (at, title) = sections
+            .iter()
+            .rfind(|(at, _)| *at < quote.range.start)
+            .unwrap();
+        let (scene, _) = gallery[0].text[at + title.len()..].split_once('`').unwrap();
+        let (counter, subjects) = quote.name.split_once(", ").unwrap();
+        let (above, below) = subjects.split_once(" / ").unwrap();
+        let [above, below] = [above, below].map(|of| renderings.cost(scene, counter, of));
+        number(above / below)
+    });
+}
+
+/// Two significant digits, or as many as show a small difference from 1.
+fn number(ratio: f64) -> String {
+    let n_decimals = match ratio {
+        10.0.. => 0,
+        1.0 => 0,
+        _ if (ratio - 1.0).abs() < 0.005 => 3,
+        _ if (ratio - 1.0).abs() < 0.05 || ratio < 1.0 => 2,
+        _ => 1,
+    };
+    format!("{ratio:.n_decimals$}")
 }

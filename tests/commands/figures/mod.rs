@@ -6,14 +6,14 @@
 //! them anew from the results: it runs the first test here with
 //! `UPDATE_FIGURES=1`. What is measured and not marked is found by its unit.
 
-mod quoted;
+pub mod quoted;
 mod results;
 mod words;
 
 use std::fs;
 
 use crate::common::in_repository;
-use quoted::{Document, documents};
+use quoted::{Document, Quote, documents};
 use results::{FIGURES, Results};
 
 /// Bytes that the kept results may have: what the documents need, and no runs.
@@ -41,18 +41,28 @@ const NOT_MEASURED: &[&str] = &[
 #[test]
 fn every_figure_is_that_of_the_results() {
     let results = Results::read();
+    compare(&documents(), "figure", |quote| {
+        let figure = results.figure(&quote.name);
+        figure.unwrap_or_else(|| panic!("{}: there is no figure `{}`", quote.place, quote.name))
+    });
+}
+
+/// Compares all quotes between markers with this word with what they should be, or, with
+/// `UPDATE_FIGURES=1`, writes them anew.
+pub fn compare(documents: &[Document], marker: &str, expected: impl Fn(&Quote) -> String) {
     let update = std::env::var_os("UPDATE_FIGURES").is_some();
     let mut stale = Vec::new();
-    for document in documents() {
+    for document in documents {
         let mut text = document.text.clone();
-        // From the end: places before a figure stay where they are.
-        for quote in document.quotes().into_iter().rev() {
-            let Some(expected) = results.figure(&quote.name) else {
-                panic!("{}: there is no figure `{}`", quote.place, quote.name);
-            };
-            if document.text[quote.range.clone()] != expected {
-                let found = &document.text[quote.range.clone()];
-                stale.push(format!("{}: `{}` says {found:?}", quote.place, quote.name));
+        // From the end: places before a quote stay where they are.
+        for quote in document.quotes_of(marker).into_iter().rev() {
+            let expected = expected(&quote);
+            let found = &document.text[quote.range.clone()];
+            if found != expected {
+                stale.push(format!(
+                    "{}: `{}` is {expected:?}, not {found:?}",
+                    quote.place, quote.name
+                ));
                 text.replace_range(quote.range, &expected);
             }
         }
@@ -60,8 +70,7 @@ fn every_figure_is_that_of_the_results() {
             fs::write(&document.path, text).unwrap();
         }
     }
-    let remedy =
-        "docs/results says otherwise: run docs/figures, and read the sentences around them";
+    let remedy = "run docs/figures, and read the sentences around these figures";
     assert!(update || stale.is_empty(), "{}\n{remedy}", stale.join("\n"));
 }
 

@@ -6,9 +6,7 @@ use std::path::PathBuf;
 
 use crate::common::in_repository;
 
-const OPENING: &str = "<!-- figure: ";
 const OPENED: &str = " -->";
-const CLOSING: &str = "<!-- /figure -->";
 
 /// What stands after a number that was measured.
 const UNITS: [&str; 11] = [
@@ -56,17 +54,23 @@ impl Document {
 
     /// The figures in the order of the text.
     pub fn quotes(&self) -> Vec<Quote> {
+        self.quotes_of("figure")
+    }
+
+    /// The quotes between markers with this word, in the order of the text.
+    pub fn quotes_of(&self, marker: &str) -> Vec<Quote> {
+        let (opening, closing) = (format!("<!-- {marker}: "), format!("<!-- /{marker} -->"));
         let mut quotes = Vec::new();
-        for (start, _) in self.text.match_indices(OPENING) {
+        for (start, _) in self.text.match_indices(&opening) {
             let line = self.text[..start].lines().count();
             let place = format!("{}:{line}", self.name());
-            let name_at = start + OPENING.len();
+            let name_at = start + opening.len();
             let rest = &self.text[name_at..];
             let (name, _) = rest
                 .split_once(OPENED)
                 .unwrap_or_else(|| panic!("{place}: no name"));
             let begin = name_at + name.len() + OPENED.len();
-            let length = self.text[begin..].find(CLOSING);
+            let length = self.text[begin..].find(&closing);
             let length = length.unwrap_or_else(|| panic!("{place}: no end of `{name}`"));
             quotes.push(Quote {
                 name: name.to_owned(),
