@@ -152,21 +152,63 @@ fn run_commands((path, text): (String, String)) -> usize {
     if script.is_empty() {
         return 0;
     }
+    run_script(&path, &script);
+    let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    script.lines().filter(is_command).count()
+}
+
+/// Runs commands of a page in a new folder; returns what they print to both streams.
+#[cfg(unix)]
+fn run_script(path: &str, script: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let stand_ins = stand_ins(folder.path());
     let mut paths = vec![stand_ins];
     paths.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
     let output = std::process::Command::new("bash")
-        .args(["-euo", "pipefail", "-c", &script])
+        .args(["-euo", "pipefail", "-c", &format!("exec 2>&1\n{script}")])
         .current_dir(folder.path())
         .env("PATH", std::env::join_paths(paths).unwrap())
         .env("HOME", folder.path())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{path}: {said}");
-    let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
-    script.lines().filter(is_command).count()
+    said
+}
+
+/// A block behind `<!-- output of: COMMANDS -->` shows some lines of what they print, in their order.
+#[cfg(unix)]
+#[test]
+fn shown_outputs_are_those_of_the_commands() {
+    let mut n_lines = 0;
+    for (path, text) in pages() {
+        for rest in text.split("<!-- output of: ").skip(1) {
+            let (commands, shown) = rest.split_once(" -->\n").unwrap();
+            let printed = run_script(&path, commands);
+            let mut printed_lines = printed.lines().map(without_times);
+            let shown = blocks(shown, "text").remove(0);
+            for line in shown.lines().filter(|line| line.trim() != "...") {
+                let found = printed_lines.any(|printed| printed == without_times(line));
+                assert!(found, "{path}: {line}\nis not in order in:\n{printed}");
+                n_lines += 1;
+            }
+        }
+    }
+    assert!(n_lines > 15, "{n_lines}");
+}
+
+/// The words of a line without times, rates and numbers of threads, which are others on each machine.
+#[cfg(unix)]
+fn without_times(line: &str) -> String {
+    let units = ["ns", "µs", "ms", "s", "Mrays/s", "threads", "thread"];
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_unit = |word: &str| units.contains(&word.trim_end_matches([',', ';']));
+    let is_kept = |&at: &usize| {
+        let is_of_unit = words.get(at + 1).is_some_and(|next| is_unit(next));
+        !is_unit(words[at]) && !is_of_unit
+    };
+    let kept = (0..words.len()).filter(is_kept).map(|at| words[at]);
+    kept.collect::<Vec<_>>().join(" ")
 }
 
 /// Fills a folder with what the pages' commands find in the repository;
