@@ -107,7 +107,7 @@ impl Similarity {
                 None => {}
             }
         }
-        for key in ["color", "normal_map", "cutout"] {
+        for key in ["color", "normal_map", "cutout", "opacity"] {
             let Some(texture) = material.get_mut(key) else {
                 continue;
             };

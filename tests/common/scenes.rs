@@ -20,7 +20,7 @@ pub struct RandomScene {
     /// Whether some surfaces emit light.
     pub has_lamps: bool,
     /// Whether some surfaces have holes.
-    pub has_holes: bool,
+    pub openings: usize,
     /// Whether some meshes are placed many times.
     pub has_instances: bool,
     /// The colors of the floor, the cloud and a roof with texture coordinates and colors.
@@ -61,7 +61,7 @@ impl RandomScene {
             seed,
             has_media,
             has_lamps,
-            has_holes,
+            openings,
             has_instances,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
@@ -96,10 +96,9 @@ impl RandomScene {
         } else {
             ", emission: [3, 2, 1]"
         };
-        let [floor_holes, cloud_holes, roof_holes] = match *model {
+        let [floor_openings, cloud_openings, roof_openings] = match *model {
             "seed" => [""; 3],
-            _ if *has_holes => HOLES,
-            _ => [""; 3],
+            _ => OPENINGS[*openings],
         };
         let fog = match *model {
             "path" | "path_by_power" => fog[0],
@@ -124,10 +123,10 @@ background: {{ {background} }}
 shading: {{ model: {model}, max_depth: {max_depth}{ambient} }}
 acceleration: {acceleration}
 materials:
-  floor: {{ color: {floor_color}, reflection: {floor}{floor_bumps}{floor_holes} }}
+  floor: {{ color: {floor_color}, reflection: {floor}{floor_bumps}{floor_openings} }}
   ball: {{ color: [0.9, 0.2, 0.1], specular: {specular}, reflection: {ball} }}
-  roof: {{ color: {roof_color}{roof_bumps}{roof_holes} }}
-  cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps}{cloud_holes} }}
+  roof: {{ color: {roof_color}{roof_bumps}{roof_openings} }}
+  cloud: {{ color: {cloud_color}, specular: 0.3, exponent: 7.5, reflection: {cloud}{cloud_bumps}{cloud_openings} }}
   lamp: {{ color: 0.2{emission} }}
   field: {{ color: {field_color}, specular: 0.1 }}
   grains: {{ color: {grain_color} }}
@@ -306,7 +305,15 @@ const WIRE_COLORS: [&str; 3] = [
     "{ array: { name: number, map: set2, bar: number, labels: [none, one] } }",
 ];
 
-/// Holes in the floor, the cloud and the mesh.
+/// Openings of the floor, the cloud and the mesh.
+const OPENINGS: [[&str; 3]; 3] = [[""; 3], HOLES, VEILS];
+
+const VEILS: [&str; 3] = [
+    ", opacity: { image: { file: pictures/spot.png, mapping: planar }, factor: 0.8 }",
+    ", opacity: 0.4",
+    ", opacity: { image: { file: pictures/spot.png } }",
+];
+
 const HOLES: [&str; 3] = [
     ", cutout: { image: { file: pictures/planks.png, mapping: planar }, threshold: 0.1 }",
     ", cutout: { image: { file: pictures/globe.png, mapping: triplanar, size: 0.4 }, threshold: 0.4 }",
@@ -365,7 +372,7 @@ prop_compose! {
         seed in 0_u64..1000,
         has_media in any::<bool>(),
         has_lamps in any::<bool>(),
-        has_holes in prop::bool::weighted(0.3),
+        openings in prop_oneof![3 => Just(0), 1 => Just(1), 1 => Just(2)],
         has_instances in prop::bool::weighted(0.4),
         floor_color in prop::sample::select(&FLOOR_COLORS[..]),
         cloud_color in prop::sample::select(&CLOUD_COLORS[..]),
@@ -390,7 +397,7 @@ prop_compose! {
         // Without a hierarchy each ray tests all primitives.
         let most = if acceleration == "brute_force" { 12 } else { 40 };
         RandomScene {
-            model, size: size.map(|n| n.min(most)), samples, max_depth, seed, has_media, has_lamps, has_holes, has_instances,
+            model, size: size.map(|n| n.min(most)), samples, max_depth, seed, has_media, has_lamps, openings, has_instances,
             colors: [floor_color, cloud_color, roof_color],
             bumps: [floor_bumps, cloud_bumps, roof_bumps],
             arrays: [field_color, grain_color, wire_color], wire_scale, reflections, specular, lights, acceleration, camera, sampling,

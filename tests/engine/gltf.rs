@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
 use scene::config::Config;
 use scene::geometry::{Ray, RenderSpace};
-use scene::import::{Finish, Mesh, read_mesh, read_mesh_with_materials};
+use scene::import::{Finish, Mesh, MeshOpacity, read_mesh, read_mesh_with_materials};
 use scene::material::MaterialKind;
 use scene::world::{Geometries, Scene};
 use serde_json::{Value, json};
@@ -331,7 +331,7 @@ fn strips_fans_and_sparse_numbers_are_read() {
 }
 
 #[test]
-fn transparency_is_holes_glass_or_air() {
+fn transparency_is_opacity_or_glass() {
     let mut file = sign();
     let painted = |file: &Gltf| read("a.glb", &file.glb()).unwrap().materials[1].clone();
     assert_eq!(
@@ -349,10 +349,17 @@ fn transparency_is_holes_glass_or_air() {
     let material = &mut file.json["materials"][1];
     material["alphaMode"] = "BLEND".into();
     material["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25.into();
-    assert_eq!(
-        (painted(&file).transmission, painted(&file).index),
-        (0.75, 1.0)
-    );
+    let opacity = |factor, threshold| MeshOpacity {
+        factor,
+        picture: None,
+        threshold,
+    };
+    assert_eq!(painted(&file).transmission, 0.0);
+    assert_eq!(painted(&file).opacity, Some(opacity(0.25, None)));
+    file.json["materials"][1]["alphaMode"] = "MASK".into();
+    assert_eq!(painted(&file).opacity, Some(opacity(0.25, Some(0.5))));
+    file.json["materials"][1]["alphaMode"] = "OPAQUE".into();
+    assert_eq!(painted(&file).opacity, None);
     let glass = json!({ "transmissionFactor": 0.5 });
     file.json["materials"][1]["extensions"]["KHR_materials_transmission"] = glass;
     assert_eq!(
@@ -364,9 +371,34 @@ fn transparency_is_holes_glass_or_air() {
     panel["alphaCutoff"] = 0.3.into();
     // An opaque picture has no holes.
     assert_eq!(
-        read("a.glb", &file.glb()).unwrap().materials[0].cutout,
+        read("a.glb", &file.glb()).unwrap().materials[0].opacity,
         None
     );
+}
+
+/// The opacities of vertices multiply the color's, and count as its mode says.
+#[test]
+fn vertices_have_opacities() {
+    let mut file = sign();
+    let colors = [[255, 0, 0, 0], [0, 255, 0, 51], [0, 0, 255, 102]].concat();
+    let colors = file.accessor("VEC4", 5121, 3, &colors);
+    file.json["meshes"][1]["primitives"][0]["attributes"]["COLOR_0"] = colors.into();
+    let read = |file: &Gltf| read("a.glb", &file.glb()).unwrap();
+    assert_eq!(read(&file).opacities, None);
+    for mode in ["BLEND", "MASK"] {
+        file.json["materials"][1]["alphaMode"] = mode.into();
+        let opacities = read(&file).opacities.unwrap();
+        assert_eq!(
+            [0, 2].map(|i| opacities.at(i)),
+            [[1.0; 3], [0.0, 0.4, 0.2]],
+            "{mode}"
+        );
+        let opacity = read(&file).materials[1].opacity.clone().unwrap();
+        assert_eq!(
+            (opacity.factor, opacity.threshold),
+            (1.0, (mode == "MASK").then_some(0.5))
+        );
+    }
 }
 
 /// The message about a sign of which one value is another.

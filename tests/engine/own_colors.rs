@@ -152,11 +152,11 @@ fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
     write_chair(folder.path());
     let dull = "an `Ns` below 1 is read as no highlight: write `Ns 1` for a wide one";
     let opaque = "`Tr 1` without `d` is read as opaque: write `d 0` for an invisible one";
-    for (statements, specular, transmission, doubts) in [
-        ("Ns 0\nTr 1", 0.0, 0.0, &[opaque, dull][..]),
-        ("Ns 0.5\nd 1\nTr 1", 0.0, 0.0, &[dull]),
-        ("Ns 0\nKs 0 0 0\nTr 0", 0.0, 0.0, &[]),
-        ("Ns 20\nTr 0.25", 0.3, 0.25, &[]),
+    for (statements, specular, opacity, doubts) in [
+        ("Ns 0\nTr 1", 0.0, 1.0, &[opaque, dull][..]),
+        ("Ns 0.5\nd 1\nTr 1", 0.0, 1.0, &[dull]),
+        ("Ns 0\nKs 0 0 0\nTr 0", 0.0, 1.0, &[]),
+        ("Ns 20\nTr 0.25", 0.3, 0.75, &[]),
         ("Ns 20\nTr 0.25\nd 0.5", 0.3, 0.5, &[]),
     ] {
         let library = MATERIALS.replace("Ns 90", statements);
@@ -169,11 +169,9 @@ fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {
         else {
             unreachable!("{:?}", seat.finish)
         };
-        assert_eq!(
-            (found, seat.transmission),
-            (specular, transmission),
-            "{statements}"
-        );
+        let factor = seat.opacity.as_ref().map_or(1.0, |of| of.factor);
+        assert_eq!((found, factor), (specular, opacity), "{statements}");
+        assert_eq!(seat.transmission, 0.0, "{statements}");
         let doubts = doubts.iter();
         let mut expected: Vec<_> = doubts.map(|of| format!("material `seat`: {of}")).collect();
         expected.sort();

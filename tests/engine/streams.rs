@@ -82,7 +82,7 @@ fn pixels_with_more_samples_than_a_wave_are_the_same() {
             seed: 3,
             has_media: true,
             has_lamps: false,
-            has_holes: false,
+            openings: 0,
             has_instances: true,
             colors: [CHECKER, "0.6", "0.8"],
             bumps: [""; 3],

@@ -135,10 +135,9 @@ impl PathProbe for RayRecorder<'_> {
                 lights.push((None, sample.light));
                 continue;
             }
-            let (shadow, is_shadowed) = self.trace_shadow(&sample);
-            if !is_shadowed {
-                lights.push((Some(shadow), sample.light));
-            }
+            let (shadow, share) = self.trace_shadow(&sample);
+            let arriving = sample.light.weakened_to(share);
+            lights.extend(arriving.map(|light| (Some(shadow), light)));
         }
         // Shade the point by the lights that reach it, or add the background.
         let shade = |left_out: Option<u32>, next: &mut Vec<PathRay>| {
@@ -167,9 +166,9 @@ impl PathProbe for RayRecorder<'_> {
 }
 
 impl RayRecorder<'_> {
-    /// Traces the shadow ray of a light sample and adds it. Returns its index, and true if it is
-    /// occluded.
-    fn trace_shadow(&mut self, sample: &LightSample) -> (u32, bool) {
+    /// Traces the shadow ray of a light sample and adds it. Returns its index, and the share of
+    /// light that passes.
+    fn trace_shadow(&mut self, sample: &LightSample) -> (u32, f32) {
         let tracer = &self.observer.view.tracer;
         let shadow = &sample.shadow;
         let traced = TracedRay {
@@ -182,10 +181,10 @@ impl RayRecorder<'_> {
             contribution: Vec3::ZERO,
             ..self.tree.rays[self.number as usize].clone()
         };
-        let trace = |cost: &mut Cost| tracer.is_shadowed(shadow, cost);
-        let (cost, time_ns, is_shadowed) = self.observer.timed(trace);
+        let trace = |cost: &mut Cost| tracer.light_along(shadow, cost);
+        let (cost, time_ns, share) = self.observer.timed(trace);
         let record = |steps: &mut Vec<TraversalStep>| tracer.record_shadow(shadow, steps);
-        (self.add(traced, cost, time_ns, record), is_shadowed)
+        (self.add(traced, cost, time_ns, record), share)
     }
 
     /// Adds a ray to the tree with its hit and its cost. Returns its index.

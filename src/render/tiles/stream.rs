@@ -56,7 +56,7 @@ pub(super) struct StreamRenderer<'a, P> {
     hits: Vec<Option<Hit>>,
     points: Points,
     shader: WaveShader<'a>,
-    occluded: Vec<bool>,
+    lights: Vec<f32>,
     /// The origins of the camera rays by slot, unless all start at one point.
     eyes: Vec<Vec3>,
     /// The samples by slot, in a scene that needs random numbers.
@@ -87,7 +87,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             hits: Vec::new(),
             points: Points::default(),
             shader: view.shader.of_waves(simd),
-            occluded: Vec::new(),
+            lights: Vec::new(),
             eyes: Vec::new(),
             ids: SampleIds::default(),
             colors: VectorColumn::default(),
@@ -359,17 +359,17 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             (self.bounces).add_to_pixels(shadows.pixels(), self.wave.depth);
             let probe = ByPixel::new(&mut self.probe, shadows.pixels());
             let tracer = &self.view.tracer;
-            tracer.shadow_stream(&shadows.rays, &mut self.occluded, probe);
+            tracer.shadow_stream(&shadows.rays, &mut self.lights, probe);
             self.lap(WaveStage::ShadowRays);
         } else {
-            self.occluded.clear();
-            self.occluded.resize(shadows.pixels().len(), false);
+            self.lights.clear();
+            self.lights.resize(shadows.pixels().len(), 1.0);
         }
-        // Add the light of the unoccluded ones.
+        // Add the light that arrives.
         let (wave, points) = (&self.wave, &self.points);
-        let occluded = &self.occluded;
+        let lights = &self.lights;
         self.shader
-            .add_light(sample, starts!(self), wave, points, occluded);
+            .add_light(sample, starts!(self), wave, points, lights);
         self.lap(WaveStage::Surfaces);
     }
 

@@ -224,18 +224,20 @@ impl PathProbe for CountedPixel<'_> {
         next: &mut Vec<PathRay>,
     ) -> Vec3 {
         let View { tracer, shader, .. } = self.view;
-        // End in the background, or shade the point by the lights that are not shadowed.
+        // End in the background, or shade the point by the light that arrives.
         let Some(point) = met else {
             return shader.miss(path);
         };
-        let mut is_shadowed = |sample: &LightSample| {
+        let mut arriving = |sample: LightSample| {
+            if !shader.casts_shadows() {
+                return Some(sample.light);
+            }
             self.bounces.add(self.index, path.depth, 1);
-            tracer.is_shadowed(&sample.shadow, &mut self.cost)
+            let share = tracer.light_along(&sample.shadow, &mut self.cost);
+            sample.light.weakened_to(share)
         };
-        let lights = shader
-            .light_samples(path, point)
-            .filter(|sample| !shader.casts_shadows() || !is_shadowed(sample))
-            .map(|sample| sample.light);
+        let lights = shader.light_samples(path, point);
+        let lights = lights.filter_map(&mut arriving);
         shader.shade(eye, path, point, lights, next)
     }
 }

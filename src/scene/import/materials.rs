@@ -34,8 +34,8 @@ pub struct MeshMaterial {
     pub index: f32,
     /// The radiance that the surface emits.
     pub emission: Vec3,
-    /// The picture whose opacity cuts holes, and the least opacity of the surface.
-    pub cutout: Option<(MeshPicture, f32)>,
+    /// The share of light that the surface meets; `None` for all.
+    pub opacity: Option<MeshOpacity>,
     /// The picture of normals, and the factor of the slopes of its bumps.
     pub normal_map: Option<(MeshPicture, f32)>,
     /// The picture that multiplies `emission`.
@@ -45,6 +45,24 @@ pub struct MeshMaterial {
     pub facets_map: Option<(MeshPicture, [f32; 2])>,
     /// Statements that programs write with different meanings, each with the one it is given.
     pub doubts: Vec<&'static str>,
+}
+
+/// The opacity of a surface; that of its vertices multiplies it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshOpacity {
+    /// The factor, 0 to 1.
+    pub factor: f32,
+    /// The picture whose opacity multiplies it.
+    pub picture: Option<MeshPicture>,
+    /// The least opacity of a surface with holes, which is opaque around them.
+    pub threshold: Option<f32>,
+}
+
+impl MeshOpacity {
+    /// Returns true if the surface meets all light, unless its vertices have opacities.
+    pub(super) fn is_full(&self) -> bool {
+        self.factor >= 1.0 && self.picture.is_none()
+    }
 }
 
 /// The scattering of light by a surface, apart from its color.
@@ -97,7 +115,7 @@ impl MeshMaterial {
             transmission: 0.0,
             index: 1.5,
             emission: Vec3::ZERO,
-            cutout: None,
+            opacity: None,
             normal_map: None,
             emission_map: None,
             facets_map: None,
@@ -107,11 +125,11 @@ impl MeshMaterial {
 
     /// Returns the pictures.
     pub(super) fn pictures(&self) -> impl Iterator<Item = &MeshPicture> {
-        let with_numbers = [&self.cutout, &self.normal_map].into_iter().flatten();
-        let others = with_numbers.map(|(picture, _)| picture);
+        let opacity = self.opacity.iter().flat_map(|of| &of.picture);
+        let normals = self.normal_map.iter().map(|(picture, _)| picture);
         let facets = self.facets_map.iter().map(|(picture, _)| picture);
         let own = self.picture.iter().chain(&self.emission_map);
-        own.chain(facets).chain(others)
+        own.chain(facets).chain(opacity).chain(normals)
     }
 
     /// Returns true if it has a picture.
@@ -123,7 +141,10 @@ impl MeshMaterial {
     pub(super) fn without_pictures(self) -> Self {
         Self {
             picture: None,
-            cutout: None,
+            opacity: self.opacity.map(|of| MeshOpacity {
+                picture: None,
+                ..of
+            }),
             normal_map: None,
             emission_map: None,
             facets_map: None,

@@ -31,6 +31,8 @@ pub struct Mesh {
     /// The colors at the corners, if the file has them for all vertices: linear light, from
     /// 0 to 1.
     pub colors: Option<CornerValues<Vec3>>,
+    /// The opacities at the corners, from 0 to 1, if the file has any below 1.
+    pub opacities: Option<CornerValues<f32>>,
     /// The names of the arrays of the file that may give colors, point arrays first.
     pub arrays: Vec<String>,
     /// The materials of the file, if they were read and there are any.
@@ -94,8 +96,9 @@ impl Mesh {
         let scalars = self.scalars.as_ref().map_or(0, CornerValues::n_bytes);
         let uvs = self.uvs.as_ref().map_or(0, CornerValues::n_bytes);
         let colors = self.colors.as_ref().map_or(0, CornerValues::n_bytes);
+        let opacities = self.opacities.as_ref().map_or(0, CornerValues::n_bytes);
         let materials = size_of_val(&self.material_of[..]) as u64 + picture_bytes(&self.materials);
-        own as u64 + normals + uvs + scalars + colors + materials
+        own as u64 + normals + uvs + scalars + colors + opacities + materials
     }
 
     /// Stores the vertices of a file relative to an origin near them.

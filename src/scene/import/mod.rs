@@ -39,7 +39,7 @@ use base::stop;
 use budget::Budget;
 pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 pub use fault::{FileFault, FileLocation};
-pub use materials::{Finish, MeshMaterial, MeshPicture, picture_bytes};
+pub use materials::{Finish, MeshMaterial, MeshOpacity, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
 pub use pieces::pieces_of;

@@ -52,6 +52,7 @@ impl Mesh {
             normals: self.normals.as_ref().map(|of| of.only(triangles)),
             uvs: self.uvs.as_ref().map(|of| of.only(triangles)),
             colors: self.colors.as_ref().map(|of| of.only(triangles)),
+            opacities: self.opacities.as_ref().map(|of| of.only(triangles)),
             ..Self::default()
         }
     }

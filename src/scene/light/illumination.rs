@@ -21,6 +21,14 @@ pub struct Illumination<R> {
     pub density: R,
 }
 
+impl Illumination<f32> {
+    /// Returns the light of which this share arrives, if any does.
+    pub fn weakened_to(self, share: f32) -> Option<Self> {
+        let radiance = self.radiance * share;
+        (share > 0.0).then_some(Self { radiance, ..self })
+    }
+}
+
 /// A point of a surface, or one per lane, that light arrives at.
 #[derive(Debug, Clone, Copy)]
 pub struct LitPoint<R> {

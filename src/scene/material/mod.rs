@@ -4,11 +4,11 @@ mod color_table;
 mod array;
 mod checker;
 mod conductor;
-mod cutout;
 mod dielectric;
 mod image;
 mod kind;
 mod normal_map;
+mod opacity;
 mod of_mesh;
 mod picture_factors;
 mod principled;
@@ -26,12 +26,12 @@ pub use array::{ArrayRange, ArrayScale, ArrayTexture};
 pub use checker::{Axes, Rounding};
 pub use color_table::ColorTable;
 pub use conductor::Conductor;
-pub use cutout::Cutout;
 pub use dielectric::Dielectric;
 pub use image::{Mapping, Planar, Spherical, Triplanar};
 pub use kind::MaterialKind;
 pub use normal_map::NormalMap;
 pub use of_mesh::MaterialDetail;
+pub use opacity::{Cutout, Opacity};
 pub use picture_factors::{FactorPictures, PictureFactors};
 pub use principled::Principled;
 pub use rough_surface::RoughSurface;
@@ -87,8 +87,8 @@ pub struct Material {
     pub two_sided: bool,
     /// The bumps and dents of the surface, if there are any.
     pub normal_map: Option<NormalMap>,
-    /// The holes in the surface, if there are any.
-    pub cutout: Option<Cutout>,
+    /// The share of light that the surface meets; `None` for all.
+    pub opacity: Option<Opacity>,
     /// The pictures of roughness, metallicness and emission from a mesh file.
     pub factors: FactorPictures,
 }
@@ -119,7 +119,7 @@ impl Material {
             emission: Vec3::ZERO,
             two_sided: true,
             normal_map: None,
-            cutout: None,
+            opacity: None,
             factors: FactorPictures::default(),
         }
     }
@@ -143,6 +143,12 @@ impl Material {
     #[inline]
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
+    }
+
+    /// Returns true if light passes a part of the surface.
+    pub fn is_veil(&self) -> bool {
+        let opacity = self.opacity.as_ref();
+        opacity.is_some_and(|opacity| opacity.threshold.is_none())
     }
 
     /// Returns true if it reflects or refracts anything.
@@ -182,23 +188,29 @@ impl Material {
     pub fn images(&self) -> impl Iterator<Item = (&'static [&'static str], &ImageTexture)> {
         let color = self.color.image();
         let normals = self.normal_map.as_ref().map(|map| &map.image);
-        let holes = self.cutout.as_ref().map(|cutout| &cutout.image);
+        let opacity = self
+            .opacity
+            .as_ref()
+            .and_then(|of| Some((of.keys(), of.image.as_ref()?)));
         let color = color.map(|image| (&["color", "image"][..], image));
         let normals = normals.map(|image| (&["normal_map", "image"][..], image));
-        let holes = holes.map(|image| (&["cutout", "image"][..], image));
         let factors = self.factors.images();
         let factors = factors.map(|image| (&["factors"][..], image));
-        color.into_iter().chain(normals).chain(holes).chain(factors)
+        color
+            .into_iter()
+            .chain(normals)
+            .chain(opacity)
+            .chain(factors)
     }
 
     /// Returns the pictures.
     pub fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
         let normals = self.normal_map.as_mut().map(|map| &mut map.image);
-        let holes = self.cutout.as_mut().map(|cutout| &mut cutout.image);
+        let opacity = self.opacity.as_mut().and_then(|of| of.image.as_mut());
         let color = self.color.image_mut().into_iter();
         color
             .chain(normals)
-            .chain(holes)
+            .chain(opacity)
             .chain(self.factors.images_mut())
     }
 
@@ -268,6 +280,9 @@ struct MaterialKeys {
     /// The bumps and dents of the surface, if there are any.
     #[serde(default)]
     normal_map: Option<NormalMap>,
+    /// The share of light that the surface meets, 0 to 1: the rest passes. 1 by default.
+    #[serde(default)]
+    opacity: Option<Opacity>,
     /// The holes in the surface, if there are any.
     #[serde(default)]
     cutout: Option<Cutout>,
@@ -327,10 +342,15 @@ impl TryFrom<MaterialKeys> for Material {
                 reflection: keys.reflection.unwrap_or(0.0),
             },
         };
-        let is_cut_body = kind.medium().is_some() || keys.emission != Vec3::ZERO;
-        if keys.cutout.is_some() && is_cut_body {
-            return Err("cannot have holes, \
-                 expected a `cutout` without `dielectric` and `emission`");
+        let opacity = match (keys.opacity, keys.cutout) {
+            (Some(_), Some(_)) => {
+                return Err("cannot have two opacities, expected an `opacity` or a `cutout`");
+            }
+            (opacity, cutout) => opacity.or(cutout.map(Opacity::from)),
+        };
+        if opacity.is_some() && kind.medium().is_some() {
+            return Err("cannot be partly open, \
+                 expected an `opacity` or a `cutout` without a medium");
         }
         let is_lamp = keys.emission != Vec3::ZERO && keys.color.is_none();
         let is_special = is_fresnel || is_lamp;
@@ -348,7 +368,7 @@ impl TryFrom<MaterialKeys> for Material {
             emission: keys.emission,
             two_sided: keys.two_sided,
             normal_map: keys.normal_map,
-            cutout: keys.cutout,
+            opacity,
             factors: FactorPictures::default(),
         })
     }

@@ -3,21 +3,21 @@
 use super::{Material, MaterialKind};
 use glam::Vec3;
 
-use super::cutout::Cutout;
 use super::dielectric::Dielectric;
 use super::image::{ImageTexture, Mapping};
 use super::normal_map::NormalMap;
+use super::opacity::Opacity;
 use super::principled::Principled;
 use super::texture::Texture;
 use super::vertex_colors::VertexColors;
-use crate::import::{Finish, MeshMaterial, MeshPicture};
+use crate::import::{Finish, MeshMaterial, MeshOpacity, MeshPicture};
 
 /// The part of a mesh file's material that a shading model shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialDetail {
     /// The color and the highlight.
     Surface,
-    /// Also transmitted light, holes, and emitted light; metals as mirrors of their color.
+    /// Also transmitted light, opacity, and emitted light; metals as mirrors of their color.
     Light,
     /// All, with the roughness of the facets.
     Facets,
@@ -39,17 +39,18 @@ impl Material {
         if detail == MaterialDetail::Surface {
             return made;
         }
-        if let Some((picture, threshold)) = &of.cutout {
-            // Media and lamps have no holes.
-            made.cutout = Some(Cutout {
-                image: image(picture),
-                threshold: *threshold,
-            });
-            return made;
-        }
         made.emission = of.emission;
         made.factors.emission = of.emission_map.as_ref().map(image);
-        if detail == MaterialDetail::Facets && of.transmission > 0.0 {
+        // Media are closed, and a surface with holes is not a medium.
+        let is_open =
+            |opacity: &&MeshOpacity| opacity.threshold.is_some() || of.transmission == 0.0;
+        if let Some(opacity) = of.opacity.as_ref().filter(is_open) {
+            made.opacity = Some(Opacity {
+                factor: opacity.factor,
+                image: opacity.picture.as_ref().map(image),
+                threshold: opacity.threshold,
+            });
+        } else if detail == MaterialDetail::Facets && of.transmission > 0.0 {
             let (metallic, roughness) = facets(of.finish);
             made.take_principled(Principled {
                 metallic,

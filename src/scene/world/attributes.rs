@@ -35,6 +35,8 @@ pub(super) struct CornerAttributes {
     pub(super) scalars: Option<CornerValues<f32>>,
     /// Colors: linear light.
     pub(super) colors: Option<CornerValues<Vec3>>,
+    /// Opacities, from 0 to 1.
+    pub(super) opacities: Option<CornerValues<f32>>,
 }
 
 /// A kind of attributes.

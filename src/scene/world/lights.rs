@@ -273,10 +273,11 @@ fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shap
     if !materials.iter().any(Material::emits) {
         return shapes;
     }
-    // If a picture varies the light, rays find it by chance.
+    // If a picture or an opacity varies the light, rays find it by chance.
     let emits = |primitive: &&Primitive| {
         let material = &materials[primitive.material.0 as usize];
-        material.emits() && material.factors.emission.is_none()
+        let varies = material.factors.emission.is_some() || material.opacity.is_some();
+        material.emits() && !varies
     };
     let mut add = |primitive: &Primitive, parameters, bounds| {
         let Some(kind) = primitive.kind() else {

@@ -79,8 +79,10 @@ pub struct Scene {
     classes: Vec<SurfaceClass>,
     /// True if any material is a dielectric.
     has_media: bool,
-    /// True if any material has holes.
-    has_cutouts: bool,
+    /// True if light passes any material in part or at holes.
+    has_openings: bool,
+    /// True if light passes any material in part.
+    has_veils: bool,
     /// True if any material has a picture.
     pub has_images: bool,
     /// True if pictures vary the roughness, the metallicness or the emission of any material.
@@ -162,7 +164,8 @@ impl Scene {
                 .map(|material| material.in_scene(&space, masking))
                 .collect(),
             has_media: has(|material| material.kind.medium().is_some()),
-            has_cutouts: has(|material| material.cutout.is_some()),
+            has_openings: has(|material| material.opacity.is_some()),
+            has_veils: has(Material::is_veil),
             has_images: has(Material::has_images),
             has_factors: has(|material| material.factors != FactorPictures::default()),
             primitives: Vec::with_capacity(geometries.n_primitives()),
@@ -255,10 +258,16 @@ impl Scene {
         self.has_media && self.scatters_paths()
     }
 
-    /// Returns true if any material has holes.
+    /// Returns true if light passes any material, in part or at holes.
     #[inline]
-    pub fn has_cutouts(&self) -> bool {
-        self.has_cutouts
+    pub fn has_openings(&self) -> bool {
+        self.has_openings
+    }
+
+    /// Returns true if surfaces of which light passes a part split paths.
+    #[inline]
+    pub fn splits_at_veils(&self) -> bool {
+        self.has_veils && !self.scatters_paths()
     }
 
     /// Returns true if paths continue in sampled directions.
@@ -266,15 +275,15 @@ impl Scene {
         self.shading.model == ShadingModel::Path
     }
 
-    /// Returns true if media split paths.
+    /// Returns true if media, or surfaces of which light passes a part, split paths.
     pub fn splits_paths(&self) -> bool {
-        self.has_media && !self.scatters_paths()
+        (self.has_media || self.has_veils) && !self.scatters_paths()
     }
 
     /// Returns true if rays need more than an origin and a direction: media, or the density of
     /// their sampling.
     pub fn has_branches(&self) -> bool {
-        self.has_media || self.scatters_paths()
+        self.splits_paths() || self.scatters_paths()
     }
 
     /// Returns true if points need the random numbers of their samples.
@@ -421,6 +430,23 @@ impl Scene {
         with_uv(point, &triangle, uvs)
     }
 
+    /// Returns the opacity of a primitive at one of its points, where this is the outward normal.
+    pub fn opacity(&self, placed: PlacedPrimitive, [point, normal]: [Vec3; 2]) -> f32 {
+        let material = self.primitives[placed.primitive as usize].material;
+        let Some(opacity) = &self.material(material).opacity else {
+            return 1.0;
+        };
+        let of_vertices = match self.attributes(placed.primitive) {
+            (Attributes::Corners(corners), i) => corners.opacities.as_ref().map(|of| of.at(i)),
+            _ => None,
+        };
+        let of_vertices = of_vertices.map_or(1.0, |of_vertices| {
+            interpolated_scalar(&self.parameters(placed), of_vertices, point.into())
+        });
+        let at = TexturePoint::new(point.into(), normal.into());
+        opacity.at(&self.with_uv(placed, at), of_vertices)
+    }
+
     /// Returns the shading normal of a primitive at one of its points, a unit vector on either
     /// side: `geometric` if it has no other.
     pub fn shading_normal(
@@ -466,8 +492,8 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
             ("dielectric", "refraction", NOT_SEED)
         } else if is_seed && material.emits() {
             ("emission", "surfaces that emit light", NOT_SEED)
-        } else if is_seed && material.cutout.is_some() {
-            ("cutout", "holes in surfaces", NOT_SEED)
+        } else if is_seed && let Some(opacity) = &material.opacity {
+            (opacity.keys()[0], "openings of surfaces", NOT_SEED)
         } else if is_seed && !material.two_sided {
             ("two_sided", "sides", NOT_SEED)
         } else if !is_path && material.kind.roughness() > 0.0 {

@@ -161,6 +161,7 @@ impl<'a> Placement<'a> {
         let transform = self.transform(mesh.origin)?;
         let (normals, uvs) = (mesh.normals.take(), mesh.uvs.take());
         let (scalars, colors) = (mesh.scalars.take(), mesh.colors.take());
+        let opacities = mesh.opacities.take();
         // Add the triangles that have an area.
         let mut kept = Vec::with_capacity(mesh.triangles.len());
         for &indices in &mesh.triangles {
@@ -199,6 +200,10 @@ impl<'a> Placement<'a> {
                     triangles: only(colors.triangles, &kept),
                     ..colors
                 }),
+            opacities: opacities.map(|opacities| CornerValues {
+                triangles: only(opacities.triangles, &kept),
+                ..opacities
+            }),
         }))
     }
 

@@ -9,7 +9,8 @@ use super::model::{Bounce, Model};
 use super::paths::PathWave;
 use crate::trace::{PointLanes, Points};
 use math::simd::{
-    InstructionSet, Lanes, N_LANES, SimdKernel, Vector, VectorColumn, bits_of, lanes, set_lane,
+    Arithmetic, InstructionSet, Lanes, Mask, N_LANES, SimdKernel, Vector, VectorColumn, lanes,
+    set_lane,
 };
 use scene::world::Scene;
 
@@ -59,8 +60,8 @@ pub(super) struct AddLight<'a, M> {
     pub(super) eyes: Eyes<'a>,
     pub(super) wave: &'a PathWave,
     pub(super) points: &'a Points,
-    /// 1 for each point that the light reaches, else 0.
-    pub(super) reached: &'a [u8],
+    /// The share of the light that reaches each point.
+    pub(super) reached: &'a [f32],
     pub(super) radiance: &'a mut VectorColumn,
 }
 
@@ -73,13 +74,15 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
             let material = self.scene.material(group.material);
             for at in group.lanes() {
                 // Skip eight points that the light does not reach.
-                let reached = bits_of(lanes(self.reached, at.first));
-                if reached == 0 {
+                let share = set.load(lanes(self.reached, at.first));
+                let reached = set.splat(0.0).lt(share);
+                if reached.bits() == 0 {
                     continue;
                 }
                 // Find the light, the viewer and the boundary at each point.
                 let point = self.points.shading(set, at);
-                let light = self.light.at(set, at.first, point.position);
+                let mut light = self.light.at(set, at.first, point.position);
+                light.radiance = light.radiance * share;
                 let (eye, direction) = (self.eyes(set, at), self.points.directions(set, at));
                 let to_viewer = self.model.to_viewer(&point, eye, direction);
                 let boundary = if M::BOUNCE == Bounce::Scattered && material.kind.medium().is_some()
@@ -95,7 +98,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                     .model
                     .reflected(material, &boundary, &point, &light, to_viewer);
                 let before = self.radiance.load(set, at.first);
-                let after = Vector::select(set.mask(reached), before + reflected, before);
+                let after = Vector::select(reached, before + reflected, before);
                 self.radiance.store(at.first, after);
             }
         }

@@ -45,6 +45,9 @@ impl<M: Model> SimdKernel for EndPoints<'_, M> {
                     ended &= bits_of(lanes(self.lit, at.first));
                 }
                 self.add(set, at, ended);
+                if material.is_veil() && self.scene.splits_at_veils() {
+                    self.pass(set, at, ended);
+                }
                 // Continue the paths: a mirror reflects, the surface of a medium splits.
                 ended &= self.points.scattering_sides(set, at, material);
                 match material.kind.medium() {
@@ -65,9 +68,10 @@ impl<M: Model> EndPoints<'_, M> {
         let (slots, weights) =
             self.wave
                 .of_rays(set, self.points.rays(at), self.scene.splits_paths());
+        let met = weights * self.points.opacities(set, at);
         let added = self
             .wave
-            .with_gained(set, self.points.rays(at), radiance.times(weights));
+            .with_gained(set, self.points.rays(at), radiance.times(met));
         self.colors.add_to(set, &slots, added, lanes);
     }
 
@@ -85,7 +89,7 @@ impl<M: Model> EndPoints<'_, M> {
         let direction = point.mirrored(arriving);
         let origin = self.model.origin(&point, direction);
         let rays = self.points.rays(at);
-        let before = self.wave.weights.gather(set, rays);
+        let before = self.wave.weights.gather(set, rays) * self.points.opacities(set, at);
         let reflected = Continued {
             origin,
             direction,
@@ -97,6 +101,27 @@ impl<M: Model> EndPoints<'_, M> {
             media: None,
         };
         self.next.bounce(set, &reflected, self.wave, lanes);
+    }
+
+    /// Collects the rays of these lanes that go on past a surface that is not opaque.
+    #[inline(always)]
+    fn pass<I: InstructionSet>(&mut self, set: I, at: PointLanes, lanes: u8) {
+        let point = self.points.shading(set, at);
+        let direction = self.points.directions(set, at);
+        let rays = self.points.rays(at);
+        let share = set.splat(1.0) - self.points.opacities(set, at);
+        let passing = Continued {
+            origin: self.model.origin(&point, direction),
+            direction,
+            weight: self.wave.weights.gather(set, rays) * share,
+            rays,
+            kinds: [RayKind::Refraction; N_LANES],
+            densities: [f32::INFINITY; N_LANES],
+            distances: self.points.distances(at),
+            media: None,
+        };
+        let lanes = lanes & self.worth(rays, share.to_array());
+        self.next.bounce(set, &passing, self.wave, lanes);
     }
 
     /// Collects the reflected and the refracted rays of these lanes, at the surface of a medium.

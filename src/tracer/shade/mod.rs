@@ -232,17 +232,24 @@ impl<'a> Shader<'a> {
         if !is_lit {
             return Vec3::ZERO;
         }
-        // The light that is left at the viewer.
+        // The light that is left at the viewer, of the surface and of what is behind it.
         let (arriving, gained) = self.weakened(path, point.distance);
+        let met = arriving.weakened_by(point.opacity);
         // The rays that continue the path.
         if scatters && path.depth < u32::from(self.scene.shading.max_depth) {
             match M::BOUNCE {
                 Bounce::None => {}
-                Bounce::Mirrored => self.continue_path(model, &arriving, point, next),
-                Bounce::Scattered => next.extend(self.scattered(model, &arriving, point)),
+                Bounce::Mirrored => self.continue_path(model, &met, point, next),
+                Bounce::Scattered => next.extend(self.scattered(model, &met, point)),
             }
         }
-        arriving.weight * Vec3::from(color) + gained
+        if point.opacity < 1.0 {
+            let ray = departing(model, &point.shading(), direction);
+            let share = Vec3::splat(1.0 - point.opacity);
+            let passing = arriving.continued(RayKind::Refraction, ray, share);
+            next.extend(Some(passing).filter(PathRay::has_weight));
+        }
+        met.weight * Vec3::from(color) + gained
     }
 
     /// Returns the light that the point emits toward the ray, weighted.

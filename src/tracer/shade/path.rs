@@ -56,17 +56,25 @@ impl PathRay {
         }
     }
 
+    /// Returns the path with this share of its light.
+    pub(super) fn weakened_by(&self, share: f32) -> Self {
+        Self {
+            weight: self.weight * share,
+            ..*self
+        }
+    }
+
     /// Returns true if the ray is worth tracing.
     pub(super) fn has_weight(&self) -> bool {
         is_worth_tracing(self.weight)
     }
 }
 
-/// Least weight of a ray that is split off at the surface of a medium, in its greatest channel:
-/// without a limit, the number of rays doubles with each bounce.
+/// Least weight of a ray that is split off at a surface, in its greatest channel: without a limit,
+/// the number of rays doubles with each bounce.
 const MIN_WEIGHT: f32 = 1.0 / 4096.0;
 
-/// Returns true if a ray of this weight, split off at the surface of a medium, is traced.
+/// Returns true if a ray of this weight, split off at a surface, is traced.
 #[inline(always)]
 pub(super) fn is_worth_tracing(weight: Vec3) -> bool {
     weight.max_element() >= MIN_WEIGHT

@@ -41,11 +41,11 @@ pub struct WaveShader<'a> {
     arriving: ArrivingLight,
     /// The radiance of each point.
     radiance: VectorColumn,
-    /// 1 for each point that the current light reaches, else 0.
-    reached: Vec<u8>,
+    /// The share of the current light that reaches each point.
+    reached: Vec<f32>,
     /// 1 for each point that some light reaches, else 0.
     lit: Vec<u8>,
-    /// Used only in scenes with media.
+    /// Used only in scenes that split paths.
     split: SplitPaths,
 }
 
@@ -157,24 +157,24 @@ impl<'a> WaveShader<'a> {
         }
     }
 
-    /// Adds the light of light sample `sample`, whose shadow rays were collected, where it is not
-    /// occluded.
+    /// Adds the light of light sample `sample`, whose shadow rays were collected; of each, this share
+    /// arrives.
     pub fn add_light(
         &mut self,
         sample: usize,
         starts: PathStarts,
         wave: &PathWave,
         points: &Points,
-        occluded: &[bool],
+        shares: &[f32],
     ) {
-        // Mark the points whose shadow rays are free.
+        // Find the points that some light reaches.
         self.reached.clear();
-        self.reached.resize(self.lit.len(), 0);
-        for (&point, is_occluded) in self.shadows.points().iter().zip(occluded) {
-            self.reached[point as usize] = u8::from(!is_occluded);
+        self.reached.resize(self.lit.len(), 0.0);
+        for (&point, share) in self.shadows.points().iter().zip(shares) {
+            self.reached[point as usize] = *share;
         }
         for (lit, reached) in self.lit.iter_mut().zip(&self.reached) {
-            *lit |= reached;
+            *lit |= u8::from(*reached > 0.0);
         }
         // Add the light that they reflect.
         let light = SampledLight::new(&self.scene.lights, sample, &self.arriving);

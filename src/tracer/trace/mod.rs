@@ -8,7 +8,7 @@ mod parameters;
 mod points;
 mod group_points;
 mod find_points;
-mod holes;
+mod openings;
 
 use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
@@ -63,45 +63,45 @@ impl<'a> Tracer<'a> {
         probe: &mut P,
     ) -> Option<SurfacePoint> {
         probe.ray(kind);
-        let hit = if self.scene.has_cutouts() {
-            self.hit_behind_holes(ray, f32::INFINITY, |ray| self.accel.nearest(ray, probe))?
+        let mut nearest = |ray: &Ray| self.accel.nearest(ray, probe);
+        let hit = if self.scene.has_openings() {
+            self.hit_past_openings(ray, nearest)?
         } else {
-            self.accel.nearest(ray, probe)?
+            nearest(ray)?
         };
         Some(self.surface_point(length, ray, hit))
     }
 
-    /// Returns true if the shadow ray is occluded.
-    pub fn is_shadowed<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> bool {
+    /// Returns the share of light that passes along a shadow ray, 0 to 1.
+    pub fn light_along<P: Probe>(&self, shadow: &ShadowRay, probe: &mut P) -> f32 {
         probe.ray(RayKind::Shadow);
         let ShadowRay {
             ray,
             t_max,
             ignored,
         } = shadow;
-        if self.scene.has_cutouts() {
-            let hit = self.hit_behind_holes(ray, *t_max, |ray| self.accel.nearest(ray, probe));
-            return hit.is_some();
+        if self.scene.has_openings() {
+            return self.light_past_openings(shadow, |ray| self.accel.nearest(ray, probe));
         }
-        self.accel.occluded(ray, *t_max, *ignored, probe)
+        share(self.accel.occluded(ray, *t_max, *ignored, probe))
     }
 
     /// Returns the hit that [`trace`](Self::trace) finds; appends every step of the traversal to
     /// `steps`.
     pub fn record(&self, ray: &Ray, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
         let mut record = |ray: &Ray| self.accel.record_nearest(ray, steps);
-        if self.scene.has_cutouts() {
-            return self.hit_behind_holes(ray, f32::INFINITY, record);
+        if self.scene.has_openings() {
+            return self.hit_past_openings(ray, record);
         }
         record(ray)
     }
 
-    /// Returns the hit that occludes the ray of [`is_shadowed`](Self::is_shadowed); appends every
-    /// step of the traversal to `steps`.
+    /// Returns the hit that ends the light of [`light_along`](Self::light_along), if none passes;
+    /// appends every step of the traversal to `steps`.
     pub fn record_shadow(&self, shadow: &ShadowRay, steps: &mut Vec<TraversalStep>) -> Option<Hit> {
-        if self.scene.has_cutouts() {
+        if self.scene.has_openings() {
             let record = |ray: &Ray| self.accel.record_nearest(ray, steps);
-            return self.hit_behind_holes(&shadow.ray, shadow.t_max, record);
+            return self.occluder_past_openings(shadow, record);
         }
         self.accel.record_occluded(shadow, steps)
     }
@@ -115,23 +115,26 @@ impl<'a> Tracer<'a> {
         mut probes: ByPixel<P>,
     ) {
         self.accel.nearest_stream(rays, hits, &mut probes);
-        if self.scene.has_cutouts() {
-            self.hits_behind_holes(rays, |_| f32::INFINITY, hits, probes);
+        if self.scene.has_openings() {
+            self.hits_past_openings(rays, hits, probes);
         }
     }
 
-    /// Tests many rays, as [`is_shadowed`](Self::is_shadowed) does, in the manner of
-    /// [`nearest_stream`](Self::nearest_stream). Overwrites `shadowed` with one entry per ray.
+    /// Finds the light along many rays, as [`light_along`](Self::light_along) does, in the manner
+    /// of [`nearest_stream`](Self::nearest_stream). Overwrites `shares` with one entry per ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
         rays: &ShadowStream,
-        shadowed: &mut Vec<bool>,
+        shares: &mut Vec<f32>,
         mut probes: ByPixel<P>,
     ) {
-        if self.scene.has_cutouts() {
-            return self.shadows_behind_holes(rays, shadowed, probes);
+        shares.clear();
+        if self.scene.has_openings() {
+            return self.shadows_past_openings(rays, shares, probes);
         }
-        self.accel.occluded_stream(rays, shadowed, &mut probes);
+        let mut occluded = Vec::new();
+        self.accel.occluded_stream(rays, &mut occluded, &mut probes);
+        shares.extend(occluded.into_iter().map(share));
     }
 
     /// Returns the instruction set that waves are shaded with.
@@ -162,6 +165,9 @@ impl<'a> Tracer<'a> {
             hits,
             points,
         });
+        if self.scene.splits_at_veils() {
+            points.find_opacities(self.scene);
+        }
     }
 
     /// Returns the surface point of a hit, after a path of this length.
@@ -170,6 +176,11 @@ impl<'a> Tracer<'a> {
         // Project the hit onto the surface, which removes the rounding error.
         let placed = hit.placed();
         let (position, outward) = self.scene.project(placed, ray.at(hit.t));
+        let opacity = if self.scene.splits_at_veils() {
+            self.scene.opacity(placed, [position, outward])
+        } else {
+            1.0
+        };
         let outward = Vector::from(outward);
         // Turn the normals to the side of the ray.
         let side = side(outward, ray.direction.into());
@@ -205,6 +216,12 @@ impl<'a> Tracer<'a> {
             instance: hit.instance,
             is_flipped: side < 0.0,
             factors: material.factors.at(&at),
+            opacity,
         }
     }
+}
+
+/// Returns the share of light that arrives.
+fn share(is_occluded: bool) -> f32 {
+    if is_occluded { 0.0 } else { 1.0 }
 }

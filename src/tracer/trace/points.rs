@@ -7,7 +7,9 @@ use super::surface_point::ShadingPoint;
 use math::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, lanes};
 use scene::geometry::{N_PARAMETERS, ShapeKind};
 use scene::material::{Material, PictureFactors};
-use scene::world::{AttributeKind, InstanceId, MaterialId, ObjectId, Scene, SurfaceClass};
+use scene::world::{
+    AttributeKind, InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene, SurfaceClass,
+};
 
 /// The surface points that rays have hit, as a structure of arrays.
 ///
@@ -34,6 +36,8 @@ pub struct Points {
     /// The direction of each point's ray.
     pub(super) direction: VectorColumn,
     pub(super) side: Vec<f32>,
+    /// The opacity of each point in a scene that is split by it; else empty.
+    opacity: Vec<f32>,
     pub(super) distance: Vec<f32>,
     /// A bound of the distance of each position from the surface.
     pub(super) error: Vec<f32>,
@@ -250,6 +254,36 @@ impl Points {
             Some(_) => lanes(&self.instances, at.first),
         };
         parameters(set, scene, lanes(&self.primitives, at.first), instances)
+    }
+
+    /// Computes the opacity of all points.
+    pub(super) fn find_opacities(&mut self, scene: &Scene) {
+        let mut opacity = std::mem::take(&mut self.opacity);
+        opacity.clear();
+        opacity.resize(self.end(), 1.0);
+        for group in &self.groups {
+            if scene.material(group.material).opacity.is_none() {
+                continue;
+            }
+            for (i, opacity) in (group.first..).zip(&mut opacity[group.first..][..group.n]) {
+                let placed = PlacedPrimitive {
+                    primitive: self.primitives[i],
+                    instance: self.instance(i),
+                };
+                let outward = self.side[i] * self.geometric_normal.get(i);
+                *opacity = scene.opacity(placed, [self.position.get(i), outward]);
+            }
+        }
+        self.opacity = opacity;
+    }
+
+    /// Returns the opacities of eight points.
+    #[inline(always)]
+    pub(crate) fn opacities<I: InstructionSet>(&self, set: I, at: PointLanes) -> I::Lanes {
+        if self.opacity.is_empty() {
+            return set.splat(1.0);
+        }
+        set.load(lanes(&self.opacity, at.first))
     }
 
     /// Returns the distances of eight points along their rays.

@@ -38,6 +38,8 @@ pub struct SurfacePoint {
     pub is_flipped: bool,
     /// The factors of the material's textures at the point.
     pub factors: PictureFactors<f32>,
+    /// The share of light that the surface meets; 1 where rays hit it or pass it by chance.
+    pub opacity: f32,
 }
 
 /// The part of a surface point, or of one per lane, that shading reads.
@@ -76,6 +78,7 @@ impl SurfacePoint {
             instance: None,
             is_flipped: false,
             factors: PictureFactors::ones(0.0),
+            opacity: 1.0,
         }
     }
 

@@ -27,7 +27,8 @@ struct Elements<'a> {
 }
 
 impl Accessors<'_> {
-    /// Returns the first `N` numbers of each element, with 0 for missing ones.
+    /// Returns the first `N` numbers of each element, with 0 for missing ones, and 1 for a missing
+    /// fourth one, the opacity of a color.
     ///
     /// # Errors
     /// The accessor exceeds its view, or needs too much memory.
@@ -38,7 +39,11 @@ impl Accessors<'_> {
     ) -> Result<Vec<[f32; N]>> {
         let (accessor, n) = self.shape(index, budget, size_of::<[f32; N]>())?;
         let used = n_components(accessor).min(N);
-        let mut found = vec![[0.0; N]; n];
+        let mut without = [0.0; N];
+        if let Some(fourth) = without[used..].get_mut(3 - used.min(3)) {
+            *fourth = 1.0;
+        }
+        let mut found = vec![without; n];
         if let Some(elements) = self.elements(index, accessor)? {
             for (i, vector) in found.iter_mut().enumerate() {
                 for (k, number) in vector[..used].iter_mut().enumerate() {

@@ -1,10 +1,11 @@
 //! Merges the meshes of a scene into one.
 
-use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
-use gltf_json::Index;
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use gltf_json::accessor::Accessor;
+use gltf_json::material::Material;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
+use gltf_json::{Index, Root};
 
 use super::accessor::Accessors;
 use super::materials::{self, Placing};
@@ -14,7 +15,7 @@ use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved, point};
 use crate::import::{FileFault, Result};
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
-const BYTES_PER_VERTEX: u64 = 136;
+const BYTES_PER_VERTEX: u64 = 160;
 /// Upper bound of the memory of a triangle corner in bytes; in a strip, each one adds a triangle.
 const BYTES_PER_CORNER: u64 = 112;
 
@@ -26,6 +27,7 @@ pub(super) struct FlatScene<'a> {
     normals: CornerValues<Vec3>,
     uvs: CornerValues<Vec2>,
     colors: CornerValues<Vec3>,
+    opacities: CornerValues<f32>,
 }
 
 /// A triangle mesh of one material, as stored in the file.
@@ -47,6 +49,7 @@ impl<'a> FlatScene<'a> {
             normals: CornerValues::default(),
             uvs: CornerValues::default(),
             colors: CornerValues::default(),
+            opacities: CornerValues::default(),
         }
     }
 
@@ -204,10 +207,7 @@ impl<'a> FlatScene<'a> {
     }
 
     fn add_uvs(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
-        let material = part
-            .primitive
-            .material
-            .and_then(|index| self.accessors.root.get(index));
+        let material = part.material_in(self.accessors.root);
         let placing = material.map_or(Placing::default(), materials::of_material);
         let semantic = Semantic::TexCoords(placing.set);
         let Some(uvs) = part.values::<2>(&self.accessors, semantic, budget)? else {
@@ -224,16 +224,24 @@ impl<'a> FlatScene<'a> {
     }
 
     fn add_colors(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
-        let Some(colors) = part.values::<3>(&self.accessors, Semantic::Colors(0), budget)? else {
+        let Some(colors) = part.values::<4>(&self.accessors, Semantic::Colors(0), budget)? else {
             return Ok(());
         };
-        let light = colors.into_iter().map(|color| {
-            let color: Vec3 = finite(color)?;
-            Ok(color.clamp(Vec3::ZERO, Vec3::ONE))
+        let colors = colors.into_iter().map(|color| {
+            let color: Vec4 = finite(color)?;
+            Ok(color.clamp(Vec4::ZERO, Vec4::ONE))
         });
-        let light = light.collect::<Result<_>>()?;
-        self.colors
-            .append(light, &part.triangles, self.mesh.triangles.len())
+        let colors = colors.collect::<Result<Vec<_>>>()?;
+        let n_before = self.mesh.triangles.len();
+        let material = part.material_in(self.accessors.root);
+        if material.is_some_and(materials::has_opacity) && colors.iter().any(|color| color.w < 1.0)
+        {
+            let opacities = colors.iter().map(|color| color.w).collect();
+            self.opacities
+                .append(opacities, &part.triangles, n_before)?;
+        }
+        let light = colors.into_iter().map(Vec4::truncate).collect();
+        self.colors.append(light, &part.triangles, n_before)
     }
 
     /// Returns the mesh of all triangles.
@@ -244,18 +252,25 @@ impl<'a> FlatScene<'a> {
             normals,
             uvs,
             colors,
+            opacities,
             ..
         } = self;
         let n = mesh.triangles.len();
         mesh.take_vertices(vertices);
         mesh.uvs = uvs.completed(n, Vec2::ZERO);
         mesh.colors = colors.completed(n, Vec3::ONE);
+        mesh.opacities = opacities.completed(n, 1.0);
         mesh.take_normals(normals);
         mesh
     }
 }
 
 impl Part<'_> {
+    /// Returns the material; `None` for the default one.
+    fn material_in<'a>(&self, root: &'a Root) -> Option<&'a Material> {
+        root.get(self.primitive.material?)
+    }
+
     /// Returns the values of an attribute at the vertices, if there is one.
     fn values<const N: usize>(
         &self,

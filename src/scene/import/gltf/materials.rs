@@ -14,7 +14,7 @@ use super::buffers::{Buffers, embedded};
 use crate::color::Transfer;
 use crate::import::budget::Budget;
 use crate::import::materials::{
-    Finish, MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in,
+    Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
 };
 use crate::import::percent::percent_decoded;
 use crate::import::picture::{PictureBytes, bytes_of_file};
@@ -99,7 +99,7 @@ impl Materials<'_> {
             normal_map: self.normal_map(of)?,
             ..MeshMaterial::new(name, color)
         };
-        // Add transmission, or holes by the alpha mode.
+        // Add transmission, and opacity by the alpha mode.
         if let Some(transmission) = extensions.and_then(|of| of.transmission.as_ref()) {
             let [share, ..] = self.mean(
                 transmission.transmission_texture.as_ref(),
@@ -107,20 +107,12 @@ impl Materials<'_> {
             )?;
             made.transmission = (transmission.transmission_factor.0 * share).clamp(0.0, 1.0);
         }
-        let holes = picture.clone().filter(|of| !of.picture.is_opaque());
-        let cutoff = of.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        match (&of.alpha_mode, holes) {
-            (Checked::Valid(AlphaMode::Opaque) | Checked::Invalid, _) => {}
-            (Checked::Valid(AlphaMode::Mask), holes) => {
-                made.cutout = holes.map(|holes| (holes, (cutoff / opacity).clamp(0.0, 1.0)));
-            }
-            (Checked::Valid(AlphaMode::Blend), Some(holes)) => made.cutout = Some((holes, 0.5)),
-            (Checked::Valid(AlphaMode::Blend), None) if made.transmission == 0.0 => {
-                // Blending does not bend light.
-                (made.transmission, made.index) = ((1.0 - opacity).clamp(0.0, 1.0), 1.0);
-            }
-            (Checked::Valid(AlphaMode::Blend), None) => {}
-        }
+        made.opacity = has_opacity(of).then(|| MeshOpacity {
+            factor: opacity.clamp(0.0, 1.0),
+            picture: picture.clone().filter(|of| !of.picture.is_opaque()),
+            threshold: (of.alpha_mode == Checked::Valid(AlphaMode::Mask))
+                .then(|| of.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
+        });
         made.picture = picture;
         Ok(made)
     }
@@ -219,6 +211,12 @@ impl Materials<'_> {
             size: [1.0; 2],
         }))
     }
+}
+
+/// Returns true if the opacities of a material's color count.
+pub(super) fn has_opacity(material: &Material) -> bool {
+    let mode = &material.alpha_mode;
+    *mode == Checked::Valid(AlphaMode::Mask) || *mode == Checked::Valid(AlphaMode::Blend)
 }
 
 /// Returns the placement of a material's pictures: of the first one among color, normals, facets

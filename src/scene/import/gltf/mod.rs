@@ -45,7 +45,10 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
     }
     let mut mesh = scene.finish();
     match around.memory {
-        None => mesh.material_of.clear(),
+        None => {
+            mesh.material_of.clear();
+            mesh.opacities = None;
+        }
         Some(available) => {
             let reader = Materials {
                 root: &root,
@@ -58,6 +61,10 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
             mesh.lights = lights;
             mesh.notes.extend(limited_lights(n_limited));
             mark_colored(&mut mesh);
+            let are_opaque = mesh.opacities.is_none();
+            for material in &mut mesh.materials {
+                material.opacity.take_if(|of| are_opaque && of.is_full());
+            }
         }
     }
     Ok(mesh)

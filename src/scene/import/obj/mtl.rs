@@ -11,7 +11,7 @@ use crate::color::Transfer;
 use crate::import::fault::cut;
 use crate::import::lines::Lines;
 use crate::import::materials::{
-    Finish, MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in,
+    Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
 };
 use crate::import::picture::bytes_of_file;
 use crate::import::{FileFault, FileLocation, Result, open};
@@ -149,16 +149,20 @@ impl Statements {
         let picture = load(self.picture.as_ref(), None, color)?;
         let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
         let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
-        // Holes in the picture of the color apply only without an opacity picture.
+        // The opacity of the picture of the color counts only without a picture of its own.
         let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
-        let transmission = self.transmission();
+        let opacity = MeshOpacity {
+            factor: self.opacity(),
+            picture: opacity.or_else(of_picture),
+            threshold: None,
+        };
         let doubts = self.doubts();
         Ok(MeshMaterial {
             finish: self.finish(),
-            transmission,
+            transmission: f32::from(u8::from(self.refracts())),
             index: self.index_behind(),
             emission: self.emission,
-            cutout: opacity.or_else(of_picture).map(|holes| (holes, 0.5)),
+            opacity: Some(opacity).filter(|of| !of.is_full()),
             normal_map: normals.map(|normals| (normals, 1.0)),
             picture,
             doubts,
@@ -193,16 +197,14 @@ impl Statements {
         self.opacity_number.is_none() && self.transparency == Some(1.0)
     }
 
-    fn transmission(&self) -> f32 {
-        if self.refracts() {
+    /// Returns the share of light that the surface meets.
+    fn opacity(&self) -> f32 {
+        if self.refracts() || self.is_opaque_by_transparency() {
             return 1.0;
         }
-        if self.is_opaque_by_transparency() {
-            return 0.0;
-        }
-        let of_opacity = self.opacity_number.map(|opacity| 1.0 - opacity);
-        let transparency = of_opacity.or(self.transparency);
-        transparency.unwrap_or(0.0).clamp(0.0, 1.0)
+        let opposite = self.transparency.map(|transparency| 1.0 - transparency);
+        let opacity = self.opacity_number.or(opposite);
+        opacity.unwrap_or(1.0).clamp(0.0, 1.0)
     }
 
     /// Returns the index of refraction of the inside: 1 if it is transparent without refraction.

@@ -1,4 +1,4 @@
-//! Holes in surfaces: rays go through them as if nothing were there.
+//! Holes in surfaces, and surfaces that light passes in part: rays go on as if nothing were there.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use tracer::accel::{Accel, ShadowRay};
 use tracer::cost::{Cost, NoProbe, RayKind};
 use tracer::trace::Tracer;
 
-use crate::common::parse;
+use crate::common::{mean, parse, radiance};
 
 /// A scene whose rectangles with the material `cut` have a hole for x > 0, and a wall behind.
 fn scene(objects: &str) -> Scene {
@@ -78,7 +78,7 @@ proptest! {
             let shadow = ShadowRay { ray, t_max, ignored: None };
             let steps = &mut Vec::new();
             let recorded = [tracer.record(&ray, steps), tracer.record_shadow(&shadow, steps)];
-            let is_shadowed = tracer.is_shadowed(&shadow, &mut NoProbe);
+            let is_shadowed = tracer.light_along(&shadow, &mut NoProbe) == 0.0;
             assert_eq!(point.map(|point| point.distance), recorded[0].map(|hit| hit.t));
             assert_eq!(is_shadowed, recorded[1].is_some());
             (point, is_shadowed)
@@ -110,4 +110,94 @@ fn a_ray_through_many_holes_is_one_ray_that_visits_more() {
     assert!((holes.0.distance - 8.005).abs() < 1e-3, "{:?}", holes.0);
     assert_eq!(solid.1.rays, holes.1.rays);
     assert!(holes.1.primitive_tests > 400, "{:?}", holes.1);
+}
+
+/// Returns the mean radiance of a scene seen from above, from z = 1: `keys` are those of the scene,
+/// `panes` the distances of panes along the view, or behind the eye if they are negative.
+fn seen(keys: &str, pane: &str, panes: impl IntoIterator<Item = f32>, floor: &str) -> f32 {
+    let mut objects = String::new();
+    for distance in panes {
+        let z = 1.0 - distance;
+        writeln!(
+            objects,
+            "  - plane: {{ point: [0, 0, {z}], normal: [0, 0, 1] }}\n    material: pane"
+        )
+        .unwrap();
+    }
+    let colors = radiance(&format!(
+        "
+image: {{ width: 8, height: 8, samples_per_pixel: 256 }}
+camera: {{ orthographic: {{ eye: [0, 0, 1], target: [0, 0, 0], up: [0, 1, 0], height: 0.1 }} }}
+{keys}
+materials:
+  pane: {{ {pane} }}
+  lamp: {{ color: 0, emission: 8 }}
+  floor: {{ color: 0.5 }}
+objects:
+{objects}{floor}"
+    ));
+    mean(&colors).x
+}
+
+#[test]
+fn layers_are_blended_by_the_operator_over() {
+    let layers = || (1..=12).map(|i| 0.02 * i as f32);
+    let behind = 0.7_f32.powi(12);
+    for (model, color, tolerance) in [
+        ("{ model: blinn_phong, ambient: 1 }", 0.5, 1e-5),
+        ("{ model: ambient_occlusion }", 0.0, 1e-5),
+        ("{ model: path }", 0.0, 3e-3),
+    ] {
+        let keys = format!("shading: {model}\nbackground: 1\nlights: []");
+        let found = seen(
+            &keys,
+            &format!("color: {color}, opacity: 0.3"),
+            layers(),
+            "",
+        );
+        let expected = color * (1.0 - behind) + behind;
+        assert!(
+            (found - expected).abs() < tolerance,
+            "{model}: {found}, {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_share_of_light_passes_in_shadows() {
+    let floor = "  - plane: { point: [0, 0, 0], normal: [0, 0, 1] }\n    material: floor\n";
+    let lamp = "  - rectangle: { corner: [-1, -1, 3], edges: [[2, 0, 0], [0, 2, 0]] }
+    material: lamp\n";
+    let bulb = "lights: [{ point: { position: [1, 2, 5], intensity: 0.9 } }]";
+    for (model, lights, objects, tolerance) in [
+        (
+            "{ model: blinn_phong, ambient: 0 }",
+            bulb,
+            floor.to_owned(),
+            1e-5,
+        ),
+        ("{ model: path }", bulb, floor.to_owned(), 1e-5),
+        (
+            "{ model: path }",
+            "lights: []",
+            [floor, lamp].concat(),
+            0.02,
+        ),
+    ] {
+        let keys = format!("shading: {model}\n{lights}");
+        let [free, shaded] = [vec![], vec![-1.0, -1.5]]
+            .map(|panes| seen(&keys, "color: 0, opacity: 0.4", panes, &objects));
+        let share = shaded / free;
+        assert!((share - 0.36).abs() < tolerance, "{model}: {share}");
+    }
+}
+
+/// Light from all sides has the radiance 1: a quarter of a shell, three quarters of the background.
+#[test]
+fn a_surface_emits_by_its_opacity() {
+    let shell = "  - sphere: { center: [0, 0, 0], radius: 5 }\n    material: pane
+  - sphere: { center: [0, 0, 0], radius: 0.5 }\n    material: floor\n";
+    let keys = "shading: { model: path }\nbackground: 1\nlights: []";
+    let found = seen(keys, "color: 0, emission: 1, opacity: 0.25", [], shell);
+    assert!((found - 0.5).abs() < 1e-4, "{found}");
 }
