@@ -20,6 +20,7 @@ mod invariance;
 mod media;
 mod attribution;
 mod meshes;
+mod mirrored;
 mod observe;
 mod opacity;
 mod own_colors;

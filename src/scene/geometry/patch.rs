@@ -76,11 +76,14 @@ impl Patch {
 
     /// Transforms a triangle to the placement of an instance.
     pub fn of_instance(self, place: &InstanceTransform) -> Self {
-        match self {
-            Self::Triangle(corners) => {
-                Self::Triangle(corners.map(|corner| place.world_point(corner)))
-            }
-            other => other,
+        let Self::Triangle(corners) = self else {
+            return self;
+        };
+        let placed = Self::Triangle(corners.map(|corner| place.world_point(corner)));
+        if place.is_mirrored() {
+            placed.reversed()
+        } else {
+            placed
         }
     }
 
@@ -88,12 +91,32 @@ impl Patch {
     pub fn transformed(self, transform: &Transform) -> Self {
         let place = |corner| transform.world_point(corner);
         let place_all = |corners: Vec<Vec3>| corners.into_iter().map(place).collect();
-        match self {
+        let placed = match self {
             Self::Ball { center, radius } => Self::Strip(place_all(strip(center, radius))),
             Self::Triangle(corners) => Self::Triangle(corners.map(place)),
             Self::Box(corners) => Self::Box(corners.map(place)),
             Self::Polygon(corners) => Self::Polygon(place_all(corners)),
             Self::Strip(corners) => Self::Strip(place_all(corners)),
+        };
+        if transform.is_mirrored() {
+            placed.reversed()
+        } else {
+            placed
+        }
+    }
+
+    /// Returns the same cell with the opposite orientation.
+    fn reversed(self) -> Self {
+        match self {
+            Self::Ball { .. } => self,
+            Self::Triangle([a, b, c]) => Self::Triangle([a, c, b]),
+            Self::Box([a, b, c, d, e, f, g, h]) => Self::Box([e, f, g, h, a, b, c, d]),
+            Self::Polygon(corners) => Self::Polygon(corners.into_iter().rev().collect()),
+            Self::Strip(mut corners) => {
+                // A triangle without area changes the turn of all others.
+                corners.insert(0, corners[0]);
+                Self::Strip(corners)
+            }
         }
     }
 }
@@ -110,7 +133,7 @@ fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {
     };
     let pair = |band, i| [corner(band, i), corner(band + 1, i)];
     (0..N_BANDS)
-        .flat_map(|band| (0..=N_CORNERS).flat_map(move |i| pair(band, i)))
+        .flat_map(|band| (0..=N_CORNERS).rev().flat_map(move |i| pair(band, i)))
         .collect()
 }
 
@@ -136,6 +159,9 @@ mod tests {
                 .iter()
                 .all(|c| (c.distance(Vec3::ONE) - 2.0).abs() < 1e-5)
         );
+        let outward = double_areas(&strip).zip(strip.windows(3));
+        let mut cosines = outward.map(|(area, corners)| area.dot(corners[1] - Vec3::ONE));
+        assert!(cosines.all(|cosine| cosine > -1e-5));
         let closed: Vec3 = double_areas(&strip).sum();
         assert!(closed.length() < 1e-3, "{closed}");
         let area: f32 = double_areas(&strip).map(Vec3::length).sum::<f32>() / 2.0;

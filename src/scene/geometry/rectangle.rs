@@ -108,6 +108,11 @@ impl Intersectable for Rectangle {
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {
         let [u, v] = self.edges.map(|edge| transform.world_vector(edge));
+        let [u, v] = if transform.is_mirrored() {
+            [v, u]
+        } else {
+            [u, v]
+        };
         Some(Self::new(transform.world_point(self.corner), u, v))
     }
 

@@ -1,6 +1,6 @@
 //! Affine transforms, and the steps that define them in a scene file.
 
-use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3A, Vec3};
+use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Mat3A, Vec3};
 use serde::Deserialize;
 
 use super::aabb::Aabb;
@@ -117,6 +117,15 @@ impl Transform {
     /// Returns the smallest box in world space around a box of object space.
     pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
         Aabb::of_points(bounds.corners().map(|corner| self.world_point(corner)))
+    }
+
+    /// Returns true if it mirrors, which reverses the orientation of triangles.
+    pub fn is_mirrored(&self) -> bool {
+        // Small scales exceed the range of 32 bits.
+        Mat3::from(self.world_from_object.matrix3)
+            .as_dmat3()
+            .determinant()
+            < 0.0
     }
 
     /// Returns the factor by which it scales all lengths; `None` if the factor varies. With one,

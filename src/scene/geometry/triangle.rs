@@ -96,7 +96,9 @@ impl Intersectable for Triangle {
     }
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {
-        let vertices = self.vertices.map(|vertex| transform.world_point(vertex));
+        let [a, b, c] = self.vertices.map(|vertex| transform.world_point(vertex));
+        let is_mirrored = transform.is_mirrored();
+        let vertices = if is_mirrored { [a, c, b] } else { [a, b, c] };
         Some(Self { vertices })
     }
 

@@ -181,23 +181,24 @@ impl<'a> Placement<'a> {
             return Err(self.without_area(&mesh));
         }
         // Keep the attributes of these triangles that the materials need.
+        let kept_corners = |triangles| placed_corners(only(triangles, &kept), &transform);
         Ok(Attributes::Corners(CornerAttributes {
             normals: normals.map(|normals| CornerValues {
                 values: world_normals(normals.values, &transform),
-                triangles: only(normals.triangles, &kept),
+                triangles: kept_corners(normals.triangles),
             }),
             uvs: uvs.filter(|_| self.needs.uvs).map(|uvs| CornerValues {
-                triangles: only(uvs.triangles, &kept),
+                triangles: kept_corners(uvs.triangles),
                 ..uvs
             }),
             scalars: scalars.map(|scalars| CornerValues {
-                triangles: only(scalars.triangles, &kept),
+                triangles: kept_corners(scalars.triangles),
                 ..scalars
             }),
             colors: colors
                 .filter(|_| self.needs.colors)
                 .map(|colors| CornerValues {
-                    triangles: only(colors.triangles, &kept),
+                    triangles: kept_corners(colors.triangles),
                     ..colors
                 }),
             opacities: opacities.map(|opacities| CornerValues {
@@ -270,6 +271,14 @@ fn world_normals(mut vectors: Vec<Vec3>, transform: &Transform) -> Vec<Vec3> {
 fn only(mut triangles: Vec<[u32; 3]>, kept: &[bool]) -> Vec<[u32; 3]> {
     let mut kept = kept.iter();
     triangles.retain(|_| kept.next().copied().unwrap_or(false));
+    triangles
+}
+
+/// Orders the corners as those of the placed triangles, which a mirror reverses.
+fn placed_corners(mut triangles: Vec<[u32; 3]>, transform: &Transform) -> Vec<[u32; 3]> {
+    if transform.is_mirrored() {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
     triangles
 }
 
