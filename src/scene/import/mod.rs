@@ -13,6 +13,7 @@ mod percent;
 mod picture;
 mod materials;
 mod mesh;
+mod polygons;
 mod creases;
 mod parts;
 mod obj;

@@ -17,6 +17,7 @@ use super::fault::cut;
 use super::lines::Lines;
 use super::materials::MeshMaterial;
 use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light, point};
+use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use groups::MaterialGroups;
 
@@ -101,6 +102,7 @@ struct Reader {
     uvs: CornerValues<Vec2>,
     /// Colors of all vertices, unless some vertex lacks one.
     colors: Vec<Vec3>,
+    polygons: Polygons,
     /// Vertices, normals and texture coordinates of one face's corners.
     face: Vec<u32>,
     face_normals: Vec<u32>,
@@ -173,8 +175,8 @@ impl Reader {
             let problem = format!("a face has {n} corners");
             return Err(FileFault::new(problem, "at least 3"));
         }
+        let n_before = self.mesh.triangles.len();
         if n_normals == n {
-            let n_before = self.mesh.triangles.len();
             self.normals.triangles.resize(n_before, MISSING);
             self.normals.triangles.extend(fan(&self.face_normals));
         } else if n_normals > 0 {
@@ -182,11 +184,11 @@ impl Reader {
             return Err(FileFault::new(problem, "normals at all corners or at none"));
         }
         if self.face_uvs.len() == n {
-            let n_before = self.mesh.triangles.len();
             self.uvs.triangles.resize(n_before, MISSING);
             self.uvs.triangles.extend(fan(&self.face_uvs));
         }
         self.mesh.triangles.extend(fan(&self.face));
+        self.polygons.add(n_before..self.mesh.triangles.len());
         Ok(())
     }
 
@@ -220,6 +222,11 @@ impl Reader {
 
     fn finish(mut self) -> Mesh {
         self.mesh.take_vertices(self.vertices);
+        self.polygons.triangulate(
+            &self.mesh.vertices,
+            &mut self.mesh.triangles,
+            &mut [&mut self.normals.triangles, &mut self.uvs.triangles],
+        );
         let has_all = self.uvs.triangles.len() == self.mesh.triangles.len();
         if has_all && !self.uvs.triangles.contains(&MISSING) {
             self.mesh.uvs = Some(std::mem::take(&mut self.uvs));

@@ -14,6 +14,7 @@ use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
 use super::mesh::{CornerValues, Mesh, fan, finite, light, point};
+use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use cursor::{Cursor, Position};
 use header::{MeshHeader, UvNames};
@@ -114,6 +115,7 @@ struct Body {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     colors: Vec<Vec3>,
+    polygons: Polygons,
     /// The corners of one face.
     face: Vec<u32>,
 }
@@ -127,6 +129,7 @@ impl Body {
             normals: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
+            polygons: Polygons::default(),
             face: Vec::new(),
         }
     }
@@ -181,7 +184,9 @@ impl Body {
             let problem = format!("a face has {} corners", self.face.len());
             return Err(FileFault::new(problem, "at least 3"));
         }
+        let n_before = self.mesh.triangles.len();
         self.mesh.triangles.extend(fan(&self.face));
+        self.polygons.add(n_before..self.mesh.triangles.len());
         Ok(())
     }
 
@@ -209,6 +214,12 @@ impl Body {
 
     fn mesh(mut self) -> Mesh {
         self.mesh.take_vertices(self.vertices);
+        let Mesh {
+            vertices,
+            triangles,
+            ..
+        } = &mut self.mesh;
+        self.polygons.triangulate(vertices, triangles, &mut []);
         if self.header.has_normals {
             self.mesh.normals = Some(CornerValues {
                 values: self.normals,

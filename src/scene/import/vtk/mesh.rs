@@ -52,6 +52,7 @@ impl<'a> Pieces<'a> {
         let PieceSurface {
             mut triangles,
             cells,
+            polygons,
         } = PieceSurface::extract(piece, budget)?;
         if triangles.is_empty() {
             return Ok(());
@@ -67,20 +68,7 @@ impl<'a> Pieces<'a> {
             // Every corner is in `used`.
             *corner = first + used.partition_point(|point| point < corner) as u32;
         }
-        // Add the values of the array.
-        if let Some(array) = self.array {
-            let surface = (&used[..], &triangles[..], &cells[..]);
-            let n_before = self.mesh.vertices.len();
-            if array.is_color {
-                let (of, values) = piece.colors(array)?;
-                add_values(&mut self.colors, n_before, of, &values, surface);
-            } else {
-                let (of, values) = self.numbers.scalars(piece, array)?;
-                self.mesh.scalar_ends.extend(shown_ends(piece, of, &values));
-                add_values(&mut self.scalars, n_before, of, &values, surface);
-            }
-        }
-        // Add the vertices with their normals and texture coordinates.
+        // Add the vertices.
         if self.mesh.vertices.is_empty() {
             self.mesh.origin = piece.origin();
         }
@@ -95,6 +83,20 @@ impl<'a> Pieces<'a> {
             let from_origin = position.map_err(at_point)? - self.mesh.origin;
             self.mesh.vertices.push(from_origin.as_vec3());
         }
+        polygons.triangulate(&self.mesh.vertices, &mut triangles, &mut []);
+        // Add the values of the array.
+        if let Some(array) = self.array {
+            let surface = (&used[..], &triangles[..], &cells[..]);
+            if array.is_color {
+                let (of, values) = piece.colors(array)?;
+                add_values(&mut self.colors, first, of, &values, surface);
+            } else {
+                let (of, values) = self.numbers.scalars(piece, array)?;
+                self.mesh.scalar_ends.extend(shown_ends(piece, of, &values));
+                add_values(&mut self.scalars, first, of, &values, surface);
+            }
+        }
+        // Add normals and texture coordinates.
         self.add_normals(piece.point_data.normals(), &used)?;
         self.add_uvs(piece.point_data.uvs(), &used)?;
         self.mesh.triangles.append(&mut triangles);
@@ -180,7 +182,7 @@ fn shown_ends(piece: &Piece, of: ArrayOf, values: &[f32]) -> impl Iterator<Item 
 /// corners in the mesh, and their cells. `n_before` is the number of vertices already in the mesh.
 fn add_values<T: Copy>(
     into: &mut CornerValues<T>,
-    n_before: usize,
+    n_before: u32,
     of: ArrayOf,
     values: &[T],
     (used, triangles, cells): (&[u32], &[[u32; 3]], &[u32]),
@@ -188,7 +190,7 @@ fn add_values<T: Copy>(
     let first = into.values.len() as u32;
     match of {
         ArrayOf::Points => {
-            let moved = first.wrapping_sub(n_before as u32);
+            let moved = first.wrapping_sub(n_before);
             let corners = triangles
                 .iter()
                 .map(|t| t.map(|corner| corner.wrapping_add(moved)));

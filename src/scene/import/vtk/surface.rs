@@ -4,6 +4,7 @@ use rayon::slice::ParallelSliceMut;
 
 use super::super::Result;
 use super::super::mesh::fan;
+use super::super::polygons::Polygons;
 use super::budget::Budget;
 use super::cells::{CellShape, Cells};
 use super::piece::{GHOSTS, Piece, Topology};
@@ -15,6 +16,7 @@ pub(super) struct PieceSurface {
     /// Indices of points.
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) cells: Vec<u32>,
+    pub(super) polygons: Polygons,
 }
 
 /// Bits of a cell's ghost type: a copy of a cell of another piece, and a hidden cell.
@@ -41,7 +43,9 @@ impl PieceSurface {
     }
 
     fn polygon(&mut self, cell: usize, corners: &[u32]) {
+        let n_before = self.triangles.len();
         self.triangles.extend(fan(corners));
+        self.polygons.add(n_before..self.triangles.len());
         self.cells.resize(self.triangles.len(), cell as u32);
     }
 

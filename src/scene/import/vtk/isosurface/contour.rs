@@ -114,7 +114,10 @@ impl Contour<'_, '_> {
             if area_vector(&vertices, &self.of_all.mesh.vertices).dot(descent) < 0.0 {
                 vertices.reverse();
             }
+            let n_before = self.of_all.mesh.triangles.len();
             self.add_polygon(cell, &vertices)?;
+            let fan = n_before..self.of_all.mesh.triangles.len();
+            self.of_all.polygons.add(fan);
         }
         Ok(())
     }

@@ -16,6 +16,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::super::mesh::{CornerValues, Mesh};
+use super::super::polygons::Polygons;
 use super::super::{FileFault, Result};
 use super::budget::Budget;
 use super::piece::{Piece, Topology};
@@ -33,6 +34,8 @@ pub(super) struct Isosurfaces<'a> {
     /// True if all pieces are grids, which have gradients.
     has_normals: bool,
     scalars: CornerValues<f32>,
+    /// The polygons in polyhedra, which need not be convex.
+    polygons: Polygons,
     /// The least and the greatest number of the array.
     range: [f32; 2],
 }
@@ -46,6 +49,7 @@ impl<'a> Isosurfaces<'a> {
             normals: Vec::new(),
             has_normals: true,
             scalars: CornerValues::default(),
+            polygons: Polygons::default(),
             range: [f32::INFINITY, f32::NEG_INFINITY],
         }
     }
@@ -85,11 +89,16 @@ impl<'a> Isosurfaces<'a> {
     ///
     /// # Errors
     /// The mesh has no triangle.
-    pub(super) fn finish(self) -> Result<Mesh> {
+    pub(super) fn finish(mut self) -> Result<Mesh> {
         let mut mesh = self.mesh;
         if mesh.triangles.is_empty() {
             return Err(nowhere(self.choice, self.range));
         }
+        self.polygons.triangulate(
+            &mesh.vertices,
+            &mut mesh.triangles,
+            &mut [&mut self.scalars.triangles],
+        );
         mesh.scalars = self.array.map(|_| self.scalars);
         mesh.normals = Some(if self.has_normals {
             CornerValues {
