@@ -20,7 +20,7 @@ use math::simd::{N_LANES, Simd, VectorColumn};
 use tracer::accel::Hit;
 use tracer::cost::{BounceCounts, ByPixel, Clock, CpuWait, PixelProbe, RayKind};
 use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
-use tracer::trace::Points;
+use tracer::trace::{Points, ShadowLight};
 
 /// Greatest number of paths in flight at a time, unless a tile has more pixels: enough to keep the
 /// kernel busy, few enough to stay in the cache between two steps.
@@ -56,7 +56,8 @@ pub(super) struct StreamRenderer<'a, P> {
     hits: Vec<Option<Hit>>,
     points: Points,
     shader: WaveShader<'a>,
-    lights: Vec<f32>,
+    /// The light along the shadow rays.
+    lights: ShadowLight,
     /// The origins of the camera rays by slot, unless all start at one point.
     eyes: Vec<Vec3>,
     /// The samples by slot, in a scene that needs random numbers.
@@ -87,7 +88,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             hits: Vec::new(),
             points: Points::default(),
             shader: view.shader.of_waves(simd),
-            lights: Vec::new(),
+            lights: ShadowLight::default(),
             eyes: Vec::new(),
             ids: SampleIds::default(),
             colors: VectorColumn::default(),
@@ -362,12 +363,12 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             tracer.shadow_stream(&shadows.rays, &mut self.lights, probe);
             self.lap(WaveStage::ShadowRays);
         } else {
-            self.lights.clear();
-            self.lights.resize(shadows.pixels().len(), 1.0);
+            self.lights.shares.clear();
+            self.lights.shares.resize(shadows.pixels().len(), 1.0);
         }
         // Add the light that arrives.
         let (wave, points) = (&self.wave, &self.points);
-        let lights = &self.lights;
+        let lights = &self.lights.shares;
         self.shader
             .add_light(sample, starts!(self), wave, points, lights);
         self.lap(WaveStage::Surfaces);

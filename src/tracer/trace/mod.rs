@@ -33,6 +33,14 @@ pub struct Tracer<'a> {
     cone: Option<RayCone>,
 }
 
+/// The light along many shadow rays, and memory that their search reuses.
+#[derive(Debug, Default)]
+pub struct ShadowLight {
+    /// The share of light that passes along each ray, 0 to 1.
+    pub shares: Vec<f32>,
+    occluded: Vec<bool>,
+}
+
 impl<'a> Tracer<'a> {
     /// Creates a tracer of rays through `scene`; `accel` is a structure over its primitives.
     pub fn new(scene: &'a Scene, accel: &'a Accel<'a>) -> Self {
@@ -121,20 +129,19 @@ impl<'a> Tracer<'a> {
     }
 
     /// Finds the light along many rays, as [`light_along`](Self::light_along) does, in the manner
-    /// of [`nearest_stream`](Self::nearest_stream). Overwrites `shares` with one entry per ray.
+    /// of [`nearest_stream`](Self::nearest_stream). Overwrites the shares with one per ray.
     pub fn shadow_stream<P: PixelProbe>(
         &self,
         rays: &ShadowStream,
-        shares: &mut Vec<f32>,
+        ShadowLight { shares, occluded }: &mut ShadowLight,
         mut probes: ByPixel<P>,
     ) {
         shares.clear();
         if self.scene.has_openings() {
             return self.shadows_past_openings(rays, shares, probes);
         }
-        let mut occluded = Vec::new();
-        self.accel.occluded_stream(rays, &mut occluded, &mut probes);
-        shares.extend(occluded.into_iter().map(share));
+        self.accel.occluded_stream(rays, occluded, &mut probes);
+        shares.extend(occluded.iter().map(|&is_occluded| share(is_occluded)));
     }
 
     /// Returns the instruction set that waves are shaded with.
