@@ -13,6 +13,7 @@ mod frame_file;
 mod hits_file;
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 pub use arrays::{ArrayInfo, LoadedArray};
 pub use frame::complete_frame;
@@ -27,6 +28,7 @@ use base::files;
 use base::folder::is_unfinished;
 use base::host::advice;
 use base::provenance::checksum;
+use base::stop;
 use base::text::Diagnostic;
 use base::text::numbers::{count, counted};
 
@@ -61,7 +63,7 @@ impl Results {
         if is_unfinished(folder) {
             let message = format!("`{shown}` has only a part of its files, and no summary.json");
             let note = "a run that replaced them one by one was killed, or is still at work";
-            let help = "render again: that first puts the old files back";
+            let help = "render again: that replaces what there is";
             return Err(Diagnostic::new(message).with_note(note).with_help(help));
         }
         if !path.exists() {
@@ -213,8 +215,8 @@ impl Results {
     }
 }
 
-/// Calls `read`, and calls it again if another run has changed one of the folders meanwhile, up to
-/// `MAX_RETRIES` times.
+/// Calls `read`, and calls it again while other runs change one of the folders meanwhile, up to a
+/// minute.
 ///
 /// # Errors
 /// The error of the last call of `read`.
@@ -228,15 +230,39 @@ pub fn read_unchanged<T>(
         let texts = folders.iter().map(text);
         texts.map(|text| text.map(|text| checksum(&text))).collect()
     };
-    for _ in 0..MAX_RETRIES {
+    let begin = Instant::now();
+    loop {
         let before = states();
         let done = read();
-        if states() == before {
+        if states() == before || begin.elapsed() > PATIENCE || stop::is_requested() {
             return done;
         }
     }
-    read()
 }
 
-/// Maximum number of repeated calls of `read` because a folder has changed.
-const MAX_RETRIES: usize = 5;
+/// Longest time that a reader waits for folders that do not change.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// Folders may change as often as a loaded machine lets them.
+    #[test]
+    fn a_folder_that_changes_while_it_is_read_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let summary = folder.path().join(summary::FILE);
+        let n_calls = Cell::new(0);
+        let done = read_unchanged(&[folder.path()], || {
+            n_calls.set(n_calls.get() + 1);
+            if n_calls.get() > 50 {
+                return Ok(());
+            }
+            std::fs::write(&summary, n_calls.get().to_string()).unwrap();
+            Err(Diagnostic::new("files of two runs"))
+        });
+        assert!(done.is_ok());
+        assert_eq!(n_calls.get(), 51);
+    }
+}
