@@ -4,16 +4,21 @@
 //! SIGINT, SIGTERM and SIGHUP only set the flag. Loops return early if [`is_requested`], and the
 //! command line discards their results: it calls [`check`] between its steps, so that destructors
 //! run and remove temporary files. SIGXFSZ, which would end the program when a file reaches its
-//! size limit, is ignored: the write fails with an error instead.
+//! size limit, is ignored: the write fails with an error instead. A signal that the program was
+//! started to ignore, as by `nohup` or in the background of a script, stays ignored.
 
 use std::cell::RefCell;
 use std::fmt;
+use std::fs;
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// The number of the received signal, or 0.
 static REQUESTED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
+
+/// The signals that set it.
+static HEEDED: OnceLock<Vec<i32>> = OnceLock::new();
 
 thread_local! {
     /// The cancellation that the work on this thread obeys.
@@ -78,13 +83,26 @@ impl std::error::Error for Stopped {}
 /// An error of the operating system.
 pub fn listen() -> io::Result<()> {
     let flag = REQUESTED.get_or_init(Arc::default);
-    for signal in ENDING {
-        let number = signal as usize;
-        signal_hook::flag::register_usize(signal, Arc::clone(flag), number)?;
+    let heeded = HEEDED.get_or_init(|| not_ignored(&ENDING));
+    for &signal in heeded {
+        signal_hook::flag::register_usize(signal, Arc::clone(flag), signal as usize)?;
     }
     #[cfg(unix)]
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    for signal in not_ignored(&[signal_hook::consts::SIGXFSZ]) {
+        signal_hook::flag::register(signal, Arc::default())?;
+    }
     Ok(())
+}
+
+/// Returns the signals that the program was not started to ignore; all on systems without `/proc`.
+fn not_ignored(signals: &[i32]) -> Vec<i32> {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status
+        .lines()
+        .find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    let is_ignored = |signal: i32| mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1);
+    let signals = signals.iter().copied();
+    signals.filter(|&signal| !is_ignored(signal)).collect()
 }
 
 #[cfg(unix)]
@@ -108,7 +126,8 @@ pub fn request() {
 /// The operating system cannot watch signals; then `work` is not run.
 #[cfg(unix)]
 pub fn watching<T>(action: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Result<T> {
-    let mut signals = signal_hook::iterator::Signals::new(ENDING)?;
+    let heeded = HEEDED.get_or_init(|| not_ignored(&ENDING));
+    let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     let handle = signals.handle();
     Ok(std::thread::scope(|scope| {
         scope.spawn(move || {

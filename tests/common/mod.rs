@@ -47,6 +47,22 @@ pub fn in_repository(path: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
+/// Returns the command with the usual actions of signals, changed by these flags of `env`: tests may
+/// themselves have been started to ignore some, as in the background of a script.
+pub fn with_signals(flags: &[&str], command: &Command) -> Command {
+    let mut env = Command::new("env");
+    env.arg("--default-signal=HUP,INT,TERM").args(flags);
+    env.arg(command.get_program()).args(command.get_args());
+    env.current_dir(command.get_current_dir().unwrap_or(Path::new(".")));
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => env.env(name, value),
+            None => env.env_remove(name),
+        };
+    }
+    env
+}
+
 /// Returns a command of the program that ignores environment variables for colors
 /// and threads.
 pub fn raycost() -> Command {

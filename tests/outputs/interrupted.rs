@@ -10,7 +10,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::common::{assert_success, in_repository, names, raycost};
+use crate::common::{assert_success, in_repository, names, raycost, with_signals};
 
 const SIGKILL: i32 = 9;
 
@@ -25,12 +25,15 @@ fn render(out: &Path, width: u32) -> Command {
 
 /// Starts a run that takes hours, and waits until it writes to its folder.
 fn endless(out: &Path, flags: &[&str]) -> Child {
+    endless_with_signals(&[], out, flags)
+}
+
+/// Starts an endless run with these flags of [`with_signals`].
+fn endless_with_signals(signals: &[&str], out: &Path, flags: &[&str]) -> Child {
     let mut command = raycost();
     command.arg("render").arg("--quiet").arg("--out").arg(out);
     command.arg(in_repository("configs/hall_of_mirrors.yaml"));
-    let mut child = command
-        .args(["--spp=60000"])
-        .args(flags)
+    let mut child = with_signals(signals, command.args(["--spp=60000"]).args(flags))
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
@@ -206,6 +209,30 @@ fn a_signal_ends_a_run_and_removes_its_files() {
             assert_eq!(names(temporary.path()), ["out"]);
             assert_success(&check(&out));
         }
+    }
+}
+
+/// As by `nohup`, or in the background of a script.
+#[test]
+fn a_signal_that_was_ignored_at_the_start_stays_ignored() {
+    for (ignored, ending, code) in [
+        ("HUP", "TERM", 143),
+        ("INT", "TERM", 143),
+        ("TERM", "INT", 130),
+    ] {
+        let temporary = tempfile::tempdir().unwrap();
+        let out = temporary.path().join("out");
+        let signals = format!("--ignore-signal={ignored}");
+        let mut child = endless_with_signals(&[&signals], &out, &["--cost=counters"]);
+        signal(&child, ignored);
+        // Longer than a run takes to end.
+        for _ in 0..20 {
+            sleep(Duration::from_millis(50));
+            assert_eq!(child.try_wait().unwrap(), None, "{ignored}");
+        }
+        signal(&child, ending);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{ignored}");
     }
 }
 

@@ -12,7 +12,7 @@ use render::checkpoint::CheckpointFile;
 use super::parts::Folder;
 use crate::common::data_set::DataSet;
 use crate::common::same_output::{assert_same_output, summary};
-use crate::common::{assert_success, names, raycost};
+use crate::common::{assert_success, names, raycost, with_signals};
 
 /// A rendering that takes some seconds.
 struct Slow {
@@ -156,7 +156,7 @@ fn a_torn_end_is_rendered_again() {
 #[test]
 fn a_stopped_run_says_what_it_has_kept_and_how_to_go_on() {
     let slow = Slow::new(&["--cost=counters", "--spp=800"]);
-    let mut command = slow.command("out", &["--resume"]);
+    let mut command = with_signals(&[], &slow.command("out", &["--resume"]));
     let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
     while slow.n_kept("out") < 5 {
         assert!(child.try_wait().unwrap().is_none(), "it has ended");

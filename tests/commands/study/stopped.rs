@@ -5,6 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use super::{assert_success, folder, fs, lines, raycost, run, stderr_of};
+use crate::common::with_signals;
 
 /// A study with one run that takes hours.
 const ENDLESS: &str = "
@@ -20,6 +21,7 @@ fn start(folder: &Path) -> Child {
     let mut command = raycost();
     command.current_dir(folder).args(["study", "study.yaml"]);
     command.args(["--out", "out", "--quiet"]);
+    let mut command = with_signals(&[], &command);
     let mut child = command.stderr(Stdio::null()).spawn().unwrap();
     while renderers(folder).is_empty() {
         assert!(child.try_wait().unwrap().is_none(), "it has ended");
