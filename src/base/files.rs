@@ -12,16 +12,25 @@ use crate::text::numbers;
 /// # Errors
 /// An I/O error, or not a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
-    open_with(OpenOptions::new().read(true), path)
+    open_with(OpenOptions::new().read(true), path, path.metadata())
 }
 
-/// Opens a regular file with these options, which may create it.
+/// Opens a regular file with these options, which may create and change it. Does not follow a
+/// symbolic link in its place.
 ///
 /// # Errors
-/// As [`open`].
-pub fn open_with(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+/// As [`open`], or a symbolic link.
+pub fn open_to_change(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+    open_with(options, path, path.symlink_metadata())
+}
+
+fn open_with(
+    options: &mut OpenOptions,
+    path: &Path,
+    found: io::Result<Metadata>,
+) -> io::Result<File> {
     // Check first: merely opening some devices has side effects.
-    if let Ok(found) = path.metadata() {
+    if let Ok(found) = found {
         check(&found)?;
     }
     // Do not block if something else has replaced the file meanwhile.
@@ -92,8 +101,10 @@ fn check(found: &Metadata) -> io::Result<()> {
     if found.is_dir() {
         return Err(rustix::io::Errno::ISDIR.into());
     }
-    Err(io::Error::new(
-        ErrorKind::InvalidInput,
-        "it is not a regular file",
-    ))
+    let what = if found.is_symlink() {
+        "it is a symbolic link"
+    } else {
+        "it is not a regular file"
+    };
+    Err(io::Error::new(ErrorKind::InvalidInput, what))
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::{Failure, on_threads, shown};
-use base::folder::{Replace, target, write_file};
+use base::folder::{Replace, refuse_foreign_file, write_file};
 use base::text;
 use base::text::numbers::bytes;
 use output::results::{Results, read_unchanged};
@@ -51,7 +51,7 @@ fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),
     };
-    target(&path, Replace::Marked)?;
+    refuse_foreign_file(&path, Replace::Marked)?;
     let folder = &arguments.folder;
     let page = read_unchanged(&[folder], || {
         let results = Results::open(folder)?;

@@ -318,7 +318,7 @@ fn only_one_place_opens_files() {
         let found: Vec<&str> = code.lines().filter(opens).collect();
         assert!(found.is_empty(), "{}: {found:#?}", path.display());
         let count = |word| code.matches(word).count();
-        let [made, used] = ["OpenOptions::new()", "files::open_with("].map(count);
+        let [made, used] = ["OpenOptions::new()", "files::open_to_change("].map(count);
         assert_eq!(made, used, "{}", path.display());
     }
     assert!(opens(&"    let file = File::open(path)?;") && !opens(&"CheckpointFile::open(path)"));

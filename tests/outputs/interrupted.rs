@@ -135,28 +135,23 @@ fn a_killed_run_leaves_what_readers_recognize_where_folders_cannot_be_exchanged(
 
 /// The state of a folder if the run is killed after it has moved two old files away.
 #[test]
-fn readers_name_a_part_of_a_run_and_the_next_run_puts_it_back() {
+fn readers_name_a_part_of_a_run_and_the_next_run_replaces_it() {
     let temporary = tempfile::tempdir().unwrap();
     let [out, other] = ["out", "other"].map(|name| temporary.path().join(name));
     rendered(&out);
     rendered(&other);
     let before = names(&out);
-    let [new, old] = ["new", "old"].map(|name| out.join(".raycost-0").join(name));
-    fs::create_dir_all(&new).unwrap();
+    let left = out.join(".raycost-0");
+    fs::create_dir(&left).unwrap();
+    let number = fs::metadata(&left).unwrap().ino();
+    let [new, old] = ["new", "old"].map(|name| left.join(format!("{name}-{number}")));
+    fs::create_dir(&new).unwrap();
     fs::create_dir(&old).unwrap();
     fs::write(new.join("summary.json"), "{}").unwrap();
-    let moved = ["summary.json", "image.png"];
-    for name in moved {
+    for name in ["summary.json", "image.png"] {
         fs::rename(out.join(name), old.join(name)).unwrap();
     }
-    let plan = serde_json::json!({
-        "folder": "out",
-        "staged": fs::metadata(&new).unwrap().ino(),
-        "new": ["summary.json"],
-        "old": moved,
-        "kept": null,
-    });
-    fs::write(out.join(".raycost-0/plan.json"), plan.to_string()).unwrap();
+    let unfinished = names(&out);
     assert_unfinished(&check(&out));
     let read = |command: &str, folders: &[&Path]| {
         let mut reader = raycost();
@@ -168,6 +163,8 @@ fn readers_name_a_part_of_a_run_and_the_next_run_puts_it_back() {
     let child = endless(&out, &["--cost=counters"]);
     signal(&child, "TERM");
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(143));
+    assert_eq!(names(&out), unfinished);
+    assert_success(&render(&out, 80).output().unwrap());
     assert_eq!(names(&out), before);
     assert_success(&check(&out));
 }

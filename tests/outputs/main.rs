@@ -43,6 +43,7 @@ mod results;
 mod resume;
 mod scene_metrics;
 mod series;
+mod strangers;
 mod view;
 mod vtk_files;
 mod vtk_rays;

@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::SystemTime;
@@ -738,7 +738,9 @@ fn complete_frames_are_cleared_of_what_a_killed_run_left() {
     let frames = scene.path("out/scene/frames");
     let hash = format!("{:032x}", twox_hash::XxHash3_128::oneshot(b"0000"));
     let workspace = frames.join(format!(".raycost-{}-left", &hash[..16]));
-    fs::create_dir_all(workspace.join("new")).unwrap();
+    fs::create_dir(&workspace).unwrap();
+    let number = fs::metadata(&workspace).unwrap().ino();
+    fs::create_dir(workspace.join(format!("new-{number}"))).unwrap();
     // A file with all tiles.
     assert_success(&scene.run(&["--frames=0..0", "--part=1/1", "--out=parts"]));
     let tiles = scene.path("parts/frames/0000/parts/part-1-of-1.tiles");

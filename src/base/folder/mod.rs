@@ -3,17 +3,17 @@
 //! A run takes these steps, and may be killed between any two of them:
 //!
 //! 1. It locks the folder (`lock`); a second run is refused.
-//! 2. It takes back what a killed run left unfinished, and removes its temporary files
-//!    (`workspace`).
+//! 2. It removes the temporary files of killed runs (`workspace`). These never say what to move, or
+//!    what to remove elsewhere: a stranger may have made them.
 //! 3. It checks that each file that it will write or remove was written by raycost (`own`). A file
 //!    of another program is refused before the first ray.
 //! 4. It writes all files into a workspace (`staging`), each with its checksum (`written`). The
 //!    workspace is beside the folder if it can be renamed from the one to the other, else in it.
-//! 5. It commits them. If the system supports it, the folder of new files and the output folder
-//!    exchange their names (`exchange`): a reader sees either all old files or all new ones.
-//!    Otherwise, or if the output folder contains foreign folders or is the current directory of
-//!    the run, it replaces the files `one_by_one`: a reader that comes in between, or after a kill,
-//!    finds no summary.
+//! 5. It commits them (`commit`). If the system supports it, the folder of new files and the output
+//!    folder exchange their names: a reader sees either all old files or all new ones. Otherwise, or
+//!    if the output folder contains foreign folders or is the current directory of the run, it
+//!    replaces the files one by one: a reader that comes in between, or after a kill, finds no
+//!    summary, and the next run replaces what there is.
 //! 6. It removes the old files last, because freeing a large file can be slow.
 //!
 //! After an exchange, another process whose current directory is the folder has the removed old
@@ -23,13 +23,12 @@
 //! `sync`, a power cut may lose the newest files or parts of them; lengths, run IDs and checksums
 //! reveal that (see [`provenance`](crate::provenance)).
 
+mod commit;
 mod disk;
 mod error;
-mod exchange;
+mod listing;
 mod lock;
-mod one_by_one;
 mod own;
-mod plan;
 mod single;
 mod staging;
 mod workspace;
@@ -47,7 +46,7 @@ use std::time::{Duration, Instant};
 
 pub use error::WriteError;
 pub use own::{Own, foreign as refuse_file};
-pub use single::{Replace, target, write_file, write_file_at};
+pub use single::{Replace, refuse_foreign_file, write_file, write_file_at};
 pub use staging::Staging;
 pub use writer::{FileWriter, checksum_of};
 pub use written::Written;
@@ -78,8 +77,8 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const PATIENCE_OF_WRITERS: Duration = Duration::from_secs(60);
 
 impl OutputFolder {
-    /// Creates the folder if it does not exist, locks it, takes back a killed run, and checks that
-    /// it is writable and that `n_bytes` are free.
+    /// Creates the folder if it does not exist, locks it, and checks that it is writable and that
+    /// `n_bytes` are free.
     ///
     /// # Errors
     /// The folder cannot be written, or is not raycost's to write.
@@ -136,7 +135,7 @@ impl OutputFolder {
         let mut workspace = Workspace::create(&self.place, name).map_err(fail)?;
         // It stays in a folder of another file system than its parent's, and in a mount point.
         let _ = self.place.parent().map(|parent| workspace.move_to(parent));
-        let lock = lock::lock(&workspace.new_files()).map_err(fail)?;
+        let lock = lock::lock(&workspace.place.new_files()).map_err(fail)?;
         Ok(Staging {
             folder: self,
             workspace,
@@ -145,7 +144,8 @@ impl OutputFolder {
     }
 }
 
-/// A temporary folder inside another one, such as for the output of a study's run.
+/// A temporary folder inside another one, such as for the output of a study's run. Dropping it
+/// removes all that is in it.
 #[derive(Debug)]
 pub struct Scratch(Workspace);
 
@@ -163,8 +163,29 @@ impl Scratch {
 
     /// Returns the path; the folder is initially empty.
     pub fn path(&self) -> PathBuf {
-        self.0.new_files()
+        self.0.place.new_files()
     }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0.place.path);
+    }
+}
+
+/// Creates a folder within an output folder. A link in the place of one of its parts is not
+/// followed.
+///
+/// # Errors
+/// A link, a file of this name, or an error of the system.
+pub fn create_within(folder: &Path, inner: &Path) -> Result<PathBuf, WriteError> {
+    let path = folder.join(inner);
+    let mut parts = path.ancestors().take(inner.components().count());
+    if let Some(link) = parts.find(|part| part.is_symlink()) {
+        return Err(own::foreign(link));
+    }
+    fs::create_dir_all(&path).map_err(|error| WriteError::new(&path, error))?;
+    Ok(path)
 }
 
 /// Creates a folder for files that are written one by one, locks it for the lifetime
@@ -204,7 +225,7 @@ fn locked(path: &Path, patience: Duration) -> Result<(PathBuf, File), WriteError
             }
         }
     };
-    workspace::remove_left(&place)?;
+    workspace::remove_left(&place);
     Ok((place, lock))
 }
 
@@ -227,7 +248,7 @@ pub fn refuse_root(path: &Path) -> Result<(), WriteError> {
 /// was killed, or goes on; waits a few seconds for the end.
 pub fn is_unfinished(folder: &Path) -> bool {
     let begin = Instant::now();
-    while !folder.join(SUMMARY).exists() && workspace::is_begun_in(folder) {
+    while !folder.join(SUMMARY).exists() && workspace::summaries_in(folder).next().is_some() {
         let is_live = matches!(lock::lock(folder), Ok(None));
         if !is_live || begin.elapsed() > PATIENCE {
             return true;

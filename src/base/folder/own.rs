@@ -5,20 +5,13 @@
 //! listed nor marked, belongs to another program: raycost writes nothing to such a folder.
 
 use std::fs;
-use std::io::{self, Read};
-use std::path::Path;
-
-use serde::Deserialize;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use super::SUMMARY;
 use super::error::WriteError;
-use crate::files;
-use crate::provenance;
-
-/// Length of the start of a file that must contain the mark, in bytes.
-const MARKED: u64 = 1 << 16;
-/// Longest summary that is read, in bytes.
-const MAX_SUMMARY: u64 = 256 << 20;
+use super::listing::{is_marked, listed_in};
+use super::workspace;
 
 /// The names that a command writes or removes, and how raycost recognizes files of an earlier run.
 #[derive(Debug, Clone)]
@@ -33,22 +26,6 @@ pub enum Own {
     },
     /// Files that contain the key of a run's ID.
     Marked(Vec<&'static str>),
-}
-
-/// The part of `summary.json` that lists files.
-///
-/// Not the whole summary: a damaged section elsewhere in it must not turn raycost's own files into
-/// foreign ones.
-#[derive(Deserialize)]
-struct Listing {
-    #[serde(rename = "raycost")]
-    _version: String,
-    files: Vec<Listed>,
-}
-
-#[derive(Deserialize)]
-struct Listed {
-    file: String,
 }
 
 impl Own {
@@ -114,21 +91,16 @@ pub fn foreign(path: &Path) -> WriteError {
     WriteError::refused(path, why, help)
 }
 
-/// Returns the names that the folder's summary lists, and the summary's own; none if raycost did
-/// not write it.
+/// Returns the names that the folder's summary lists, and the summary's own. Without it, the names of
+/// an unfinished replacement: old files that were not moved away, new ones that were moved in.
 fn listed(folder: &Path) -> Vec<String> {
-    let text = files::read(&folder.join(SUMMARY), MAX_SUMMARY).ok();
-    let listing = text.and_then(|text| serde_json::from_slice::<Listing>(&text).ok());
-    listing.map_or_else(Vec::new, |listing| {
-        let files = listing.files.into_iter().map(|listed| listed.file);
-        files.chain([SUMMARY.to_owned()]).collect()
-    })
-}
-
-/// Returns true if a file contains raycost's mark.
-pub(super) fn is_marked(path: &Path) -> io::Result<bool> {
-    let mut begin = Vec::new();
-    files::open(path)?.take(MARKED).read_to_end(&mut begin)?;
-    let key = provenance::KEY.as_bytes();
-    Ok(begin.windows(key.len()).any(|bytes| bytes == key))
+    let summary = folder.join(SUMMARY);
+    if summary.exists() {
+        return listed_in(&summary);
+    }
+    let moved_of = |summary: PathBuf| {
+        let names = listed_in(&summary).into_iter();
+        names.filter(move |name| !summary.with_file_name(name).exists())
+    };
+    workspace::summaries_in(folder).flat_map(moved_of).collect()
 }

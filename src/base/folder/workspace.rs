@@ -1,114 +1,86 @@
-//! A temporary folder for new files.
+//! A temporary folder for new files, in or beside the folder that gets them.
 //!
 //! Its name is `.raycost-<hash>-<random>`, with a hash of the output folder's name. It contains
-//! `new/` with the new files and, during a commit, a [`CommitPlan`] and `old/` with old files. The
-//! process that creates a workspace locks it: a workspace that is not locked belongs to a killed
-//! process. Only its user may open it.
+//! `new-<number>` with the new files. During a commit it also contains `old-<number>` with old files
+//! that are replaced one by one, or `exchanged-<number>`, which has exchanged its name with the output
+//! folder, or is about to. The number is the inode number of the workspace itself: a copy or a clone
+//! has another, so raycost ignores the content of a workspace that was not made here.
+//!
+//! The process that creates a workspace locks it: one that is not locked belongs to a killed
+//! process. Of this, only files directly in these folders are removed, and in `exchanged-<number>`,
+//! which may have files of others, only those that raycost wrote or that have another name elsewhere.
+//! Nothing in it says what to move or remove elsewhere.
 
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
 
 use rayon::prelude::*;
 
+use super::SUMMARY;
 use super::disk::change;
-use super::error::WriteError;
+use super::listing::{is_marked, listed_in};
 use super::lock::{lock, number_of};
-use super::one_by_one;
-use super::plan::{CommitPlan, NEW, OLD, PLAN};
 use crate::provenance::checksum;
 
 /// The prefix of the names of all workspaces.
 const PREFIX: &str = ".raycost-";
-/// Maximum number of attempts to create a workspace.
+/// Maximum number of attempts to create files in a folder that is being exchanged.
 const N_TRIES: usize = 100;
 
-/// A temporary folder, removed with its content when dropped.
+/// A temporary folder, removed when dropped.
 #[derive(Debug)]
 pub(super) struct Workspace {
-    pub(super) path: PathBuf,
+    pub(super) place: WorkspacePlace,
     /// The lock, held while the workspace is in use.
     lock: Option<File>,
+    /// True if it remains when dropped.
+    pub(super) remains: bool,
+}
+
+/// The paths of a workspace.
+#[derive(Debug)]
+pub(super) struct WorkspacePlace {
+    pub(super) path: PathBuf,
+    /// Its inode number.
+    number: u64,
 }
 
 impl Workspace {
     /// Creates a workspace in `parent` for the files of a folder with this name. Another run may take
     /// one that is not locked yet for a killed run's and remove it; then this creates another.
     pub(super) fn create(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
-        for _ in 1..N_TRIES {
-            match Self::create_once(parent, folder_name) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound && parent.is_dir() => {}
-                done => return done,
-            }
-        }
-        Self::create_once(parent, folder_name)
-    }
-
-    fn create_once(parent: &Path, folder_name: &OsStr) -> io::Result<Self> {
-        let mut private = fs::DirBuilder::new();
-        #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut private, 0o700);
-        let made = tempfile::Builder::new()
-            .prefix(&prefix(folder_name))
-            .make_in(parent, |path| change(|| private.create(path)))?;
-        let path = made.into_parts().1.keep()?;
-        let mut this = Self { path, lock: None };
-        let locked = lock(&this.path)?;
-        // A run that removes it holds the lock.
-        this.lock = Some(locked.ok_or(io::ErrorKind::NotFound)?);
-        change(|| fs::create_dir(this.new_files()))?;
-        Ok(this)
-    }
-
-    /// Returns the path of the folder of new files.
-    pub(super) fn new_files(&self) -> PathBuf {
-        self.path.join(NEW)
+        retry_if_gone(parent, || {
+            let mut private = fs::DirBuilder::new();
+            #[cfg(unix)]
+            std::os::unix::fs::DirBuilderExt::mode(&mut private, 0o700);
+            let made = tempfile::Builder::new()
+                .prefix(&prefix(folder_name))
+                .make_in(parent, |path| change(|| private.create(path)))?;
+            let path = made.into_parts().1.keep()?;
+            let number = number_of(&path.metadata()?);
+            let mut this = Self {
+                place: WorkspacePlace { path, number },
+                lock: None,
+                remains: false,
+            };
+            // A run that removes it holds the lock.
+            let locked = lock(&this.place.path)?;
+            this.lock = Some(locked.ok_or(io::ErrorKind::NotFound)?);
+            change(|| fs::create_dir(this.place.new_files()))?;
+            Ok(this)
+        })
     }
 
     /// Moves the workspace to another parent.
     pub(super) fn move_to(&mut self, parent: &Path) -> io::Result<()> {
-        let path = parent.join(self.path.file_name().unwrap_or_default());
-        if path != self.path {
-            change(|| fs::rename(&self.path, &path))?;
-            self.path = path;
-        }
-        Ok(())
-    }
-
-    /// Returns true if the folder of new files was exchanged.
-    pub(super) fn was_exchanged(&self) -> bool {
-        let new_files = self.new_files().metadata().ok();
-        CommitPlan::read(&self.path)
-            .zip(new_files)
-            .is_some_and(|(plan, new_files)| number_of(&new_files) != plan.staged)
-    }
-
-    /// Concludes a commit: hands foreign files over after an exchange, or takes an unfinished
-    /// replacement back. If this fails, it can be repeated.
-    ///
-    /// # Errors
-    /// An I/O error, or a damaged plan.
-    fn conclude(&self) -> io::Result<()> {
-        let (path, parent) = (self.path.join(PLAN), self.path.parent());
-        let parent = parent.unwrap_or(Path::new(""));
-        match CommitPlan::read(&self.path) {
-            Some(plan) if self.was_exchanged() => {
-                hand_over(&self.new_files(), &parent.join(&plan.folder), &plan)?;
-            }
-            // Beside the folder, the workspace has nothing to take back.
-            Some(plan) => one_by_one::take_back(parent, &self.path, &plan)?,
-            None if path.exists() && self.path.join(OLD).exists() => {
-                let why = "a run was killed while it replaced files, and its plan is damaged; old \
-                           files are in the folder's `old`, new ones in `new`: save what you \
-                           need, and remove it";
-                return Err(io::Error::other(why));
-            }
-            _ => {}
-        }
-        // A repetition has nothing to do.
-        if path.exists() {
-            change(|| fs::remove_file(&path))?;
+        let path = parent.join(self.place.path.file_name().unwrap_or_default());
+        if path != self.place.path {
+            change(|| fs::rename(&self.place.path, &path))?;
+            self.place.path = path;
         }
         Ok(())
     }
@@ -116,33 +88,91 @@ impl Workspace {
 
 impl Drop for Workspace {
     fn drop(&mut self) {
-        // What fails here is left to the next run.
-        if twice(|| self.conclude()).is_ok() {
-            // Free a file descriptor, which reading the folder needs.
-            self.lock = None;
-            let _ = twice(|| remove(&self.path));
+        // Free a file descriptor, which reading the folder needs.
+        self.lock = None;
+        if !self.remains {
+            // What fails here is left to the next run.
+            let _ = twice(|| self.place.remove());
         }
     }
 }
 
+impl WorkspacePlace {
+    /// Returns the path of the folder of new files.
+    pub(super) fn new_files(&self) -> PathBuf {
+        self.path.join(format!("new-{}", self.number))
+    }
+
+    /// Returns the path of the folder of old files that are replaced one by one.
+    pub(super) fn old_files(&self) -> PathBuf {
+        self.path.join(format!("old-{}", self.number))
+    }
+
+    /// Returns the path of the folder that exchanges its name with the output folder.
+    pub(super) fn exchanged(&self) -> PathBuf {
+        self.path.join(format!("exchanged-{}", self.number))
+    }
+
+    /// Returns the summaries of the old and the new files that a killed run was replacing one by
+    /// one; none if it had not begun.
+    pub(super) fn summaries(&self) -> Vec<PathBuf> {
+        let (old, new) = (self.old_files(), self.new_files());
+        if !old.is_dir() {
+            return Vec::new();
+        }
+        let summaries = [old, new].map(|folder| folder.join(SUMMARY));
+        summaries
+            .into_iter()
+            .filter(|path| path.is_file())
+            .collect()
+    }
+
+    /// Removes the files that raycost wrote and, if nothing else is in it, the workspace.
+    fn remove(&self) -> io::Result<()> {
+        let [new, old, exchanged] = [self.new_files(), self.old_files(), self.exchanged()];
+        remove_files(&new, |_| true);
+        remove_files(&old, |_| true);
+        let listed = listed_in(&exchanged.join(SUMMARY));
+        remove_files(&exchanged, |path| is_superfluous(path, &listed));
+        for folder in [&new, &old, &exchanged, &self.path] {
+            match change(|| fs::remove_dir(folder)) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Runs `work` again if it fails, as it occasionally does on cluster file systems.
-fn twice(work: impl Fn() -> io::Result<()>) -> io::Result<()> {
+pub(super) fn twice<T>(mut work: impl FnMut() -> io::Result<T>) -> io::Result<T> {
     work().or_else(|_| work())
 }
 
-/// Removes the workspaces of killed runs in and beside this folder, which must be locked.
-///
-/// # Errors
-/// A replacement one by one that cannot be taken back; other errors are ignored.
-pub(super) fn remove_left(folder: &Path) -> Result<(), WriteError> {
-    for workspace in left_in(folder, PREFIX) {
-        let concluded = workspace.conclude();
-        concluded.map_err(|error| WriteError::new(&workspace.path, error))?;
+/// Runs `work`, which creates files in a folder, again while they are gone because another run
+/// exchanges the folder.
+pub(super) fn retry_if_gone<T>(folder: &Path, work: impl Fn() -> io::Result<T>) -> io::Result<T> {
+    for _ in 1..N_TRIES {
+        match work() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound && folder.is_dir() => {
+                sleep(Duration::from_millis(5));
+            }
+            done => return done,
+        }
+    }
+    work()
+}
+
+/// Removes the workspaces of killed runs in and beside this folder, which must be locked. One that
+/// lists the files of the folder remains until a commit has replaced these.
+pub(super) fn remove_left(folder: &Path) {
+    let has_summary = folder.join(SUMMARY).exists();
+    for mut workspace in left_in(folder, PREFIX) {
+        workspace.remains = !has_summary && !workspace.place.summaries().is_empty();
     }
     if let (Some(parent), Some(name)) = (folder.parent(), folder.file_name()) {
         remove_left_of(parent, name);
     }
-    Ok(())
 }
 
 /// Removes the workspaces in a folder of killed runs that were writing a file or folder with this
@@ -151,91 +181,89 @@ pub(super) fn remove_left_of(folder: &Path, name: &OsStr) {
     left_in(folder, &prefix(name)).for_each(drop);
 }
 
-/// Returns true if the files of this folder are being replaced one by one, or were when a run was
-/// killed.
-pub(super) fn is_begun_in(folder: &Path) -> bool {
-    paths_in(folder, PREFIX).any(|workspace| workspace.join(OLD).exists())
+/// Returns the summaries of the files that are being replaced one by one in this folder, or were
+/// when a run was killed.
+pub(super) fn summaries_in(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    places_in(folder, PREFIX).flat_map(|place| place.summaries())
+}
+
+/// Returns true if this is the name of a workspace.
+pub(super) fn is_name(name: &str) -> bool {
+    name.starts_with(PREFIX)
 }
 
 /// Returns the workspaces of killed runs in `parent`, locked.
 fn left_in(parent: &Path, prefix: &str) -> impl Iterator<Item = Workspace> {
-    paths_in(parent, prefix).filter_map(|path| {
-        let lock = Some(lock(&path).ok()??);
-        Some(Workspace { path, lock })
+    places_in(parent, prefix).filter_map(|place| {
+        Some(Workspace {
+            lock: Some(lock(&place.path).ok()??),
+            place,
+            remains: false,
+        })
     })
 }
 
-/// Returns the folders in `parent` that are workspaces by name and content.
-fn paths_in(parent: &Path, prefix: &str) -> impl Iterator<Item = PathBuf> {
+/// Returns the folders in `parent` that are workspaces of this user by name; links are none.
+pub(super) fn places_in(parent: &Path, prefix: &str) -> impl Iterator<Item = WorkspacePlace> {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
-    let is_ours = move |entry: &fs::DirEntry| {
-        let name = entry.file_name();
-        name.to_str().is_some_and(|name| name.starts_with(prefix))
-            && entry.file_type().is_ok_and(|kind| kind.is_dir())
-            && holds_nothing_else(&entry.path())
-    };
-    entries.filter(is_ours).map(|entry| entry.path())
+    entries.filter_map(move |entry| {
+        let at = entry.metadata().ok()?;
+        let is_ours = entry.file_name().to_str()?.starts_with(prefix) && at.is_dir() && is_own(&at);
+        is_ours.then(|| WorkspacePlace {
+            path: entry.path(),
+            number: number_of(&at),
+        })
+    })
 }
 
-fn holds_nothing_else(workspace: &Path) -> bool {
-    let is_known = |entry: fs::DirEntry| {
-        let name = entry.file_name();
-        let name = name.to_str().unwrap_or_default();
-        // A link could lead to the files of others.
-        ([NEW, OLD, PLAN].contains(&name) || name.starts_with(PREFIX))
-            && entry.file_type().is_ok_and(|kind| !kind.is_symlink())
-    };
-    fs::read_dir(workspace).is_ok_and(|mut entries| entries.all(|entry| entry.is_ok_and(is_known)))
+/// Returns true if a file or folder belongs to the user of this process.
+fn is_own(at: &Metadata) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::fs::MetadataExt::uid(at) == nix::unistd::geteuid().as_raw();
+    #[cfg(not(unix))]
+    return (true, at).0;
 }
 
-/// Moves foreign files that appeared in the old folder just before the exchange to the new one.
-fn hand_over(old: &Path, folder: &Path, plan: &CommitPlan) -> io::Result<()> {
+/// Returns true if an exchanged file can be removed: raycost wrote it, or it has another name
+/// elsewhere.
+fn is_superfluous(path: &Path, listed: &[String]) -> bool {
+    let Ok(at) = path.symlink_metadata() else {
+        return false;
+    };
+    #[cfg(unix)]
+    if std::os::unix::fs::MetadataExt::nlink(&at) > 1 {
+        return true;
+    }
+    let name = path.file_name().unwrap_or_default();
+    at.is_file()
+        && (listed.iter().any(|file| name == file.as_str()) || is_marked(path).unwrap_or(false))
+}
+
+/// Removes the files in a folder that `is_known` accepts, the summary last, on the current thread
+/// pool if there is one, since freeing large files takes the system long. Follows no link.
+pub(super) fn remove_files(folder: &Path, is_known: impl Fn(&Path) -> bool + Sync) {
     if folder.is_symlink() {
-        return Err(io::ErrorKind::NotADirectory.into());
+        return;
     }
-    for entry in fs::read_dir(old)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        let is_in = |names: &[String]| names.iter().any(|known| name == known.as_str());
-        if is_in(&plan.old) {
-            continue;
-        }
-        let there = folder.join(&name);
-        let is_newer = match fs::symlink_metadata(&there) {
-            Ok(there) => entry.metadata()?.modified()? > there.modified()?,
-            // A file that was in both folders has been removed since.
-            Err(_) => !plan.kept.as_deref().is_some_and(is_in),
-        };
-        if is_newer {
-            change(|| fs::rename(entry.path(), &there))?;
-        }
-    }
-    Ok(())
-}
-
-/// Removes a workspace.
-fn remove(workspace: &Path) -> io::Result<()> {
-    for files in [NEW, OLD].map(|name| workspace.join(name)) {
-        remove_files(&files);
-        // An empty folder can be removed even if it cannot be read.
-        let _ = change(|| fs::remove_dir(&files));
-    }
-    if workspace.exists() && change(|| fs::remove_dir(workspace)).is_err() {
-        change(|| fs::remove_dir_all(workspace))?;
-    }
-    Ok(())
-}
-
-/// Removes all removable files, on the current thread pool if there is one, since freeing large
-/// files takes the system long.
-fn remove_files(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    let remove = |path: &PathBuf| drop(change(|| fs::remove_file(path)));
-    if rayon::current_thread_index().is_some() {
-        paths.par_iter().with_max_len(1).for_each(remove);
+    let paths = entries.map(|entry| entry.path());
+    let (summary, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        paths.partition(|path| path.ends_with(SUMMARY));
+    let remove = |path: &PathBuf| !is_known(path) || change(|| fs::remove_file(path)).is_ok();
+    let are_removed = if rayon::current_thread_index().is_some() {
+        let removed = others.par_iter().with_max_len(1).map(remove);
+        removed.reduce(|| true, |one, other| one && other)
     } else {
-        paths.iter().for_each(remove);
+        others
+            .iter()
+            .map(remove)
+            .fold(true, |one, other| one && other)
+    };
+    // It lists the others.
+    if are_removed {
+        for path in &summary {
+            remove(path);
+        }
     }
 }
 

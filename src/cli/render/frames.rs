@@ -14,6 +14,7 @@ use super::{RenderArguments, start_profiler};
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, json, shell_word, shown};
 use crate::session::Frames;
+use base::folder::create_within;
 use base::stop;
 use base::text::numbers::{counted, duration};
 use base::text::{self, Diagnostic};
@@ -53,10 +54,10 @@ pub(super) fn render(
     };
     let (mut n_rendered, mut n_kept, mut is_partial) = (0, 0, false);
     for number in wanted {
-        let folder = out.join(frame_folder(number));
-        if arguments.merges && !folder.join(PARTS).exists() {
+        if arguments.merges && !out.join(frame_folder(number)).join(PARTS).exists() {
             continue;
         }
+        let folder = create_within(&out, &frame_folder(number))?;
         let frame = job.frame(number)?;
         let done = match complete_frame(&folder, &frame.section) {
             Some(_) => {

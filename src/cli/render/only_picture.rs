@@ -9,7 +9,7 @@ use crate::cli::progress::Bars;
 use crate::cli::scene::PictureFormat;
 use crate::cli::{Failure, run_summary, shown};
 use crate::session::{Scope, Session};
-use base::folder::{Replace, target};
+use base::folder::{Replace, refuse_foreign_file};
 use base::text::numbers::bytes;
 use base::text::{self, Diagnostic};
 use render::ranks::Team;
@@ -45,7 +45,7 @@ pub(super) fn render(
     file: &PictureFile,
     team: Option<&Team>,
 ) -> Result<(), Failure> {
-    target(&file.path, Replace::Marked)?;
+    refuse_foreign_file(&file.path, Replace::Marked)?;
     let bars = Bars::new(arguments.run.quiet);
     let on_event = |event| bars.show(event);
     let limits = Limits {

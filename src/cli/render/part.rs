@@ -1,6 +1,5 @@
 //! `raycost render --part`: some tiles of a picture, in a file.
 
-use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
@@ -8,7 +7,7 @@ use super::picture_run::PictureRun;
 use super::tiles::{self, Tiles};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
-use base::folder::WriteError;
+use base::folder::create_within;
 use base::text::numbers::{count, counted, duration};
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
@@ -58,8 +57,7 @@ pub(super) fn render(run: PictureRun, part: PicturePart) -> Result<PartDone, Fai
     let header = run
         .session
         .header(arguments.scene.all_flags(), Some(part))?;
-    let folder = run.out.join(PARTS);
-    fs::create_dir_all(&folder).map_err(|error| WriteError::new(&folder, error))?;
+    let folder = create_within(run.out, Path::new(PARTS))?;
     let path = folder.join(part.file_name());
     let is_same = |file: &CheckpointFile| {
         file.header.part == header.part && file.header.foreign_to(&header).is_none()

@@ -5,13 +5,17 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::store::n_threads_of;
 use super::{CheckpointFile, Damage, Header, PicturePart};
-use base::text::numbers::counted;
+use base::text::numbers::{count, counted};
 
 /// Name of the folder of parts' files in the output folder.
 pub const PARTS: &str = "parts";
 /// The extension of a complete file.
 const EXTENSION: &str = "tiles";
+
+/// Greatest number of threads of all parts.
+const MAX_ALL_THREADS: u64 = 1 << 22;
 
 /// The files of parts in a folder.
 #[derive(Debug)]
@@ -110,6 +114,15 @@ impl PartFiles {
             if faults.again.insert(part) {
                 faults.lines.push(format!("part {part} is missing"));
             }
+        }
+        let n_threads = parts
+            .values()
+            .map(|file| u64::from(n_threads_of(file)))
+            .sum();
+        if n_threads > MAX_ALL_THREADS {
+            let [found, most] = [n_threads, MAX_ALL_THREADS].map(count);
+            let line = format!("they have {found} threads, expected at most {most}");
+            faults.lines.push(line);
         }
         if faults.lines.is_empty() {
             faults.check_tiles(&parts, expected);

@@ -294,7 +294,8 @@ impl TileSource {
     }
 }
 
-fn n_threads_of(file: &CheckpointFile) -> u32 {
+/// Returns the number of threads that rendered the tiles of a file.
+pub(super) fn n_threads_of(file: &CheckpointFile) -> u32 {
     let of_sessions = file.sessions.iter().map(|session| session.n_threads);
     of_sessions.max().unwrap_or(1)
 }

@@ -24,7 +24,7 @@ impl TileWriter {
         // Not truncated before it is locked: another run may be writing it.
         let mut options = OpenOptions::new();
         options.write(true).create(true).truncate(false);
-        let file = files::open_with(&mut options, path)?;
+        let file = files::open_to_change(&mut options, path)?;
         lock(&file)?;
         file.set_len(0)?;
         let mut this = Self::new(file, [0, MAGIC.len() as u64]);
@@ -37,7 +37,7 @@ impl TileWriter {
 
     /// Continues after the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
-        let mut file = files::open_with(OpenOptions::new().write(true), &found.path)?;
+        let mut file = files::open_to_change(OpenOptions::new().write(true), &found.path)?;
         lock(&file)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;

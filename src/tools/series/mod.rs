@@ -19,7 +19,9 @@ pub use video::Video;
 
 use crate::study::RunMetrics;
 use base::files;
-use base::folder::{Replace, WriteError, lock_folder_in_turn, refuse_file, target, write_file};
+use base::folder::{
+    Replace, WriteError, lock_folder_in_turn, refuse_file, refuse_foreign_file, write_file,
+};
 use base::provenance::{Hasher, RunId};
 use base::text::numbers::counted;
 use base::text::one_line;
@@ -125,7 +127,7 @@ impl FrameSeries {
             .into_iter()
             .chain(of_frames.filter(|name| !is_hdf(name)))
         {
-            target(&folder.join(name), Replace::Marked)?;
+            refuse_foreign_file(&folder.join(name), Replace::Marked)?;
         }
         // Videos and HDF5 files do not identify their program; the table beside them does.
         for name in hdf::FILES.map(|(name, _)| name).into_iter().chain([VIDEO]) {
@@ -143,11 +145,14 @@ impl FrameSeries {
             return;
         };
         let stages = summary.stages.iter().map(|stage| stage.wall_ms);
+        // Names of the series' files follow from these.
+        let names = summary.files.iter().map(|file| &file.name);
+        let is_known = |name: &&String| writers::files().any(|file| file.name == **name);
         self.frames.push(SeriesFrame {
             number: frame.number,
             time: frame.time,
             run: summary.run,
-            files: summary.files.iter().map(|file| file.name.clone()).collect(),
+            files: names.filter(is_known).cloned().collect(),
             metrics: RunMetrics::from_summary(summary, stages.sum()),
             bvh: summary.acceleration.bvh,
         });

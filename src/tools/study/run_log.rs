@@ -4,6 +4,7 @@
 //! their points, then one line per run. An incomplete last line, from an interrupted write, is cut
 //! off when the study continues.
 
+use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -13,13 +14,17 @@ use serde_json::{Map, Value};
 
 use super::{RunMetrics, StudyPoint};
 use base::files;
+use base::host::available_memory;
 use base::provenance::difference;
 use base::text::Diagnostic;
+use base::text::numbers::bytes;
 
 /// Version of the format; files of other versions are refused.
 const FORMAT: u32 = 2;
 /// Maximum length of a line in bytes; a run has a few thousand.
 const MAX_LINE: u64 = 1 << 20;
+/// Greatest number of bytes of memory for a byte of the file: for values of the shortest keys.
+const MEMORY_PER_BYTE: u64 = 40;
 
 /// A log of runs, open for appending.
 #[derive(Debug)]
@@ -27,6 +32,8 @@ pub struct RunLog {
     file: File,
     /// The runs so far, in the order of the file.
     pub runs: Vec<Run>,
+    /// The places of the runs, by round and point.
+    places: HashMap<String, usize>,
 }
 
 /// One run of a point.
@@ -40,11 +47,11 @@ pub struct Run {
     pub metrics: RunMetrics,
 }
 
-impl Run {
-    /// Returns true if the other run has the same point and round.
-    fn duplicates(&self, other: &Self) -> bool {
-        (self.round, &self.point) == (other.round, &other.point)
-    }
+/// Returns a text that is equal for equal rounds and points.
+fn key_of(round: u32, point: &Map<String, Value>) -> String {
+    let mut point = point.clone();
+    point.sort_keys();
+    format!("{round} {}", Value::Object(point))
 }
 
 /// The first line of the file.
@@ -66,7 +73,7 @@ impl RunLog {
         let failed = |error| cannot_open(path, &error);
         let mut options = OpenOptions::new();
         options.read(true).append(true).create(true);
-        let mut file = files::open_with(&mut options, path).map_err(failed)?;
+        let mut file = files::open_to_change(&mut options, path).map_err(failed)?;
         if file.metadata().map_err(failed)?.len() == 0 {
             let header = RunLogHeader {
                 raycost_study: FORMAT,
@@ -76,28 +83,30 @@ impl RunLog {
             return Ok(Self {
                 file,
                 runs: Vec::new(),
+                places: HashMap::new(),
             });
         }
+        check_length(&file).map_err(failed)?;
         let mut lines = CompleteLines::new(&file).map_err(failed)?;
         check_header(path, lines.next().map_err(failed)?.as_deref(), made_by)?;
-        let mut runs = Vec::new();
+        let mut runs: Vec<Run> = Vec::new();
+        let mut places = HashMap::new();
         while let Some(line) = lines.next().map_err(failed)? {
             let run = serde_json::from_str(&line);
             let run: Run = run.map_err(|error| invalid_run(path, runs.len() + 2, &error))?;
-            if let Some(first) = runs.iter().position(|other| run.duplicates(other)) {
+            if let Some(first) = places.insert(key_of(run.round, &run.point), runs.len()) {
                 return Err(duplicate_run(path, [first + 2, runs.len() + 2]));
             }
             runs.push(run);
         }
         let whole = lines.n_bytes;
         file.set_len(whole).map_err(failed)?;
-        Ok(Self { file, runs })
+        Ok(Self { file, runs, places })
     }
 
     /// Returns true if the log has this round of the point.
     pub fn has(&self, point: &StudyPoint, round: u32) -> bool {
-        let is_it = |run: &Run| run.round == round && run.point == point.values;
-        self.runs.iter().any(is_it)
+        self.places.contains_key(&key_of(round, &point.values))
     }
 
     /// Appends a run; it is on the disk when this returns.
@@ -107,9 +116,21 @@ impl RunLog {
     pub fn add(&mut self, run: Run) -> io::Result<()> {
         append(&mut self.file, &run)?;
         self.file.sync_data()?;
+        let place = self.runs.len();
+        self.places.insert(key_of(run.round, &run.point), place);
         self.runs.push(run);
         Ok(())
     }
+}
+
+/// Checks that the runs of a file fit into the free memory.
+fn check_length(file: &File) -> io::Result<()> {
+    let most = available_memory() / MEMORY_PER_BYTE;
+    if file.metadata()?.len() <= most {
+        return Ok(());
+    }
+    let message = format!("it is longer than {}, which fit into memory", bytes(most));
+    Err(io::Error::new(io::ErrorKind::InvalidData, message))
 }
 
 /// The complete lines of a file.

@@ -132,73 +132,128 @@ fn paths_that_states_cannot_hold_are_refused() {
 
 #[test]
 #[cfg(unix)]
-fn a_single_file_keeps_links_and_permissions_and_spares_what_is_not_ours() {
+fn a_single_file_keeps_permissions_and_spares_what_is_not_ours() {
     use std::os::unix::fs::{PermissionsExt, symlink};
     let temporary = tempfile::tempdir().unwrap();
     let path = |name: &str| temporary.path().join(name);
     let write = |name: &str, text: &'static [u8]| {
         write_file(&path(name), Replace::Marked, |out| out.write_all(text))
     };
-    symlink("page.html", path("link.html")).unwrap();
-    write("link.html", b"raycost_run 1").unwrap();
+    write("page.html", b"raycost_run 1").unwrap();
     fs::set_permissions(path("page.html"), fs::Permissions::from_mode(0o600)).unwrap();
-    write("link.html", b"raycost_run 2").unwrap();
-    assert!(path("link.html").symlink_metadata().unwrap().is_symlink());
+    write("page.html", b"raycost_run 2").unwrap();
     assert_eq!(fs::read(path("page.html")).unwrap(), b"raycost_run 2");
     let mode = path("page.html").metadata().unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
 
     fs::write(path("mine.html"), "mine").unwrap();
     fs::create_dir(path("folder")).unwrap();
-    symlink("round", path("round")).unwrap();
+    symlink("page.html", path("link")).unwrap();
+    symlink("nothing", path("dangling")).unwrap();
     let socket = std::os::unix::net::UnixListener::bind(path("socket")).unwrap();
-    for name in ["mine.html", "folder", "round", "socket"] {
+    for name in ["mine.html", "folder", "link", "dangling", "socket"] {
         assert!(write(name, b"raycost_run 3").is_err(), "{name}");
     }
     assert!(write_file(Path::new("/dev/null"), Replace::Known, |_| Ok(())).is_err());
     drop(socket);
     assert_eq!(fs::read(path("mine.html")).unwrap(), b"mine");
-    let hidden = names(temporary.path());
-    assert!(
-        hidden.iter().all(|name| !name.starts_with('.')),
-        "{hidden:?}"
-    );
+    assert_eq!(fs::read(path("page.html")).unwrap(), b"raycost_run 2");
+    let found = [
+        "dangling",
+        "folder",
+        "link",
+        "mine.html",
+        "page.html",
+        "socket",
+    ];
+    assert_eq!(names(temporary.path()), found);
 }
 
-/// Neither the links nor the plan of a hostile workspace lead to other folders.
+/// Another run gives the folder's name to another folder while a file is written to it.
+#[test]
+fn a_single_file_is_written_again_if_its_folder_was_exchanged() {
+    let temporary = tempfile::tempdir().unwrap();
+    let [out, away] = ["out", "away"].map(|name| temporary.path().join(name));
+    fs::create_dir(&out).unwrap();
+    let written = write_file(&out.join("page.html"), Replace::Marked, |file| {
+        if !away.exists() {
+            fs::rename(&out, &away)?;
+            fs::create_dir(&out)?;
+        }
+        file.write_all(b"raycost_run")
+    });
+    written.unwrap();
+    assert_eq!(names(&out), ["page.html"]);
+}
+
+/// A stranger's workspace lies in and beside the folder, as `git clone` leaves it.
+#[test]
+#[cfg(unix)]
+fn a_copied_workspace_stays_as_it_is() {
+    let scenario = Scenario::new(CommitMethod::OneByOne);
+    let mut left = Vec::new();
+    let hash = crate::provenance::checksum(b"out").to_string();
+    for parent in [&scenario.folder(), scenario.temporary.path()] {
+        let path = parent.join(format!(".raycost-{}-AAAAAA", &hash[..16]));
+        for inner in ["new", "new-1", "old-1", "exchanged-1"] {
+            fs::create_dir_all(path.join(inner)).unwrap();
+            let summary = content("summary.json", "old", &OLD);
+            fs::write(path.join(inner).join("summary.json"), summary).unwrap();
+        }
+        fs::write(path.join("plan.json"), r#"{"folder":"mine"}"#).unwrap();
+        left.push(path);
+    }
+    scenario.run(false).unwrap();
+    assert!(scenario.is_new(""));
+    for path in left {
+        assert_eq!(
+            names(&path),
+            ["exchanged-1", "new", "new-1", "old-1", "plan.json"]
+        );
+        assert_eq!(names(&path.join("new-1")), ["summary.json"]);
+    }
+}
+
+/// Neither links nor folders in what a killed run left lead to files elsewhere.
 #[test]
 #[cfg(unix)]
 fn a_left_workspace_does_not_lead_out_of_its_folder() {
     use std::os::unix::fs::symlink;
     let temporary = tempfile::tempdir().unwrap();
     let [out, home] = ["out", "home"].map(|name| temporary.path().join(name));
-    let left = out.join(".raycost-0");
-    fs::create_dir_all(&left).unwrap();
-    fs::create_dir(&home).unwrap();
-    fs::write(home.join("mine.txt"), "mine").unwrap();
-    let read = || {
-        let _ = OutputFolder::create(&out, 0);
-        fs::read_to_string(home.join("mine.txt")).unwrap()
-    };
-    symlink(&home, left.join("new")).unwrap();
-    assert_eq!(read(), "mine");
-
-    fs::remove_file(left.join("new")).unwrap();
-    fs::create_dir(left.join("new")).unwrap();
-    fs::create_dir(left.join("old")).unwrap();
-    fs::write(left.join("new/mine.txt"), "hostile").unwrap();
-    symlink(&home, out.join("link")).unwrap();
-    let number = lock::number_of(&left.join("new").metadata().unwrap());
-    for (folder, name, staged) in [
-        ("out", "../home/mine.txt", number),
-        ("../home", "mine.txt", 0),
-        ("link", "mine.txt", 0),
-    ] {
-        let plan = serde_json::json!({
-            "folder": folder, "staged": staged, "new": [name], "old": [], "kept": null,
-        });
-        fs::write(left.join("plan.json"), plan.to_string()).unwrap();
-        assert_eq!(read(), "mine");
-        assert!(left.exists());
+    fs::create_dir_all(&home).unwrap();
+    for name in ["mine.txt", "summary.json"] {
+        fs::write(
+            home.join(name),
+            content("summary.json", "old", &["mine.txt"]),
+        )
+        .unwrap();
+    }
+    let make: [&dyn Fn(&Path); 3] = [
+        &|inner| symlink(&home, inner).unwrap(),
+        &|inner| {
+            fs::create_dir(inner).unwrap();
+            symlink(home.join("mine.txt"), inner.join("mine.txt")).unwrap();
+            symlink(home.join("summary.json"), inner.join("summary.json")).unwrap();
+            symlink(&home, inner.join("home")).unwrap();
+        },
+        &|inner| {
+            fs::create_dir_all(inner.join("deep")).unwrap();
+            fs::write(inner.join("deep/mine.txt"), "mine").unwrap();
+            let listing = content("summary.json", "old", &["../mine.txt", "deep/mine.txt"]);
+            fs::write(inner.join("summary.json"), listing).unwrap();
+        },
+    ];
+    for (number, make) in make.iter().enumerate() {
+        for kind in ["new", "old", "exchanged"] {
+            let left = out.join(format!(".raycost-{number}{kind}"));
+            fs::create_dir_all(&left).unwrap();
+            let inode = lock::number_of(&left.metadata().unwrap());
+            let inner = left.join(format!("{kind}-{inode}"));
+            make(&inner);
+            let _ = OutputFolder::create(&out, 0);
+            assert_eq!(names(&home), ["mine.txt", "summary.json"]);
+            assert_eq!(inner.join("deep/mine.txt").exists(), number == 2);
+        }
     }
 }
