@@ -72,8 +72,8 @@ fn by_light_samples(scene: &Scene) -> Vec3 {
     let mut sum = DVec3::ZERO;
     for i in 0..N * N {
         let numbers = LightNumbers {
-            source: 0.0,
-            shape: 0.0,
+            source: [0.0; 2],
+            shape: [0.0; 2],
             point: [i / N, i % N].map(|k| (k as f32 + 0.5) / N as f32),
         };
         let (light, _) = scene.lights.illuminate(0, &at, &numbers);

@@ -278,6 +278,66 @@ objects:
     assert!(each.x > 1.4 * direct.x, "{each} {direct}");
 }
 
+/// A scene of `n` lights of all kinds and a sky over a floor. Some are much brighter than others, and
+/// some light nothing of it.
+fn under_lights(n: u32, sampling: &str, n_samples: u32) -> String {
+    let [mut materials, mut lights, mut objects] = [const { String::new() }; 3];
+    for i in 0..n {
+        let (x, z) = (0.37 * f64::from(i % 7) - 1.0, 2.0 + 0.01 * f64::from(i));
+        let intensity = if i.is_multiple_of(5) { 3.0 } else { 0.1 };
+        let place = format!("position: [{x}, 0.5, 1], intensity: {intensity}");
+        let light = match i % 7 {
+            0 => format!("spot: {{ {place}, target: [0, 0, 0], angle_deg: 80, falloff: inverse }}"),
+            1 => format!("spot: {{ {place}, target: [{x}, 9, 1], angle_deg: 30 }}"),
+            2 => format!("point: {{ {place}, falloff: inverse_square }}"),
+            3 => format!("point: {{ {place}, color: [0, 0, 1] }}"),
+            4 => format!("directional: {{ direction: [{x}, 0, -1], intensity: {intensity} }}"),
+            kind => {
+                let shape = match kind {
+                    5 => format!("sphere: {{ center: [{x}, 1, {z}], radius: 0.05 }}"),
+                    _ => format!(
+                        "rectangle: {{ corner: [{x}, -1, {z}], edges: [[0, 0.3, 0], [0.2, 0, 0]] }}"
+                    ),
+                };
+                let emission = 20.0 * intensity;
+                materials += &format!("  lamp{i}: {{ color: 0, emission: {emission} }}\n");
+                objects += &format!("- {{ {shape}, material: lamp{i} }}\n");
+                continue;
+            }
+        };
+        lights += &format!("- {light}\n");
+    }
+    format!(
+        "image: {{ width: 8, height: 8, samples_per_pixel: {n_samples}, sampler: sobol }}
+camera: {{ orthographic: {{ eye: [0, 0, 1], target: [0, 0, 0], height: 2 }} }}
+cost: none
+shading: {{ model: path, max_depth: 1, light_sampling: {sampling} }}
+background: {{ sky: {{ sun: {{ elevation_deg: 30, azimuth_deg: 120 }}, intensity: 0.1 }} }}
+materials:
+  floor: {{ color: 0.8 }}
+{materials}lights:
+{lights}objects:
+- plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}
+  material: floor
+{objects}"
+    )
+}
+
+#[test]
+fn a_choice_of_lights_finds_the_light_of_all() {
+    for n in [1, 2, 7, 14, 15, 40, 1000] {
+        let n_samples = if n < 100 { 64 } else { 16 };
+        let each = mean(&radiance(&under_lights(n, "each", n_samples)));
+        let by_power = mean(&radiance(&under_lights(n, "power", 1024)));
+        let ratio = by_power / each;
+        let tolerance = if n < 100 { 5e-3 } else { 0.02 };
+        assert!(
+            (ratio - 1.0).abs().max_element() < tolerance,
+            "{n}: {each} {by_power}"
+        );
+    }
+}
+
 #[test]
 fn a_point_light_shines_through_frosted_glass_as_a_small_lamp_does() {
     let seen = |material: &str, lights: &str, objects: &str| {

@@ -1,6 +1,6 @@
 //! Sampling of discrete distributions.
 
-use crate::simd::Real;
+use crate::simd::{LookupTable, Real};
 
 /// Samples indices with probabilities proportional to their weights, in constant time.
 ///
@@ -51,18 +51,15 @@ impl AliasTable {
         })
     }
 
-    /// Samples one index, or one per lane, with a number in [0, 1).
+    /// Samples one index, or one per lane, with a number in [0, 1), whose 24 bits a second one
+    /// continues: they select a bin and decide in it, which takes more bits the more bins there are.
     #[inline(always)]
-    pub fn choose<R: Real>(&self, number: R) -> R {
+    pub fn choose<R: Real>(&self, numbers: [R; 2]) -> R {
         if let [_] = self.bins[..] {
-            return number.splat(0.0);
+            return numbers[0].splat(0.0);
         }
-        let scaled = number * number.splat(self.bins.len() as f32);
-        let bin = scaled
-            .floor()
-            .min(number.splat(self.bins.len() as f32 - 1.0));
-        let [own_share, other] = R::look_up(&self.bins[..], [bin]);
-        R::select((scaled - bin).lt(own_share), bin, other)
+        let [index] = R::look_up(self, numbers);
+        index
     }
 
     /// Returns the probability of one index, or one per lane.
@@ -70,6 +67,19 @@ impl AliasTable {
     pub fn probability<R: Real>(&self, index: R) -> R {
         let [probability] = R::look_up(&self.probabilities[..], [index]);
         probability
+    }
+}
+
+/// Looks up an index by two numbers in [0, 1); see [`AliasTable::choose`].
+impl LookupTable<2, 1> for AliasTable {
+    #[inline(always)]
+    fn values_at(&self, [number, further]: [f32; 2]) -> [f32; 1] {
+        let number = f64::from(number) + f64::from(further) / f64::from(1 << 24);
+        let scaled = number * self.bins.len() as f64;
+        let bin = scaled as usize;
+        let [own_share, other] = self.bins[bin];
+        let is_own = scaled - (bin as f64) < f64::from(own_share);
+        [if is_own { bin as f32 } else { other }]
     }
 }
 
@@ -92,7 +102,7 @@ mod tests {
             let n = 1 << 16;
             let mut counts = vec![0; weights.len()];
             for i in 0..n {
-                counts[table.choose((i as f32 + 0.5) / n as f32) as usize] += 1;
+                counts[table.choose([i as f32 / n as f32, 0.5]) as usize] += 1;
             }
             for (i, (count, weight)) in counts.into_iter().zip(&weights).enumerate() {
                 let expected = weight / sum;
@@ -111,8 +121,31 @@ mod tests {
         assert_eq!(AliasTable::new(&[1.0, f64::INFINITY]), None);
         let one = AliasTable::new(&[3.0]).unwrap();
         assert_eq!(
-            [0.0, 0.999_f32].map(|number| one.choose(number)),
+            [0.0, 0.999_f32].map(|number| one.choose([number, 0.0])),
             [0.0, 0.0]
         );
+    }
+
+    /// Half of the weight is that of one index, the other half that of very many.
+    #[test]
+    fn shares_are_exact_among_a_million() {
+        let n = 1 << 20;
+        let mut weights = vec![1.0; n];
+        weights[n / 3] = (n - 1) as f64;
+        let table = AliasTable::new(&weights).unwrap();
+        let n_samples = 1 << 18;
+        // The R2 sequence of Roberts (2018) has no pattern in common with the bins.
+        let spread = |i: u32, step: f64| (f64::from(i) * step % 1.0) as f32;
+        let large = (0..n_samples).filter(|&i| {
+            let numbers =
+                [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| spread(i, step));
+            let numbers = numbers.map(|number| (number * 16_777_216.0).floor() / 16_777_216.0);
+            table.choose(numbers) as usize == n / 3
+        });
+        let found = large.count() as f64 / f64::from(n_samples);
+        assert!((found - 0.5).abs() < 1e-3, "{found}");
+        // The last index is reached, too, with the greatest numbers.
+        let last = 1.0 - f32::EPSILON / 2.0;
+        assert!((table.choose([last, last]) as usize) < n);
     }
 }

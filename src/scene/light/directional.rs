@@ -32,8 +32,13 @@ pub struct DirectionalLight {
 }
 
 impl DirectionalLight {
-    pub(super) fn position(&self) -> Option<Vec3> {
-        None
+    /// The sphere receives the light of its cross section, a quarter of its area.
+    pub(super) fn mean_radiance(&self, _: f32) -> Vec3 {
+        0.25 * self.radiance()
+    }
+
+    fn radiance(&self) -> Vec3 {
+        (self.color * self.intensity).min(Vec3::splat(MAX_RADIANCE))
     }
 
     pub(super) fn in_space(&self, _: &RenderSpace) -> Self {
@@ -54,10 +59,7 @@ impl DirectionalLight {
         Illumination {
             direction: Vector::splat(point.x, -self.direction),
             distance: point.x.splat(f32::INFINITY),
-            radiance: Vector::splat(
-                point.x,
-                (self.color * self.intensity).min(Vec3::splat(MAX_RADIANCE)),
-            ),
+            radiance: Vector::splat(point.x, self.radiance()),
             density: point.x.splat(f32::INFINITY),
         }
     }

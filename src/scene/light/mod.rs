@@ -35,10 +35,11 @@ macro_rules! lights {
         }
 
         impl Light {
-            /// Returns the position if there is one.
-            pub fn position(&self) -> Option<Vec3> {
+            /// Returns the radiance of a white surface that faces the light, averaged over a sphere of
+            /// this radius around it, or around any point if it is infinitely far away.
+            pub fn mean_radiance(&self, radius: f32) -> Vec3 {
                 match self {
-                    $(Self::$kind(light) => light.position(),)*
+                    $(Self::$kind(light) => light.mean_radiance(radius),)*
                 }
             }
 

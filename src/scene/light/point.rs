@@ -35,8 +35,16 @@ pub struct PointLight {
 }
 
 impl PointLight {
-    pub(super) fn position(&self) -> Option<Vec3> {
-        Some(self.position.as_vec3())
+    pub(super) fn mean_radiance(&self, radius: f32) -> Vec3 {
+        self.radiance(radius).into()
+    }
+
+    /// Returns the radiance of a white surface that faces the light at this distance.
+    #[inline(always)]
+    fn radiance<R: Real>(&self, distance: R) -> Vector<R> {
+        let brightest = MAX_RADIANCE / self.color.max_element().max(1.0);
+        let intensity = distance.splat(self.intensity) * self.falloff.factor(distance);
+        Vector::splat(distance, self.color) * intensity.min(distance.splat(brightest))
     }
 
     pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
@@ -61,13 +69,10 @@ impl PointLight {
     pub(super) fn illuminate<R: Real>(&self, point: Vector<R>) -> Illumination<R> {
         let to_light = Vector::splat(point.x, self.position.as_vec3()) - point;
         let distance = to_light.length();
-        let brightest = MAX_RADIANCE / self.color.max_element().max(1.0);
-        let intensity = distance.splat(self.intensity) * self.falloff.factor(distance);
-        let intensity = intensity.min(distance.splat(brightest));
         Illumination {
             direction: to_light / distance.max(distance.splat(f32::MIN_POSITIVE)),
             distance,
-            radiance: Vector::splat(distance, self.color) * intensity,
+            radiance: self.radiance(distance),
             density: distance.splat(f32::INFINITY),
         }
     }

@@ -96,8 +96,10 @@ impl SpotLight {
         }
     }
 
-    pub(super) fn position(&self) -> Option<Vec3> {
-        self.light.position()
+    /// The smoothstep lets half of the light of its range of cosines pass.
+    pub(super) fn mean_radiance(&self, radius: f32) -> Vec3 {
+        let [edge, full] = self.cosines;
+        self.light.mean_radiance(radius) * (0.5 - 0.25 * (edge + full))
     }
 
     pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
@@ -136,6 +138,31 @@ impl SpotLight {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_mean_over_a_sphere_is_that_of_its_points() {
+        for keys in [
+            "target: [3, 1, 2], angle_deg: 50, soft_edge: 0.7",
+            "target: [0, -1, 0], angle_deg: 180, soft_edge: 0",
+        ] {
+            let text = format!(
+                "{{ position: [1, 1, 1], {keys}, color: [1, 0.5, 2], falloff: inverse_square }}"
+            );
+            let light: SpotLight = yaml::from_str(&text).unwrap();
+            let n = 40_000_u16;
+            let mut mean = Vec3::ZERO;
+            for i in 0..n {
+                // Fibonacci's spiral: the points are uniform on the sphere.
+                let z = 1.0 - (2.0 * f32::from(i) + 1.0) / f32::from(n);
+                let (sin, cos) = (f32::from(i) * 2.399_963_3).sin_cos();
+                let ring = (1.0 - z * z).sqrt();
+                let point = Vec3::ONE + 2.0 * Vec3::new(cos * ring, sin * ring, z);
+                mean += Vec3::from(light.illuminate(point.into()).radiance) / f32::from(n);
+            }
+            let found = light.mean_radiance(2.0);
+            assert!((found - mean).abs().max_element() < 1e-3, "{found} {mean}");
+        }
+    }
 
     #[test]
     fn the_light_fades_at_the_edge_of_the_cone() {

@@ -1,6 +1,7 @@
 //! Surfaces that emit light.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::PI;
 
 use super::primitive::MaterialId;
 use crate::geometry::{Aabb, N_PARAMETERS, Seen, ShapeKind};
@@ -72,12 +73,12 @@ impl Emitter {
     }
 
     /// Returns the light that arrives at a point from a sampled point of a shape, unless it is
-    /// occluded; a number in [0, 1) selects the shape, two more the point.
+    /// occluded; two numbers in [0, 1) select the shape, two more the point.
     #[inline(always)]
     pub(super) fn illuminate<R: Real>(
         &self,
         at: &LitPoint<R>,
-        which: R,
+        which: [R; 2],
         numbers: [R; 2],
     ) -> Illumination<R> {
         let shape = R::look_up(&self.shapes[..], [self.by_area.choose(which)]);
@@ -139,7 +140,7 @@ impl Emitter {
     /// Returns the emitted power.
     pub(super) fn power(&self) -> f64 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
-        sides * f64::from(PI * self.area * luminance(self.radiance))
+        sides * PI * f64::from(self.area) * f64::from(luminance(self.radiance))
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) enum LightChoice {
     Each,
     /// Samples one light, in proportion to the light that would arrive at the point from each.
     ByArrival,
-    /// Samples one light, in proportion to the power.
+    /// Samples one light, in proportion to the power and to the mean power, half and half.
     ByPower(AliasTable),
 }
 
@@ -41,22 +41,23 @@ impl LightChoice {
             (LightSampling::Power, 2..=MAX_COMPARED) => Self::ByArrival,
             (LightSampling::Power, _) => {
                 let powers: Vec<f64> = sources.iter().map(|of| of.power(scene)).collect();
-                AliasTable::new(&powers).map_or(Self::Each, Self::ByPower)
+                AliasTable::new(&defensive(powers)).map_or(Self::Each, Self::ByPower)
             }
         }
     }
 
-    /// Chooses the light of sample `i` at a point with two numbers in [0, 1); the choice by arrival
-    /// uses only the second one.
+    /// Chooses the light of sample `i` at a point with numbers in [0, 1): by arrival with `second`,
+    /// by power with `numbers`.
     #[inline(always)]
     pub(super) fn choose<R: Real>(
         &self,
         i: usize,
         sources: &[LightSource],
         point: Vector<R>,
-        [number, second]: [R; 2],
+        numbers: [R; 2],
+        second: R,
     ) -> Chosen<R> {
-        let one = number.splat(1.0);
+        let one = second.splat(1.0);
         match self {
             Self::Each => Chosen {
                 index: one.splat(i as f32),
@@ -65,7 +66,7 @@ impl LightChoice {
             },
             Self::ByArrival => by_arrival(sources, point, second),
             Self::ByPower(table) => {
-                let index = table.choose(number);
+                let index = table.choose(numbers);
                 Chosen {
                     index,
                     probability: table.probability(index),
@@ -92,6 +93,16 @@ impl LightChoice {
             Self::ByPower(table) => table.probability(one.splat(index as f32)),
         }
     }
+}
+
+/// Adds the mean to each power: lights far away, or of the sky indoors, have most of the power but
+/// may leave a point in the dark that a weak lamp lights.
+///
+/// Hesterberg, "Weighted Average Importance Sampling and Defensive Mixture Distributions",
+/// Technometrics 37(2), 1995.
+fn defensive(powers: Vec<f64>) -> Vec<f64> {
+    let mean = powers.iter().sum::<f64>() / powers.len() as f64;
+    powers.into_iter().map(|power| power + mean).collect()
 }
 
 /// Returns the sum of the estimated arrivals at a point.
@@ -159,8 +170,9 @@ mod tests {
         ] {
             let (mut shares, mut sums) = ([0.0; 4], [0.0; 4]);
             for i in 0..N {
-                let numbers = [0.5, (f32::from(i) + 0.5) / f32::from(N)];
-                let chosen = LightChoice::ByArrival.choose(0, &sources, point.into(), numbers);
+                let number = (f32::from(i) + 0.5) / f32::from(N);
+                let chosen =
+                    LightChoice::ByArrival.choose(0, &sources, point.into(), [0.5; 2], number);
                 let index = chosen.index as usize;
                 let expected =
                     LightChoice::ByArrival.probability(index as u32, &sources, point.into());

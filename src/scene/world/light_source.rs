@@ -25,10 +25,10 @@ pub(super) enum LightSource {
 /// The random numbers that sample the light at a point.
 #[derive(Debug, Clone, Copy)]
 pub struct LightNumbers<R> {
-    /// Chooses one of the lights.
-    pub source: R,
-    /// Chooses one of the shapes of a light.
-    pub shape: R,
+    /// Choose one of the lights.
+    pub source: [R; 2],
+    /// Choose one of the shapes of a light.
+    pub shape: [R; 2],
     /// Choose the point of a shape.
     pub point: [R; 2],
 }
@@ -69,27 +69,19 @@ impl LightSource {
         estimate.max(like.splat(LEAST_ARRIVAL))
     }
 
-    /// Returns the power; for a light without a surface, the power that a sphere around the scene
-    /// receives.
+    /// Returns the power that a sphere around the scene receives; of a light with a place, from
+    /// there, as if the light were in the middle.
     pub(super) fn power(&self, scene: &Aabb) -> f64 {
-        let center = scene.center();
         let radius = (0.5 * (scene.max - scene.min).length()).max(1e-6);
         let radiance = match self {
             Self::Surroundings(_) => return 0.0,
             Self::Emitter(emitter) => return emitter.power(),
             Self::Environment(environment) => return environment.power(radius),
-            Self::Sun(sun) => luminance(sun.of_white()),
-            Self::Light(light) => match light.position() {
-                // At this distance, whatever the falloff.
-                Some(position) => {
-                    let point = position + radius * glam::Vec3::Y;
-                    4.0 * luminance(light.illuminate(point.into()).radiance.into())
-                }
-                None => luminance(light.illuminate(center.into()).radiance.into()),
-            },
+            Self::Sun(sun) => 0.25 * luminance(sun.of_white()),
+            Self::Light(light) => luminance(light.mean_radiance(radius)),
         };
         let pi = std::f64::consts::PI;
-        pi * pi * f64::from(radius).powi(2) * f64::from(radiance)
+        4.0 * pi * pi * f64::from(radius).powi(2) * f64::from(radiance)
     }
 }
 

@@ -167,7 +167,7 @@ impl Lights {
             number,
         } = self
             .choice
-            .choose(i, &self.sources, at.position, [numbers.source, number]);
+            .choose(i, &self.sources, at.position, numbers.source, number);
         let numbers = LightNumbers {
             point: [number, v],
             ..*numbers

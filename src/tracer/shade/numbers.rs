@@ -101,14 +101,15 @@ impl WaveNumbers<'_> {
 const DIRECTION: u32 = 0;
 const LOBE: u32 = 1;
 /// For light sample `i`: pair `FIRST_LIGHT + 2 * i` chooses the light and its shape, the next pair
-/// the point on the shape.
+/// the point on the shape; pair `FURTHER_BITS + i` continues the bits of the first one.
 const FIRST_LIGHT: u32 = 2;
+const FURTHER_BITS: u32 = 1 << 19;
 
 /// Distance at which a ray in fog meets a particle.
 const FLIGHT: u32 = (1 << 20) - 1;
 
 /// Number of light samples with separate numbers; further ones repeat them.
-const N_LIGHTS: u32 = (1 << 19) - 2;
+const N_LIGHTS: u32 = (1 << 18) - 1;
 
 impl<N: Integer> PointNumbers<N> {
     /// Returns the numbers that choose a direction.
@@ -133,16 +134,17 @@ impl<N: Integer> PointNumbers<N> {
     /// Returns the numbers that choose the light of sample `i`.
     #[inline(always)]
     pub(super) fn light<R: Real<Integer = N>>(&self, lights: &Lights, i: usize) -> LightNumbers<R> {
-        let first = FIRST_LIGHT + 2 * (i as u32 % N_LIGHTS);
+        let i = i as u32 % N_LIGHTS;
+        let first = FIRST_LIGHT + 2 * i;
         let point: [R; 2] = self.pair(first + 1);
-        let [source, shape] = if lights.need_choices() {
-            self.pair(first)
+        let [[source, shape], [more_of_source, more_of_shape]] = if lights.need_choices() {
+            [self.pair(first), self.pair(FURTHER_BITS + i)]
         } else {
-            point
+            [point; 2]
         };
         LightNumbers {
-            source,
-            shape,
+            source: [source, more_of_source],
+            shape: [shape, more_of_shape],
             point,
         }
     }
