@@ -359,6 +359,31 @@ fn check_sums(cost: &str) {
     assert!(names.contains(&"mirrors") && names.contains(&"plane 1") && names.contains(&"copper"));
 }
 
+/// In fog the scene has one more material, of the particles, which no ray is charged to.
+#[test]
+fn the_rows_sum_up_in_fog() {
+    let folder = tempfile::tempdir().unwrap();
+    let fog = "fog={mean_free_path: 4, color: 0.5}";
+    for (scene, setting) in [
+        ("hall_of_mirrors", "shading.model=path"),
+        ("blocks", "fog.color=1"),
+    ] {
+        let flags = ["--cost=counters", "--set", fog, "--set", setting];
+        render(&format!("{scene}.yaml"), folder.path(), &flags);
+        for kind in ["object", "material"] {
+            let rows = rows(folder.path());
+            let all = rows
+                .iter()
+                .filter(|row| row["kind"] == kind && row["ray_kind"] == "all");
+            let whole: f64 = all.clone().map(|row| number(row, "rays_share")).sum();
+            // By both rules.
+            assert!((whole - 2.0).abs() < 1e-5, "{scene}, {kind}: {whole}");
+            let last = all.last().unwrap();
+            assert_eq!((&*last["name"], &*last["id"]), ("nothing", "-1"));
+        }
+    }
+}
+
 #[test]
 fn unmeasured_times_are_left_out() {
     let folder = tempfile::tempdir().unwrap();

@@ -35,7 +35,7 @@ impl Tallies {
         let primitives = outputs.has(OptionalOutput::Surface);
         Self {
             objects: Tally::new(N_ROWS * (scene.n_objects() + 1)),
-            materials: Tally::new(N_ROWS * (scene.materials.len() + 1)),
+            materials: Tally::new(N_ROWS * (scene.n_materials() + 1)),
             primitives: primitives.then(|| Tally::new(scene.primitives.len())),
             lines: nodes.map(|nodes| Tally::new(n_lines(nodes))),
             first_lower_id: nodes
@@ -114,7 +114,7 @@ impl<'a> Attributor<'a> {
             tree: RayTree::default(),
             groups: ObjectTallies {
                 primitives: &scene.primitives,
-                background: [scene.n_objects() as u32, scene.materials.len() as u32],
+                background: [scene.n_objects() as u32, scene.n_materials() as u32],
                 accounts: [
                     TallyCache::new(&tallies.objects),
                     TallyCache::new(&tallies.materials),

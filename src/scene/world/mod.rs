@@ -296,6 +296,11 @@ impl Scene {
         self.attributes.len()
     }
 
+    /// Returns the number of materials of surfaces; the last one may be of the fog's particles.
+    pub fn n_materials(&self) -> usize {
+        self.materials.len() - usize::from(self.fog.is_some())
+    }
+
     /// Returns the material with this id.
     #[inline]
     pub fn material(&self, id: MaterialId) -> &Material {
