@@ -2,16 +2,15 @@
 //!
 //! Williams, "Pyramidal Parametrics", SIGGRAPH 1983.
 
-use glam::Vec3;
-
-use super::texels::{Texels, light_of, rgba_bytes, rgba_light};
+use super::half::Half;
+use super::texels::{Texels, light_of, rgba_light};
 
 /// One size of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct MipLevel {
     /// Numbers of columns and rows.
     pub(super) size: [u32; 2],
-    /// The index of the first texel.
+    /// The index of the first texel among those of all levels.
     pub(super) first: usize,
 }
 
@@ -21,41 +20,85 @@ impl MipLevel {
     }
 }
 
-/// Appends smaller copies to the texels of a picture, down to one texel; returns all
-/// levels, the whole picture first.
-pub(super) fn build(size: [u32; 2], texels: &mut Texels) -> Vec<MipLevel> {
-    match texels {
-        Texels::Floats(texels) => build_of(size, texels, |light| light, |light| light),
-        Texels::Bytes(texels, transfer) => {
-            let (light, stored) = (
-                |of| rgba_light(of, *transfer),
-                |of| rgba_bytes(of, *transfer),
-            );
-            build_of(size, texels, light, stored)
+/// The texels of the smaller copies, level by level: linear light and opacity in the channels of the
+/// whole picture. Bytes would be up to 3 % too dark or too bright for a mean of dark texels.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum SmallerTexels {
+    Gray(Vec<[Half; 1]>),
+    Rgb(Vec<[Half; 3]>),
+    Rgba(Vec<[Half; 4]>),
+    Floats(Vec<[f32; 4]>),
+}
+
+impl SmallerTexels {
+    /// Returns linear light and opacity of texel `i`.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> [f32; 4] {
+        match self {
+            Self::Floats(texels) => texels[i],
+            Self::Rgba(texels) => texels[i].map(Half::get),
+            Self::Rgb(texels) => {
+                let [r, g, b] = texels[i].map(Half::get);
+                [r, g, b, 1.0]
+            }
+            Self::Gray(texels) => {
+                let [gray] = texels[i].map(Half::get);
+                [gray, gray, gray, 1.0]
+            }
         }
-        Texels::Rgb(texels, transfer) => {
-            let stored = |light: [f32; 3]| transfer.bytes(Vec3::from(light));
-            build_of(size, texels, |of| light_of(of, *transfer), stored)
-        }
-        Texels::Gray(texels, transfer) => {
-            let stored = |[gray]: [f32; 1]| transfer.bytes(Vec3::splat(gray))[0];
-            build_of(size, texels, |of| light_of([of], *transfer), stored)
-        }
+    }
+
+    /// Returns the memory in bytes.
+    pub(super) fn n_bytes(&self) -> u64 {
+        let n_bytes = match self {
+            Self::Gray(texels) => size_of_val(&texels[..]),
+            Self::Rgb(texels) => size_of_val(&texels[..]),
+            Self::Rgba(texels) => size_of_val(&texels[..]),
+            Self::Floats(texels) => size_of_val(&texels[..]),
+        };
+        n_bytes as u64
     }
 }
 
-/// Builds the levels for texels of `C` channels, which `light` decodes to linear light, and
-/// `stored` encodes.
-fn build_of<T: Copy, const C: usize>(
-    size: [u32; 2],
-    texels: &mut Vec<T>,
-    light: impl Fn(T) -> [f32; C],
-    stored: impl Fn([f32; C]) -> T,
-) -> Vec<MipLevel> {
+/// Returns all levels of a picture with these texels, the whole picture first, and the texels of the
+/// smaller copies, down to one texel.
+pub(super) fn build(size: [u32; 2], whole: &Texels) -> (Vec<MipLevel>, SmallerTexels) {
     let mut levels = vec![MipLevel { size, first: 0 }];
+    let all = &mut levels;
+    let smaller = match whole {
+        Texels::Floats(texels) => {
+            SmallerTexels::Floats(build_of(all, |i| texels[i], |light| light))
+        }
+        Texels::Bytes(texels, transfer) => {
+            let light = |i: usize| rgba_light(texels[i], *transfer);
+            SmallerTexels::Rgba(build_of(all, light, halves))
+        }
+        Texels::Rgb(texels, transfer) => {
+            let light = |i: usize| light_of(texels[i], *transfer);
+            SmallerTexels::Rgb(build_of(all, light, halves))
+        }
+        Texels::Gray(texels, transfer) => {
+            let light = |i: usize| light_of([texels[i]], *transfer);
+            SmallerTexels::Gray(build_of(all, light, halves))
+        }
+    };
+    (levels, smaller)
+}
+
+fn halves<const C: usize>(light: [f32; C]) -> [Half; C] {
+    light.map(Half::nearest)
+}
+
+/// Adds the smaller levels to that of the whole picture, whose texels have the linear light `whole`;
+/// returns their texels as `stored`.
+fn build_of<T, const C: usize>(
+    levels: &mut Vec<MipLevel>,
+    whole: impl Fn(usize) -> [f32; C],
+    stored: impl Fn([f32; C]) -> T,
+) -> Vec<T> {
     // A third of the texels, and a few more if sides are not powers of two or differ much.
-    texels.reserve_exact(levels[0].n_texels() / 3);
-    // The level before, not yet rounded to bytes.
+    let mut texels = Vec::with_capacity(levels[0].n_texels() / 3);
+    // The level before, not yet rounded.
     let mut before: Option<Vec<[f32; C]>> = None;
     let mut from = levels[0];
     while from.size != [1, 1] {
@@ -64,7 +107,7 @@ fn build_of<T: Copy, const C: usize>(
             first: from.first + from.n_texels(),
         };
         let smaller = match &before {
-            None => reduced(|i| light(texels[i]), from.size, to.size),
+            None => reduced(&whole, from.size, to.size),
             Some(before) => reduced(|i| before[i], from.size, to.size),
         };
         texels.extend(smaller.iter().map(|light| stored(*light)));
@@ -72,7 +115,7 @@ fn build_of<T: Copy, const C: usize>(
         levels.push(to);
         from = to;
     }
-    levels
+    texels
 }
 
 /// Shrinks a picture: each texel is the mean of the rectangle that it covers.

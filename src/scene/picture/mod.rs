@@ -3,15 +3,16 @@
 //! A [`Picture`] has the texels of a file and copies at half the size, a quarter, and so on.
 //! [`Sampling`] selects the filter of a lookup.
 
-mod levels;
 mod texels;
+mod half;
+mod levels;
 mod wrap;
 #[cfg(test)]
 mod tests;
 
 use serde::Deserialize;
 
-use levels::MipLevel;
+use levels::{MipLevel, SmallerTexels};
 use math::simd::{Arithmetic, Real};
 pub use texels::Texels;
 pub use wrap::Wrap;
@@ -22,8 +23,10 @@ pub struct Picture {
     /// The whole picture, with sides from 1 to [`Picture::MAX_SIDE`], and its smaller
     /// copies, down to one texel.
     levels: Vec<MipLevel>,
-    /// The texels, level by level and row by row, row 0 on top.
+    /// The texels of the whole picture, row by row, row 0 on top.
     texels: Texels,
+    /// Those of its smaller copies.
+    smaller: SmallerTexels,
     /// True if no texel is transparent.
     is_opaque: bool,
 }
@@ -61,14 +64,20 @@ impl Picture {
 
     /// Creates a picture of these texels, row by row, row 0 on top; `None` if a side is 0 or too
     /// large, or if there are not `width * height` texels.
-    pub fn new(size: [u32; 2], mut texels: Texels) -> Option<Self> {
+    pub fn new(size: [u32; 2], texels: Texels) -> Option<Self> {
         let n_texels = size[0] as usize * size[1] as usize;
         let is_usable = size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side));
-        (is_usable && texels.len() == n_texels).then(|| Self {
+        (is_usable && texels.len() == n_texels).then(|| Self::of_usable(size, texels))
+    }
+
+    fn of_usable(size: [u32; 2], texels: Texels) -> Self {
+        let (levels, smaller) = levels::build(size, &texels);
+        Self {
             is_opaque: texels.are_opaque(),
-            levels: levels::build(size, &mut texels),
+            levels,
             texels,
-        })
+            smaller,
+        }
     }
 
     /// Returns the numbers of columns and rows.
@@ -83,7 +92,7 @@ impl Picture {
 
     /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
-        self.texels.n_bytes()
+        self.texels.n_bytes() + self.smaller.n_bytes()
     }
 
     /// Returns red, green, blue and opacity at a point: `u` goes from 0 at the left edge to 1 at
@@ -114,7 +123,7 @@ impl Picture {
         let last = self.levels[self.levels.len() - 1];
         let level = *self.levels.iter().find(is_small).unwrap_or(&last);
         let texels = level.first..level.first + level.n_texels();
-        (level.size, texels.map(|i| self.texels.get(i)))
+        (level.size, texels.map(|i| self.of_all(i)))
     }
 
     fn nearest(&self, [x, y]: [f32; 2]) -> [f32; 4] {
@@ -157,20 +166,23 @@ impl Picture {
     #[inline(always)]
     fn texel(&self, level: MipLevel, column: u32, row: u32) -> [f32; 4] {
         let [width, _] = level.size;
-        self.texels
-            .get(level.first + row as usize * width as usize + column as usize)
+        self.of_all(level.first + row as usize * width as usize + column as usize)
+    }
+
+    /// Returns linear light and opacity of texel `i` of all levels.
+    #[inline(always)]
+    fn of_all(&self, i: usize) -> [f32; 4] {
+        match i.checked_sub(self.levels[0].n_texels()) {
+            None => self.texels.get(i),
+            Some(i) => self.smaller.get(i),
+        }
     }
 }
 
 /// One white texel.
 impl Default for Picture {
     fn default() -> Self {
-        let mut texels = Texels::Floats(vec![[1.0; 4]]);
-        Self {
-            levels: levels::build([1, 1], &mut texels),
-            texels,
-            is_opaque: true,
-        }
+        Self::of_usable([1, 1], Texels::Floats(vec![[1.0; 4]]))
     }
 }
 

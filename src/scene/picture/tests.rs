@@ -109,7 +109,7 @@ proptest! {
     fn each_level_has_the_means_of_the_one_before(picture in pictures()) {
         for pair in picture.levels.windows(2) {
             let before: Vec<_> = (0..pair[0].size[0] * pair[0].size[1])
-                .map(|i| picture.texels.get(pair[0].first + i as usize))
+                .map(|i| picture.of_all(pair[0].first + i as usize))
                 .collect();
             let before = Picture::new(pair[0].size, Texels::Floats(before)).unwrap();
             let [columns, rows] = pair[1].size;
@@ -117,7 +117,7 @@ proptest! {
                 let at = |i: u32, n: u32| [i, i + 1].map(|i| f64::from(i) / f64::from(n));
                 let ([left, right], [top, bottom]) = (at(i % columns, columns), at(i / columns, rows));
                 let expected = mean(&before, [left, top], [right, bottom]);
-                let found = picture.texels.get(pair[1].first + i as usize);
+                let found = picture.of_all(pair[1].first + i as usize);
                 for (found, expected) in found.into_iter().zip(expected) {
                     prop_assert!((f64::from(found) - expected).abs() < 0.02, "{found} {expected}");
                 }
@@ -128,22 +128,40 @@ proptest! {
 
 #[test]
 fn a_footprint_of_all_has_the_mean_of_the_light() {
-    // Halves of black and white, whose mean is sRGB level 188.
-    let gray = |i: usize| {
-        if i.is_multiple_of(3) {
-            [255; 4]
-        } else {
-            [0, 0, 0, 255]
+    for (level, light) in [(255_u8, 1.0), (40, 0.021_219), (12, 0.003_677)] {
+        for size in [[12, 12], [9, 4], [96, 1]] {
+            // One texel of three has light.
+            let n = (size[0] * size[1]) as usize;
+            let gray = |i: usize| level * u8::from(i.is_multiple_of(3));
+            let grays = || (0..n).map(gray);
+            let of_all = |gray: u8| [gray, gray, gray, 51];
+            for texels in [
+                Texels::Gray(grays().collect(), Transfer::Srgb),
+                Texels::Rgb(grays().map(|gray| [gray; 3]).collect(), Transfer::Srgb),
+                Texels::Bytes(grays().map(of_all).collect(), Transfer::Srgb),
+            ] {
+                let has_opacity = matches!(texels, Texels::Bytes(..));
+                let picture = Picture::new(size, texels).unwrap();
+                let [r, g, b, opacity] = picture.at(Sampling::default(), [0.3, 0.6], 50.0);
+                let ratio = [r, g, b].map(|found| 3.0 * found / light);
+                assert!(ratio.iter().all(|of| (of - 1.0).abs() < 5e-4), "{ratio:?}");
+                let expected = if has_opacity { 0.2 } else { 1.0 };
+                assert!((opacity - expected).abs() < 1e-4, "{opacity}");
+            }
         }
-    };
-    for size in [[12, 12], [9, 4], [96, 1]] {
-        let n = (size[0] * size[1]) as usize;
-        let texels = Texels::Bytes((0..n).map(gray).collect(), Transfer::Srgb);
-        let picture = Picture::new(size, texels).unwrap();
-        let [found, .., opacity] = picture.at(Sampling::default(), [0.3, 0.6], 5.0);
-        assert!((found - 1.0 / 3.0).abs() < 4e-3, "{found}");
-        assert_eq!(opacity, 1.0);
     }
+}
+
+/// The smaller copies have a third of the texels, and two bytes a channel.
+#[test]
+fn smaller_copies_take_two_thirds_of_the_bytes_again() {
+    let picture = |texels| Picture::new([64, 64], texels).unwrap().n_bytes();
+    let n = 64 * 64;
+    let smaller = (n - 1) / 3;
+    let of_rgb = picture(Texels::Rgb(vec![[7; 3]; n as usize], Transfer::Srgb));
+    assert_eq!(of_rgb, 3 * n + 6 * smaller);
+    let of_gray = picture(Texels::Gray(vec![7; n as usize], Transfer::Srgb));
+    assert_eq!(of_gray, n + 2 * smaller);
 }
 
 #[test]

@@ -114,10 +114,3 @@ pub(super) fn rgba_light([r, g, b, a]: [u8; 4], transfer: Transfer) -> [f32; 4] 
     );
     [r, g, b, a]
 }
-
-/// Returns the bytes of linear light and opacity.
-pub(super) fn rgba_bytes([r, g, b, a]: [f32; 4], transfer: Transfer) -> [u8; 4] {
-    let [r, g, b] = transfer.bytes(Vec3::new(r, g, b));
-    let [a, ..] = Transfer::Linear.bytes(Vec3::splat(a));
-    [r, g, b, a]
-}
