@@ -23,6 +23,11 @@ impl ScalingPoint<'_> {
         self.row.statistics.median
     }
 
+    /// Returns the size of its image if it is a factor.
+    fn image_size(&self) -> Option<&Value> {
+        self.row.point.get("image_size")
+    }
+
     /// Returns the point's values without those that may change together with the threads.
     fn others(&self) -> Map<String, Value> {
         let mut others = self.row.point.clone();
@@ -32,11 +37,11 @@ impl ScalingPoint<'_> {
 }
 
 /// Returns rows of `speedup` and `scaling_efficiency` for the points of a study that varies threads
-/// or ranks. The baseline is the point with the fewest threads among the points that differ only in
-/// the size of the image: the speedup is the throughput in pixels over the baseline's throughput,
-/// and the efficiency the speedup over the ratio of threads. That is strong scaling where all
-/// images are equal (t₁ / (n tₙ)), and weak scaling where their pixels grow with the threads (t₁ /
-/// tₙ).
+/// or ranks. The baseline is the point with the fewest threads and otherwise the same values: the
+/// speedup is the throughput in pixels over the baseline's throughput, and the efficiency the speedup
+/// over the ratio of threads. That is strong scaling (t₁ / (n tₙ)). Where each size of the image has
+/// only one number of threads, the sizes may differ: weak scaling if the pixels grow with the
+/// threads (t₁ / tₙ).
 ///
 /// A speedup is a ratio of two runs of one round; its statistics are those of the ratios of all
 /// rounds, so that its interval also holds the noise of the baseline.
@@ -52,8 +57,7 @@ pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> V
     let points: Vec<ScalingPoint> = points.collect();
     let mut found = Vec::new();
     for point in &points {
-        let comparable = points.iter().filter(|one| one.others() == point.others());
-        let Some(base) = comparable.min_by(|a, b| a.n_threads().total_cmp(&b.n_threads())) else {
+        let Some(base) = baseline(point, &points) else {
             continue;
         };
         let speedups = point.throughput.over(&base.throughput);
@@ -70,6 +74,25 @@ pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> V
         }
     }
     found
+}
+
+/// Returns the point that another one is compared to; see [`scaling_rows`].
+fn baseline<'a>(
+    point: &ScalingPoint,
+    points: &'a [ScalingPoint<'a>],
+) -> Option<&'a ScalingPoint<'a>> {
+    let of_others = points.iter().filter(|one| one.others() == point.others());
+    let of_others: Vec<&ScalingPoint> = of_others.collect();
+    let is_pair = |a: &ScalingPoint, b: &ScalingPoint| {
+        a.image_size() == b.image_size() && a.n_threads() != b.n_threads()
+    };
+    let is_strong = of_others
+        .iter()
+        .any(|a| of_others.iter().any(|b| is_pair(a, b)));
+    let comparable = of_others
+        .into_iter()
+        .filter(|one| !is_strong || one.image_size() == point.image_size());
+    comparable.min_by(|a, b| a.n_threads().total_cmp(&b.n_threads()))
 }
 
 #[cfg(test)]
@@ -143,6 +166,30 @@ mod tests {
         }
         for (ranks, seconds) in weak {
             is_near(&values(ranks, "weak"), "scaling_efficiency", 10.0 / seconds);
+        }
+    }
+
+    #[test]
+    fn each_size_of_the_image_has_its_baseline() {
+        let values =
+            |threads: u32, width: u32| json!({ "threads": threads, "image_size": [width, 100] });
+        // A large picture has more pixels in a second than a small one.
+        let rates = [
+            (1, 100, 10.0),
+            (2, 100, 18.0),
+            (1, 400, 30.0),
+            (2, 400, 57.0),
+        ];
+        let points = rates.map(|(n, width, rate)| (values(n, width), f64::from(n), rate));
+        let found = scaling(&points);
+        for (threads, width, expected) in
+            [(1, 100, 1.0), (2, 100, 1.8), (1, 400, 1.0), (2, 400, 1.9)]
+        {
+            let ends = range(&found, &values(threads, width), "speedup");
+            assert!(
+                ends.iter().all(|end| (end - expected).abs() < 1e-9),
+                "{ends:?}"
+            );
         }
     }
 
