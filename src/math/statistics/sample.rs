@@ -69,6 +69,13 @@ impl SampleStatistics {
         })
     }
 
+    /// Returns the probability that the [`spread`](Self::spread) covers the true median; 0 for one
+    /// value.
+    pub fn coverage(&self) -> f64 {
+        let of_range = 1.0 - 2.0 * 0.5_f64.powi(self.n as i32);
+        self.interval.map_or(of_range, |interval| interval.coverage)
+    }
+
     /// Returns true if a value is an outlier: if its modified z-score is above 3.5.
     pub fn is_outlier(&self, value: f64) -> bool {
         is_outlier(value, self.median, self.mad)
@@ -98,6 +105,7 @@ mod tests {
         assert_eq!((statistics.min, statistics.max), (2.0, 9.0));
         assert_eq!((statistics.median, statistics.mad), (4.5, 0.5));
         assert_eq!(statistics.spread(), [2.0, 9.0]);
+        assert!((statistics.coverage() - 0.992).abs() < 1e-3);
         assert_eq!(SampleStatistics::from_values(&[]), None);
     }
 
@@ -106,6 +114,7 @@ mod tests {
         let one = SampleStatistics::from_values(&[3.0]).unwrap();
         assert_eq!((one.standard_deviation, one.mad), (0.0, 0.0));
         assert_eq!((one.spread(), one.interval), ([3.0; 2], None));
+        assert_eq!(one.coverage(), 0.0);
     }
 
     #[test]

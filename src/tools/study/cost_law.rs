@@ -11,6 +11,7 @@
 //! likelihood (Bates and Watts, "Nonlinear Regression Analysis", 1988, section 6.1).
 
 use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// Range of the exponents.
 const EXPONENTS: [f64; 2] = [-4.0, 4.0];
@@ -19,12 +20,8 @@ const N_STEPS: u32 = 800;
 /// Minimum relative standard error of a median: points differ by more than the noise of repeats,
 /// for example where the data exceed a cache.
 const MIN_ERROR: f64 = 0.005;
-/// The 97.5 % quantile of the standard normal distribution.
-const NORMAL_QUANTILE: f64 = 1.96;
-/// The 97.5 % quantiles of Student's t distribution for 1, 2, … degrees of freedom.
-const STUDENT_QUANTILES: [f64; 10] = [
-    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
-];
+/// Probability that the interval of the exponent covers the true one.
+const CONFIDENCE: f64 = 0.95;
 
 /// `y = factor * x^exponent`: a straight line on two logarithmic axes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -64,8 +61,10 @@ pub struct CostSample {
     pub n: f64,
     /// The cost: a median.
     pub cost: f64,
-    /// The ends of its 95 % confidence interval or, for a few runs, of their range.
+    /// The ends of its confidence interval or, for a few runs, of their range.
     pub interval: [f64; 2],
+    /// The probability that the interval covers the true cost; 0 for one run.
+    pub coverage: f64,
 }
 
 impl CostLaw {
@@ -229,17 +228,19 @@ impl ExponentSearch {
 
     /// Returns how much the sum of squares may exceed its minimum within the confidence interval:
     /// by the standard errors or, where the samples are farther from the law than these explain, by
-    /// the residuals.
+    /// the residuals. To take the greater of both would cover the exponent too often.
     fn tolerance(&self, chi_squared: f64, n_sizes: usize) -> f64 {
-        let by_errors = NORMAL_QUANTILE.powi(2);
-        let Some(degrees) = n_sizes.checked_sub(4) else {
-            return by_errors;
-        };
-        let student = STUDENT_QUANTILES
-            .get(degrees)
-            .copied()
-            .unwrap_or(NORMAL_QUANTILE + 0.2);
-        by_errors.max(chi_squared / (degrees + 1) as f64 * student.powi(2))
+        // Of the fixed cost, the factor and the exponent there are three.
+        let degrees = (n_sizes - 3) as f64;
+        let of_residuals = ChiSquared::new(degrees).ok();
+        let explained = |chi: ChiSquared| chi_squared <= chi.inverse_cdf(CONFIDENCE);
+        match StudentsT::new(0.0, 1.0, degrees) {
+            Ok(student) if !of_residuals.is_none_or(explained) => {
+                let quantile = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE);
+                chi_squared / degrees * quantile.powi(2)
+            }
+            _ => normal_quantile(CONFIDENCE).powi(2),
+        }
     }
 
     /// Returns the exponent, between one inside and one outside the confidence interval, where the
@@ -266,15 +267,22 @@ fn better(a: Fit, b: Fit) -> Fit {
     if b.chi_squared < a.chi_squared { b } else { a }
 }
 
+/// Returns the standard errors from the middle of a normal distribution to either end of the range
+/// with this probability.
+fn normal_quantile(probability: f64) -> f64 {
+    Normal::standard().inverse_cdf(0.5 + 0.5 * probability)
+}
+
 /// Returns the samples with their standard errors.
 pub(super) fn weighted(samples: &[CostSample]) -> Vec<WeightedSample> {
     let one = |sample: &CostSample| {
         let [low, high] = sample.interval;
-        let error = (high - low) / (2.0 * NORMAL_QUANTILE);
+        // Not a number for one run.
+        let error = (high - low) / (2.0 * normal_quantile(sample.coverage));
         WeightedSample {
             size: sample.n,
             cost: sample.cost,
-            error: error.max(MIN_ERROR * sample.cost),
+            error: f64::max(MIN_ERROR * sample.cost, error),
         }
     };
     samples.iter().map(one).collect()

@@ -63,6 +63,8 @@ pub struct PlotPoint {
     pub y: f64,
     /// Ends of the 95 % confidence interval of `y`, or of the range of all runs.
     pub interval: [f64; 2],
+    /// The probability that the interval covers the true median.
+    pub coverage: f64,
     /// True if the interval is the range of all runs, which are too few for a confidence interval.
     pub is_range: bool,
     /// Label beside the point; may be empty.
@@ -82,6 +84,7 @@ impl Series {
             n: point.x,
             cost: point.y,
             interval: point.interval,
+            coverage: point.coverage,
         };
         let samples: Vec<CostSample> = fitted.map(sample).collect();
         let is_positive = |sample: &CostSample| sample.n > 0.0 && sample.cost > 0.0;
@@ -118,6 +121,7 @@ impl Figure {
                 x,
                 y: statistics.median,
                 interval: statistics.spread(),
+                coverage: statistics.coverage(),
                 is_range: statistics.interval.is_none(),
                 label: if plot.bars {
                     bar_label(row, rows)

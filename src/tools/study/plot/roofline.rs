@@ -72,6 +72,7 @@ fn plot_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> Plot
         x,
         y: per_second(time.median),
         interval: [per_second(high), per_second(low)],
+        coverage: time.coverage(),
         is_range: time.interval.is_none(),
         label: point.point.get(label).map(short_text).unwrap_or_default(),
         limit: Some(per_second(time.median * point.latency_share)),
