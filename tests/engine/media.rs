@@ -131,3 +131,121 @@ objects:
         assert!((left / expected - 1.0).abs() < 0.02, "{left} {expected}");
     }
 }
+
+/// Views from inside of water in front of a lamp of radiance 1, and the distances through water to it.
+#[test]
+fn an_eye_in_water_sees_through_it() {
+    let box_of = |min: f32, max: f32| {
+        format!("box: {{ min: [{min}, {min}, {min}], max: [{max}, {max}, {max}] }}")
+    };
+    let eye = "look_at: { eye: [0, 0, 0], target: [2, 0, 0], fov_y_deg: 1";
+    let pinhole = format!("{eye} }}");
+    let lens = format!("{eye}, lens: {{ radius: 0.2, focus_distance: 2 }} }}");
+    let panorama = "panorama: { eye: [0, 0, 0], target: [2, 0, 0] }".to_owned();
+    let parallel = "orthographic: { eye: [0, 0, 0], target: [2, 0, 0], height: 1 }".to_owned();
+    let bubble = "  - sphere: { center: [0, 0, 0], radius: 0.5 }\n    material: air\n";
+    let around = "  - sphere: { center: [0, 0, 0], radius: 2 }\n    material: lamp\n";
+    let plane = "plane: { point: [0, 3, 0], normal: [0, 1, 0] }".to_owned();
+    for (camera, water, more, distance) in [
+        (&pinhole, box_of(-3.0, 3.0), "", 2.0),
+        (&pinhole, plane.clone(), "", 2.0),
+        (&pinhole, box_of(-3.0, 1.0), "", 1.0),
+        // A bubble of air is a medium of a higher priority.
+        (&pinhole, box_of(-3.0, 3.0), bubble, 1.5),
+        // Behind water, and behind its plane.
+        (&pinhole, box_of(-8.0, -4.0), "", 0.0),
+        (
+            &pinhole,
+            "plane: { point: [0, -3, 0], normal: [0, 1, 0] }".to_owned(),
+            "",
+            0.0,
+        ),
+        (&lens, box_of(-3.0, 3.0), "", 2.0),
+        (&panorama, box_of(-3.0, 3.0), around, 2.0),
+        (&parallel, box_of(-3.0, 3.0), "", 2.0),
+    ] {
+        for (mode, model) in [
+            ("none", "path"),
+            ("single_ray_time", "path"),
+            ("none", "blinn_phong"),
+            ("single_ray_time", "blinn_phong"),
+        ] {
+            let radiance = radiance(&in_water(mode, model, camera, &water, more));
+            let found = radiance[radiance.len() / 2 + 2];
+            let expected = [0.5, 1.0, 2.0].map(|absorption: f32| (-absorption * distance).exp());
+            let difference = (found - Vec3::from(expected)).abs().max_element();
+            assert!(
+                difference < 2e-3,
+                "{mode} {model} {camera} {water}: {found} {expected:?}"
+            );
+        }
+    }
+}
+
+/// A lamp around a camera in a medium that refracts no light, and around fog.
+fn in_water(mode: &str, model: &str, camera: &str, water: &str, more: &str) -> String {
+    format!(
+        "image: {{ width: 4, height: 4, samples_per_pixel: 4, sampler: sobol }}
+camera: {{ {camera} }}
+shading: {{ model: {model}, max_depth: 10 }}
+cost: {mode}
+materials:
+  water: {{ dielectric: {{ index: 1, absorption: [0.5, 1, 2] }} }}
+  air: {{ dielectric: {{ index: 1, priority: 1 }} }}
+  lamp: {{ emission: 1, color: 0 }}
+lights: []
+objects:
+  - {water}
+    material: water
+  - rectangle: {{ corner: [2, -9, -9], edges: [[0, 0, 18], [0, 18, 0]] }}
+    material: lamp
+{more}"
+    )
+}
+
+/// Parallel rays, and rays of a lens, start on both sides of a surface.
+#[test]
+fn rays_start_in_the_medium_at_their_origin() {
+    let water = "box: { min: [-3, -3, -3], max: [3, 0, 3] }";
+    let parallel = "orthographic: { eye: [0, 1, 0], target: [2, 1, 0], height: 4 }";
+    let lens = "look_at: { eye: [0, 0.05, 0], target: [2, 0.05, 0], fov_y_deg: 0.1, \
+                lens: { radius: 1, focus_distance: 1000 } }";
+    let left = [0.5, 1.0, 2.0].map(|absorption: f32| (-absorption * 2.0).exp());
+    for mode in ["none", "single_ray_time"] {
+        let rows = radiance(&in_water(mode, "path", parallel, water, ""));
+        for (i, found) in rows.iter().enumerate() {
+            let expected = if i < 12 { Vec3::ONE } else { left.into() };
+            assert!(
+                (found - expected).abs().max_element() < 1e-3,
+                "{mode} {i}: {found}"
+            );
+        }
+        let mixed = mean(&radiance(&in_water(mode, "path", lens, water, "")));
+        // Somewhat less than half of the lens is in water.
+        let share = (Vec3::ONE - mixed) / (Vec3::ONE - Vec3::from(left));
+        assert!((share - 0.47).abs().max_element() < 0.05, "{mode}: {share}");
+    }
+}
+
+#[test]
+fn a_clear_ball_around_the_eye_keeps_the_fog_out() {
+    for (model, fog) in [
+        ("blinn_phong", "{ mean_free_path: 0.5, color: 0 }"),
+        ("path", "{ mean_free_path: 0.5, color: 0 }"),
+    ] {
+        let scene = in_water(
+            "none",
+            model,
+            "look_at: { eye: [0, 0, 0], target: [2, 0, 0], fov_y_deg: 1 }",
+            "sphere: { center: [-30, 0, 0], radius: 1 }",
+            "  - sphere: { center: [0, 0, 0], radius: 1.5 }\n    material: air\n",
+        );
+        let found = mean(&radiance(&format!("{scene}fog: {fog}\n")));
+        // Half of a unit is in fog: one mean free path.
+        let tolerance = if model == "path" { 0.15 } else { 1e-3 };
+        assert!(
+            (found.x - (-1_f32).exp()).abs() < tolerance,
+            "{model}: {found}"
+        );
+    }
+}

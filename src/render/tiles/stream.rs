@@ -244,7 +244,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         });
         // Initialize the data that only some scenes need.
         if self.shader.has_branches() {
-            self.wave.start_in_vacuum();
+            self.wave.start_branches(&self.view.eye_media);
         }
         if self.shader.measures_paths() {
             self.wave.measure();

@@ -9,7 +9,7 @@ use math::simd::{Integer, Mask, Real, Vector};
 use scene::camera::ImagePlane;
 use scene::geometry::Ray;
 use scene::world::Sensor;
-use tracer::shade::{PathRay, SampleId, Shader};
+use tracer::shade::{EyeMedia, PathRay, SampleId, Shader};
 use tracer::trace::Tracer;
 
 /// Everything that rendering a pixel needs.
@@ -18,6 +18,8 @@ pub struct View<'a> {
     /// Finds hits in the scene.
     pub tracer: Tracer<'a>,
     pub(crate) shader: Shader<'a>,
+    /// The media in which camera rays start.
+    pub(super) eye_media: EyeMedia<'a>,
     /// The samples of each pixel.
     pub rounds: Rounds,
     /// The sample at the center of the pixel.
@@ -48,6 +50,7 @@ impl<'a> View<'a> {
         Self {
             tracer: tracer.with_cone(sensor.cone),
             shader: Shader::new(scene, sampler),
+            eye_media: EyeMedia::new(tracer, &plane, image.filter_radius()),
             rounds: Rounds::new(image, sensor.development.gain()),
             middle: sampler.center(),
             sample_limit: sensor.sample_limit,
@@ -82,7 +85,7 @@ impl<'a> View<'a> {
             pixel: self.pixel_number(place),
             sample,
         };
-        PathRay::from_camera(self.camera_ray(place, sample), id)
+        PathRay::from_camera(self.camera_ray(place, sample), &self.eye_media, id)
     }
 
     /// Returns the origins and the directions of the camera rays of one sample of a pixel per lane,

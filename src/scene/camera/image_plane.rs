@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::lens::Lens;
 use super::sphere_axes::{SphereAxes, shrinkage};
-use crate::geometry::{Ray, RenderSpace};
+use crate::geometry::{Aabb, Ray, RenderSpace};
 use math::simd::{Real, Vector};
 
 /// The positions of the pixels in render space, and the camera rays through them.
@@ -106,6 +106,24 @@ impl ImagePlane {
             Projection::Parallel { .. } => false,
         };
         is_point.then_some(self.eye)
+    }
+
+    /// Returns the bounds of the points at which camera rays start that pass through pixels, or
+    /// through points up to `margin` pixels beside them.
+    pub fn origins(&self, margin: f32) -> Aabb {
+        if let Projection::Parallel { .. } = self.projection {
+            let ends = self.size.map(|n| [-margin, (n - 1) as f32 + margin]);
+            return Aabb::of_points(
+                ends[0]
+                    .into_iter()
+                    .flat_map(|x| ends[1].map(|y| self.point(x, y))),
+            );
+        }
+        let radius = Vec3::splat(self.lens.map_or(0.0, |lens| lens.radius));
+        Aabb {
+            min: self.eye - radius,
+            max: self.eye + radius,
+        }
     }
 
     /// Returns the ray through pixel coordinates (x, y), with a lens through its center. The

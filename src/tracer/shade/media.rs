@@ -51,6 +51,11 @@ impl Media {
         self.0[0].is_none()
     }
 
+    /// Returns the number of media.
+    pub(super) fn n(self) -> usize {
+        self.0.iter().flatten().count()
+    }
+
     /// Returns the surface of this material, which the ray enters or leaves. A ray that leaves a
     /// medium without having entered it started inside.
     pub(super) fn cross(self, material: MaterialId, enters: bool, all: &[Material]) -> Interface {

@@ -11,6 +11,7 @@
 mod blinn_phong;
 mod fresnel;
 mod media;
+mod eye_media;
 mod path;
 mod paths;
 mod numbers;
@@ -54,6 +55,7 @@ use scene::world::Scene;
 
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
+pub use eye_media::EyeMedia;
 pub use numbers::{SampleId, SampleIds};
 pub use path::PathRay;
 pub use paths::PathWave;

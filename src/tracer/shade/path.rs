@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::eye_media::EyeMedia;
 use super::media::Media;
 use super::numbers::SampleId;
 use crate::cost::RayKind;
@@ -30,15 +31,15 @@ pub struct PathRay {
 }
 
 impl PathRay {
-    /// Returns the camera ray of a sample.
-    pub fn from_camera(ray: Ray, id: SampleId<u32>) -> Self {
+    /// Returns the camera ray of a sample, which starts in one of these media.
+    pub fn from_camera(ray: Ray, eye_media: &EyeMedia, id: SampleId<u32>) -> Self {
         Self {
             ray,
             kind: RayKind::Camera,
             depth: 0,
             length: 0.0,
             weight: Vec3::ONE,
-            media: Media::default(),
+            media: eye_media.at(ray.origin),
             density: f32::INFINITY,
             id,
         }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::eye_media::EyeMedia;
 use super::media::Media;
 use crate::accel::Hit;
 use crate::cost::RayKind;
@@ -87,10 +88,10 @@ impl PathWave {
         &self.lengths
     }
 
-    /// Starts all paths in a vacuum, in a scene where they have branches.
-    pub fn start_in_vacuum(&mut self) {
+    /// Starts all paths at the camera, in a scene where they have branches.
+    pub fn start_branches(&mut self, eye_media: &EyeMedia) {
         let camera = |place| Branch {
-            media: Media::default(),
+            media: eye_media.at(self.rays.get(place as usize).origin),
             kind: RayKind::Camera,
             density: f32::INFINITY,
             place,
