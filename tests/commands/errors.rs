@@ -40,7 +40,8 @@ const JARGON: &[&str] = &[
     "u32",
     "u64",
     "i64",
-    "128",
+    "i128",
+    "u128",
     "f32",
     "f64",
     "usize",
@@ -232,19 +233,57 @@ fn more_primitives_than_a_hierarchy_can_hold_are_refused() {
     assert!(error.contains("expected at most 268435456"), "{error}");
 }
 
+/// Values nested by brackets, by dashes, by indentation, and by aliases of aliases.
+fn nested(n_levels: usize) -> [String; 5] {
+    let indented = (0..n_levels).map(|n| format!("\n{}a:", " ".repeat(n + 1)));
+    let alias = |n: usize| {
+        format!(
+            "x{n}: &x{n} [{}]\n",
+            if n == 0 {
+                "1".into()
+            } else {
+                format!("*x{}", n - 1)
+            }
+        )
+    };
+    [
+        format!(
+            "objects: {}1{}\n",
+            "[".repeat(n_levels),
+            "]".repeat(n_levels)
+        ),
+        format!(
+            "objects: {}1{}\n",
+            "{a: ".repeat(n_levels),
+            "}".repeat(n_levels)
+        ),
+        format!("objects:\n  {}1\n", "- ".repeat(n_levels)),
+        format!("objects:{} 1\n", indented.collect::<String>()),
+        (0..n_levels).map(alias).collect(),
+    ]
+}
+
 #[test]
-fn ten_thousand_brackets_are_one_mistake() {
-    for text in [
-        "[".repeat(10_000),
-        "[".repeat(10_000) + &"]".repeat(10_000),
-        "{a: ".repeat(10_000),
-    ] {
-        let message = message(&format!("objects: {text}\n"));
-        assert!(message.contains("^ nested too deeply\n"), "{message}");
-        assert!(message.lines().all(|line| line.len() < 160), "{message}");
+fn deep_values_are_one_mistake() {
+    let too_deep = "error: lists and mappings are nested too deeply\n";
+    for n_levels in [128, 1_000, 20_000] {
+        for text in nested(n_levels) {
+            // Indentation by the level takes the square of their number.
+            if text.len() > 1 << 20 {
+                continue;
+            }
+            let message = message(&text);
+            assert!(message.starts_with(too_deep), "{n_levels}: {message}");
+            assert!(
+                message.contains("^ expected at most 128 levels\n"),
+                "{message}"
+            );
+            assert!(message.lines().all(|line| line.len() < 160), "{message}");
+        }
     }
-    let message = message(&"- ".repeat(10_000));
-    assert!(message.contains("the scene cannot be a list"), "{message}");
+    for text in nested(127) {
+        assert!(!message(&text).contains("nested"), "{}", message(&text));
+    }
 }
 
 #[test]

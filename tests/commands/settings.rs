@@ -149,6 +149,27 @@ fn a_wrong_setting_is_shown_with_a_caret() {
 
 /// Two wrong settings: the message is that of a plain mistake.
 #[test]
+fn a_setting_and_its_path_have_a_depth() {
+    let steps = "a.".repeat(64);
+    for (setting, is_fine) in [
+        (format!("foo={}1", "- ".repeat(20_000)), false),
+        (format!("{}b=1", "a.".repeat(20_000)), false),
+        (
+            format!("{steps}b={}{}", "[".repeat(63), "]".repeat(63)),
+            true,
+        ),
+        (
+            format!("{steps}b={}{}", "[".repeat(64), "]".repeat(64)),
+            false,
+        ),
+    ] {
+        let error = with(&[&setting]).unwrap_err().to_string();
+        assert_eq!(error.contains("nested too deeply"), !is_fine, "{error}");
+        assert!(error.contains(" --> --set:1:"), "{error}");
+    }
+}
+
+#[test]
 fn a_mistake_of_the_file_is_shown_in_the_file() {
     let broken = SCENE.replace("radius: 1", "radios: 1");
     let mut document = Document::new(Source::new("scene.yaml", broken), Config::MERGING).unwrap();

@@ -79,11 +79,12 @@ impl Location {
 }
 
 /// Checks the rules that serde_yaml does not check, or reports without a position: syntax, a single
-/// document, scalar keys, no duplicate keys, no tags.
-pub(super) fn check(text: &str) -> Result<(), Fault> {
+/// document, scalar keys, no duplicate keys, no tags, a bounded depth. The text is the value of a
+/// path of `n_levels_above` steps.
+pub(super) fn check(text: &str, n_levels_above: usize) -> Result<(), Fault> {
     syntax::check_characters(text)?;
     let mut is_empty = true;
-    walk(text, |node| {
+    walk(text, n_levels_above, |node| {
         is_empty &= node.path.is_empty() && node.is_empty
     })?;
     if is_empty {
@@ -103,7 +104,7 @@ pub(super) fn check(text: &str) -> Result<(), Fault> {
 pub(super) fn locate(text: &str, path: &FieldPath) -> Option<Location> {
     let mut deepest: Option<(usize, Location)> = None;
     // After a syntax error, the values before it remain valid.
-    let _ = walk(text, |node| {
+    let _ = walk(text, 0, |node| {
         let depth = node.path.len();
         if path.0.starts_with(node.path) && deepest.as_ref().is_none_or(|(best, _)| depth > *best) {
             let location = Location {

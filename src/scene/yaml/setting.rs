@@ -63,7 +63,7 @@ impl SettingText {
                 "expected a value behind it",
             ));
         }
-        position::check(&text[value..]).map_err(|fault| fault.moved(value))?;
+        position::check(&text[value..], steps.len()).map_err(|fault| fault.moved(value))?;
         let (path, steps) = steps.into_iter().unzip();
         let path = FieldPath(path);
         Ok(Self { path, steps, value })

@@ -182,7 +182,7 @@ impl Source {
     /// # Errors
     /// The first mistake.
     pub(super) fn check(&self) -> Result<(), Diagnostic> {
-        position::check(&self.text).map_err(|fault| self.point_at(fault))
+        position::check(&self.text, 0).map_err(|fault| self.point_at(fault))
     }
 
     /// Locates the value at `path`, or its nearest ancestor in the text.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use saphyr_parser::{ScanError, Span};
 
+use super::expansion::MAX_LEVELS;
 use super::fault::Fault;
 use super::quote;
 use base::text::line_start;
@@ -102,11 +103,6 @@ const REWORDED: &[(&str, &str, &str)] = &[
         "define the anchor with `&name` before `*name` refers to it",
     ),
     (
-        "recursion limit",
-        "nested too deeply",
-        "use fewer levels of brackets",
-    ),
-    (
         "invalid indentation",
         "too far to the left",
         "indent the contents of brackets deeper than the line that opens them",
@@ -153,6 +149,8 @@ const REWORDED: &[(&str, &str, &str)] = &[
 const END_OF_LINE: &str = "end of the line";
 /// Part of a parser's message about text after a closing quote.
 const AFTER_QUOTE: &str = "trailing content after";
+/// Part of both parsers' messages about brackets in brackets.
+const TOO_DEEP: &str = "recursion limit";
 const SUBJECT: &str = "invalid YAML syntax";
 
 /// Translates an error of saphyr. `opened` are the starting bytes of the collections that were open
@@ -163,6 +161,9 @@ pub(super) fn fault(
     opened: impl DoubleEndedIterator<Item = usize>,
 ) -> Fault {
     let at = byte_of(text, error.marker().index());
+    if error.info().contains(TOO_DEEP) {
+        return too_deep(at..at);
+    }
     if let Some(fault) = quote::unclosed(text, at) {
         return fault;
     }
@@ -195,6 +196,13 @@ pub(super) fn fault(
     }
 }
 
+/// Returns the fault of a value that lies within too many others.
+pub(super) fn too_deep(bytes: Range<usize>) -> Fault {
+    let expected = format!("expected at most {MAX_LEVELS} levels");
+    Fault::of_bytes(bytes, "lists and mappings are nested too deeply", expected)
+        .with_help("use fewer levels of brackets and indentation")
+}
+
 fn still_open(text: &str, bracket: usize) -> String {
     let line = 1 + text[..bracket].matches('\n').count();
     let rest = text[bracket..].lines().next().unwrap_or_default();
@@ -215,6 +223,9 @@ pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     let at = error
         .location()
         .map_or(0, |place| byte_of(text, place.index()));
+    if info.contains(TOO_DEEP) {
+        return too_deep(at..at);
+    }
     broken(at..at, info, ADVICE)
 }
 

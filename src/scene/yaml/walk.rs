@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 
-use super::expansion::Expansion;
+use super::expansion::{Excess, Expansion};
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
 use super::name::{MAX_NAME, is_long};
@@ -23,12 +23,17 @@ pub(super) struct Node<'a> {
     pub is_empty: bool,
 }
 
-/// Calls `visit` for every value in the order of the text, and for a collection at its end.
+/// Calls `visit` for every value in the order of the text, and for a collection at its end. The
+/// text is the value of a path of `n_levels_above` steps.
 ///
 /// # Errors
 /// The first syntax error, or the first use of YAML that scenes do not allow: a second document, a
-/// tag, a key that is not a scalar, a duplicate key.
-pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
+/// tag, a key that is not a scalar, a duplicate key, or more values or levels than a limit.
+pub(super) fn walk(
+    text: &str,
+    n_levels_above: usize,
+    visit: impl FnMut(Node),
+) -> Result<(), Fault> {
     let mut walk = Walk {
         text,
         visit,
@@ -37,7 +42,7 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
         last_key: Cell::default(),
         has_document: false,
     };
-    let mut expansion = Expansion::default();
+    let mut expansion = Expansion::below(n_levels_above);
     for event in Parser::new_from_str(text) {
         let (event, span) = event.map_err(|error| {
             let opened = walk
@@ -47,16 +52,22 @@ pub(super) fn walk(text: &str, visit: impl FnMut(Node)) -> Result<(), Fault> {
             syntax::fault(text, &error, opened)
         })?;
         walk.check(&event, span)?;
-        if !expansion.take(&event) {
-            let alias = bytes(text, span);
-            let message = "the aliases (`*name`) expand to too many values";
-            let help =
-                "write some of the values in full, or use a generator such as `sphere_cloud`";
-            return Err(Fault::of_bytes(alias, message, "with this one").with_help(help));
-        }
+        expansion.take(&event).map_err(|excess| {
+            let at = bytes(text, span);
+            match excess {
+                Excess::Levels => syntax::too_deep(at),
+                Excess::Aliases => too_many_values(at),
+            }
+        })?;
         walk.follow(event, span);
     }
     Ok(())
+}
+
+fn too_many_values(alias: Range<usize>) -> Fault {
+    let message = "the aliases (`*name`) expand to too many values";
+    let help = "write some of the values in full, or use a generator such as `sphere_cloud`";
+    Fault::of_bytes(alias, message, "with this one").with_help(help)
 }
 
 struct Walk<'t, V> {
