@@ -3,7 +3,7 @@
 use std::{fmt, io};
 
 use super::RenderError;
-use base::host::{affinity, spawn_one_of_pool};
+use base::host::{affinity, start_threads};
 use base::stop::Cancellation;
 use base::text::Diagnostic;
 use render::ranks::local_rank;
@@ -90,34 +90,51 @@ impl Options<'_> {
 
     /// Starts the threads.
     pub(crate) fn thread_pool(&self) -> Result<rayon::ThreadPool, RenderError> {
+        let is_pinned = self.pin == Pinning::Cores;
+        if is_pinned {
+            // Before they start: a thousand threads take a second.
+            cpus_for(self.threads.map_or(1, usize::from))?;
+        }
         let pool = thread_pool(self.threads, &self.cancellation).map_err(RenderError::Machine)?;
-        if self.pin == Pinning::Cores {
+        if is_pinned {
             pin(&pool)?;
         }
         Ok(pool)
     }
 }
 
+/// Returns the CPUs of the machine for this many pinned threads.
+///
+/// # Errors
+/// There are fewer, or the system does not report them.
+fn cpus_for(n: usize) -> Result<Vec<usize>, RenderError> {
+    let cpus = affinity::cpus_by_core().map_err(not_pinned)?;
+    if n <= cpus.len() {
+        return Ok(cpus);
+    }
+    let message = format!(
+        "cannot pin the threads: there are {n}, but only {} CPUs",
+        cpus.len()
+    );
+    let help = format!("use `--threads {}`", cpus.len());
+    Err(RenderError::Scene(Diagnostic::new(message).with_help(help)))
+}
+
+fn not_pinned(error: io::Error) -> RenderError {
+    let message = Diagnostic::new(format!("cannot pin the threads: {error}"));
+    RenderError::Machine(message.with_help("leave out `--pin`, which only Linux has"))
+}
+
 /// Restricts each thread of a pool to one CPU. Processes that were launched together on this machine
 /// take CPUs in turn, unless the launcher has given each its own.
 fn pin(pool: &rayon::ThreadPool) -> Result<(), RenderError> {
-    let cannot = |why: String| Diagnostic::new(format!("cannot pin the threads: {why}"));
-    let refused = |error: io::Error| {
-        let help = "leave out `--pin`, which only Linux has";
-        RenderError::Machine(cannot(error.to_string()).with_help(help))
-    };
-    let cpus = affinity::cpus_by_core().map_err(refused)?;
     let n = pool.current_num_threads();
-    if n > cpus.len() {
-        let message = cannot(format!("there are {n}, but only {} CPUs", cpus.len()));
-        let help = format!("use `--threads {}`", cpus.len());
-        return Err(RenderError::Scene(message.with_help(help)));
-    }
+    let cpus = cpus_for(n)?;
     let first = n * local_rank();
     let pinned =
         pool.broadcast(|thread| affinity::pin_to_cpu(cpus[(first + thread.index()) % cpus.len()]));
     let pinned: io::Result<()> = pinned.into_iter().collect();
-    pinned.map_err(refused)
+    pinned.map_err(not_pinned)
 }
 
 /// Starts threads whose work the cancellation stops; `None` for one per processor.
@@ -129,18 +146,10 @@ pub(crate) fn thread_pool(
     cancellation: &Cancellation,
 ) -> Result<rayon::ThreadPool, Diagnostic> {
     let cancellation = cancellation.clone();
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(n_threads.map_or(0, usize::from))
-        .start_handler(move |_| cancellation.watch_on_this_thread())
-        .spawn_handler(spawn_one_of_pool)
-        .build()
-        .map_err(|error| {
-            Diagnostic::new(format!("cannot start the threads: {error}"))
-                .with_help("ask for fewer with `--threads N`")
-        })?;
-    // What follows must not take the room that their signal stacks need.
-    pool.broadcast(|_| ());
-    Ok(pool)
+    start_threads(n_threads, move || cancellation.watch_on_this_thread()).map_err(|error| {
+        Diagnostic::new(format!("cannot start the threads: {error}"))
+            .with_help("ask for fewer with `--threads N`")
+    })
 }
 
 impl fmt::Debug for Options<'_> {

@@ -162,6 +162,69 @@ fn too_little_memory_is_a_failure_not_a_crash() {
     assert!(n_refused > 0, "no limit was felt");
 }
 
+/// All threads that find no memory end the program with one message, and the rows of a table of many
+/// objects are never in memory together.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_table_of_many_objects_takes_the_memory_of_a_small_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.yaml");
+    let object = "- { sphere: { center: [0, 0, 0], radius: 1 }, material: blue }\n";
+    let name = |i| object.replace("{ sphere", &format!("{{ name: n{i}, sphere"));
+    let objects: String = (0..8000).map(name).collect();
+    fs::write(&scene, format!("{HEAD}objects:\n{objects}")).unwrap();
+    let out = folder.path().join("out");
+    let (scene, out) = (scene.display(), out.display());
+    let render = format!("render '{scene}' --cost counters --also objects --out '{out}'");
+    assert!(limited("true", &render).status.success());
+    let view = format!("view '{out}' --out '{out}.html'");
+    let diff = format!("diff '{out}' '{out}' --out '{out}-diff'");
+    let limit = |mib: u32| format!("export RAYON_NUM_THREADS=4; ulimit -v {}", mib << 10);
+    // The rows as text would take 240 MiB.
+    for words in [&view, &diff] {
+        let output = limited(&limit(160), words);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{words}: {error}");
+    }
+    for mib in (24..100).step_by(4) {
+        let output = limited(&limit(mib), &view);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            matches!(output.status.code(), Some(0..=2)),
+            "{mib}: {error}"
+        );
+        assert!(error.matches("error: ").count() <= 1, "{mib}: {error}");
+    }
+}
+
+/// Threads that the system refuses are a message. What runs before the threads of `--threads` start,
+/// or after they end, starts no other ones.
+#[cfg(target_os = "linux")]
+#[test]
+fn only_the_threads_that_are_wanted_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let refused = "export RAYON_NUM_THREADS=60000; ulimit -v 1000000";
+    let scene = in_repository("configs/elbow.yaml");
+    let scene = scene.display();
+    let words = format!(
+        "'{scene}' --width 8 --height 6 --threads 1 --out '{}'",
+        out.display()
+    );
+    for command in ["render", "trace --pixel 3,3"] {
+        let output = limited(refused, &format!("{command} {words}"));
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command}: {error}");
+    }
+    let output = limited(refused, &format!("view '{}'", out.display()));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(
+        error.starts_with("error: cannot start the threads: "),
+        "{error}"
+    );
+}
+
 /// The bound of a scene is held against the limit of the process.
 #[cfg(target_os = "linux")]
 #[test]

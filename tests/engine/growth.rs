@@ -150,6 +150,34 @@ fn arrays(n: usize) -> String {
     )
 }
 
+/// A polyhedron of VTK with so many triangles around its first point.
+fn polyhedron(n: usize) -> String {
+    let array = |name: &str, kind: &str, n: usize, text: &str| {
+        format!(
+            "<DataArray type='{kind}' Name='{name}' NumberOfComponents='{n}' \
+             format='ascii'>{text}</DataArray>"
+        )
+    };
+    let face = |i| format!("3 0 {} {} ", i + 1, i + 2);
+    format!(
+        "<VTKFile type='UnstructuredGrid' byte_order='LittleEndian'><UnstructuredGrid>\
+         <Piece NumberOfPoints='{}' NumberOfCells='1'><Points>{}</Points>\
+         <Cells>{}{}{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>",
+        n + 2,
+        array(
+            "Points",
+            "Float32",
+            3,
+            &repeated(n + 2, |i| format!("{i} {} 0 ", i * i % 7))
+        ),
+        array("connectivity", "Int32", 1, "0"),
+        array("offsets", "Int32", 1, "1"),
+        array("types", "UInt8", 1, "42"),
+        array("faces", "Int64", 1, &(format!("{n} ") + &repeated(n, face))),
+        array("faceoffsets", "Int64", 1, &(4 * n + 1).to_string()),
+    )
+}
+
 /// glTF with so many nodes in a row.
 fn nodes(n: usize) -> String {
     let node = |i| format!("{{\"children\":[{}]}},", i + 1);
@@ -228,6 +256,11 @@ const CASES: &[Case] = &[
         name: "arrays.vtp",
         file: arrays,
         read: with_array,
+    },
+    Case {
+        name: "faces.vtu",
+        file: polyhedron,
+        read: mesh,
     },
     Case {
         name: "groups.obj",

@@ -6,6 +6,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// The system's allocator. If it has no memory, the program ends with a message and exit code 1,
 /// except within [`may_fail`].
@@ -13,6 +15,9 @@ use std::io::Write;
 /// A program selects it with `#[global_allocator]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Allocator;
+
+/// The number of the file for messages.
+const STANDARD_ERROR: libc::c_int = 2;
 
 thread_local! {
     /// No destructor and no allocation: an allocator may read it at any time.
@@ -62,13 +67,30 @@ fn granted(block: *mut u8, n_bytes: usize) -> *mut u8 {
     block
 }
 
-/// Ends the program without allocating.
+/// Ends the program without allocating: with one message, also if other threads find no memory at
+/// the same time, and without the functions that run at an orderly exit, which may allocate.
 #[cold]
 fn exhausted(n_bytes: usize) -> ! {
+    static IS_REPORTED: AtomicBool = AtomicBool::new(false);
+    if IS_REPORTED.swap(true, Ordering::Relaxed) {
+        loop {
+            std::thread::sleep(Duration::MAX);
+        }
+    }
+    let mut message = [0; 256];
+    let mut rest = &mut message[..];
     let _ = writeln!(
-        std::io::stderr(),
+        rest,
         "error: out of memory: the system refuses {n_bytes} more bytes\n  |\n  \
          = help: take a smaller picture or scene, or raise the limit of memory (`ulimit -v`)"
     );
-    std::process::exit(1)
+    let n_unused = rest.len();
+    let n = message.len() - n_unused;
+    #[expect(unsafe_code, reason = "functions of the C library")]
+    // SAFETY: the first call reads the first `n` bytes of the message; the second ends the process.
+    // Neither waits for a lock that a thread without memory may hold.
+    unsafe {
+        libc::write(STANDARD_ERROR, message.as_ptr().cast(), n as _);
+        libc::_exit(1)
+    }
 }

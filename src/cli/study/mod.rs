@@ -282,7 +282,7 @@ impl Study {
         let limits = match LimitsFile::read(&path, measured_by)? {
             Some(limits) => limits,
             None => {
-                let limits = MachineLimits::measure();
+                let limits = thread_pool(None)?.install(MachineLimits::measure);
                 let content = LimitsFile::new(limits.clone(), measured_by);
                 write_file(&path, Replace::Known, |file| {
                     Ok(serde_json::to_writer_pretty(file, &content)?)

@@ -40,10 +40,10 @@ const N_LINKS: usize = 20_000;
 struct Line([u32; 16]);
 
 impl MachineLimits {
-    /// Measures this machine, which takes about two seconds.
+    /// Measures this machine on the current rayon pool, which takes about two seconds.
     pub fn measure() -> Self {
         let caches = caches(Path::new("/sys/devices/system/cpu/cpu0/cache"));
-        let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let n_threads = rayon::current_num_threads();
         // All words are 1.0, so no sum is subnormal.
         let line = Line([1_f32.to_bits(); N_LINE_WORDS]);
         let mut lines =
@@ -100,8 +100,8 @@ fn caches(folder: &Path) -> Vec<DataCache> {
     caches
 }
 
-/// Returns the bandwidth in GB/s of each of `n_threads` threads that read the same block from
-/// different offsets: the bandwidth of the slowest thread in the best try.
+/// Returns the bandwidth in GB/s of each of `n_threads` threads, one or the whole pool, that read
+/// the same block from different offsets: the bandwidth of the slowest thread in the best try.
 fn bandwidth(words: &[u32], n_threads: usize) -> f64 {
     let barrier = Barrier::new(n_threads);
     let (numbers, barrier) = (bytemuck::cast_slice::<u32, f32>(words), &barrier);
@@ -129,12 +129,10 @@ fn bandwidth(words: &[u32], n_threads: usize) -> f64 {
         });
         seconds.skip(1).collect::<Vec<Duration>>()
     };
-    let times: Vec<Vec<Duration>> = std::thread::scope(|scope| {
-        let start = |thread| scope.spawn(move || of_thread(thread));
-        let threads: Vec<_> = (0..n_threads).map(start).collect();
-        let ended = threads.into_iter().map(|thread| thread.join());
-        ended.map(Result::unwrap_or_default).collect()
-    });
+    let times = match n_threads {
+        1 => vec![of_thread(0)],
+        _ => rayon::broadcast(|thread| of_thread(thread.index())),
+    };
     let of_try = |number: usize| times.iter().filter_map(|times| times.get(number)).max();
     let best = (0..N_TRIES).filter_map(of_try).min();
     let ns = best.map_or(f64::INFINITY, |best| best.as_nanos().max(1) as f64);

@@ -6,8 +6,20 @@ use super::{CostGroup, Side, Total, Totals};
 use base::text::Diagnostic;
 use tracer::cost::Metric;
 
-/// The costs of the rays that hit an object, by metric.
-type Costs = Vec<(Metric, f64)>;
+/// The costs of the rays that hit each object, by the object's name.
+struct HitCosts {
+    metrics: Vec<Metric>,
+    /// The sums of each metric; objects with the same name are one.
+    of_names: IndexMap<String, Vec<f64>>,
+}
+
+impl HitCosts {
+    fn cost(&self, name: &str, metric: Metric) -> f64 {
+        let index = self.metrics.iter().position(|other| *other == metric);
+        let sums = self.of_names.get(name);
+        index.zip(sums).map_or(0.0, |(index, sums)| sums[index])
+    }
+}
 
 /// Returns the objects of both tables; none unless both outputs have a table.
 ///
@@ -17,17 +29,16 @@ pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
     let (Some(a), Some(b)) = (costs(a)?, costs(b)?) else {
         return Ok(Vec::new());
     };
-    let sides = [&a, &b];
-    let has = |costs: &IndexMap<String, Costs>, metric| {
-        let mut all = costs.values().flatten();
-        all.any(|(other, _)| *other == metric)
-    };
-    let is_common = |metric: &Metric| sides.iter().all(|costs| has(costs, *metric));
-    let metrics: Vec<Metric> = Metric::ALL.into_iter().filter(is_common).collect();
+    let metrics: Vec<Metric> = a
+        .metrics
+        .iter()
+        .copied()
+        .filter(|metric| b.metrics.contains(metric))
+        .collect();
     let group = |name: &String| {
         let total = |&metric: &Metric| Total {
             metric,
-            cost: sides.map(|costs| costs.get(name).map_or(0.0, |costs| sum(costs, metric))),
+            cost: [&a, &b].map(|costs| costs.cost(name, metric)),
         };
         CostGroup {
             name: name.clone(),
@@ -35,18 +46,15 @@ pub(super) fn groups([a, b]: &[Side; 2]) -> Result<Vec<CostGroup>, Diagnostic> {
             totals: Totals(metrics.iter().map(total).collect()),
         }
     };
-    let of_b_alone = b.keys().filter(|name| !a.contains_key(*name));
-    Ok(a.keys().chain(of_b_alone).map(group).collect())
+    let of_b_alone = b
+        .of_names
+        .keys()
+        .filter(|name| !a.of_names.contains_key(*name));
+    Ok(a.of_names.keys().chain(of_b_alone).map(group).collect())
 }
 
-fn sum(costs: &Costs, metric: Metric) -> f64 {
-    let of_metric = costs.iter().filter(|(other, _)| *other == metric);
-    of_metric.map(|(_, cost)| cost).sum()
-}
-
-/// Reads the costs of all rays that hit each object, by the object's name; objects with the same
-/// name may repeat a metric. `None` without a table.
-fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
+/// Reads the costs of all rays that hit each object. `None` without a table.
+fn costs(side: &Side) -> Result<Option<HitCosts>, Diagnostic> {
     let Some(table) = side.objects()? else {
         return Ok(None);
     };
@@ -56,20 +64,19 @@ fn costs(side: &Side) -> Result<Option<IndexMap<String, Costs>>, Diagnostic> {
     };
     let kinds = [needed("kind")?, needed("charge")?, needed("ray_kind")?];
     let name = needed("name")?;
-    let columns: Vec<(Metric, usize)> = Metric::ALL
+    let (metrics, columns): (Vec<Metric>, Vec<usize>) = Metric::ALL
         .into_iter()
         .filter_map(|metric| Some((metric, table.column(metric.name)?)))
-        .collect();
-    let mut costs: IndexMap<String, Costs> = IndexMap::new();
-    for row in &table.rows {
-        if kinds.map(|column| row[column].as_str()) == ["object", "hit", "all"] {
-            let cost = |&(metric, column): &(Metric, usize)| {
-                let cost = row[column].parse().ok()?;
-                Some((metric, cost))
-            };
-            let of_name = costs.entry(row[name].clone()).or_default();
-            of_name.extend(columns.iter().filter_map(cost));
+        .unzip();
+    let mut of_names: IndexMap<String, Vec<f64>> = IndexMap::new();
+    table.read_rows(|row| {
+        if kinds.map(|column| row[column]) == ["object", "hit", "all"] {
+            let sums = of_names.entry(row[name].to_owned());
+            let sums = sums.or_insert_with(|| vec![0.0; columns.len()]);
+            for (sum, &column) in sums.iter_mut().zip(&columns) {
+                *sum += row[column].parse().unwrap_or(0.0);
+            }
         }
-    }
-    Ok(Some(costs))
+    })?;
+    Ok(Some(HitCosts { metrics, of_names }))
 }

@@ -123,9 +123,9 @@ impl Side {
         self.frame.require(arrays)
     }
 
-    /// Reads `objects.csv`; `None` if the folder has none, or if it holds the cost of pixels that
+    /// Opens `objects.csv`; `None` if the folder has none, or if it holds the cost of pixels that
     /// are not compared.
-    pub(super) fn objects(&self) -> Result<Option<ObjectsTable>, Diagnostic> {
+    pub(super) fn objects(&self) -> Result<Option<ObjectsTable<'_>>, Diagnostic> {
         if self.is_cut() {
             return Ok(None);
         }

@@ -65,7 +65,7 @@ impl Page {
         let camera = results.summary.camera.as_ref();
         let origin = camera.map_or([0.0; 3], |camera| camera.origin);
         let cloud = Cloud::read(&results.hits()?, &pixels, origin)?;
-        let table = results.objects()?;
+        let table = results.objects()?.map(table::payload).transpose()?;
         let notes = [
             results
                 .summary
@@ -85,7 +85,7 @@ impl Page {
             .collect();
         payloads.extend(cloud.payloads());
         let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();
-        payloads.extend(table.as_ref().map(table::payload));
+        payloads.extend(table);
         Ok(Self {
             title: match results.summary.partial {
                 Some(_) => format!("{} (partial)", results.summary.scene.name),

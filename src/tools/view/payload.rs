@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
-use base64::Engine;
+use base64::engine::GeneralPurpose;
 use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderStringWriter;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
@@ -24,14 +25,10 @@ impl Payload {
     }
 
     /// Encodes bytes.
-    pub(super) fn of_bytes(id: &str, bytes: &[u8]) -> Self {
-        let mut zlib = ZlibEncoder::new(Vec::new(), Compression::default());
-        let compressed = zlib.write_all(bytes).and_then(|()| zlib.finish());
-        let compressed = compressed.expect("writing to a Vec cannot fail");
-        Self {
-            id: id.to_owned(),
-            base64: STANDARD.encode(compressed),
-        }
+    fn of_bytes(id: &str, bytes: &[u8]) -> Self {
+        let mut encoder = PayloadEncoder::new(id);
+        encoder.encode(bytes);
+        encoder.finish()
     }
 
     /// Returns the length of the text in bytes.
@@ -46,6 +43,38 @@ impl Payload {
             out,
             "<script type=\"text/plain\" id=\"{id}\">{base64}</script>"
         )
+    }
+}
+
+/// A payload whose bytes come one after the other.
+pub(super) struct PayloadEncoder {
+    id: String,
+    zlib: ZlibEncoder<EncoderStringWriter<'static, GeneralPurpose, String>>,
+}
+
+impl PayloadEncoder {
+    /// Starts an empty payload.
+    pub(super) fn new(id: &str) -> Self {
+        Self {
+            id: id.to_owned(),
+            zlib: ZlibEncoder::new(EncoderStringWriter::new(&STANDARD), Compression::default()),
+        }
+    }
+
+    /// Encodes more bytes.
+    pub(super) fn encode(&mut self, bytes: &[u8]) {
+        let written = self.zlib.write_all(bytes);
+        written.expect("writing to a String cannot fail");
+    }
+
+    /// Returns the payload.
+    pub(super) fn finish(self) -> Payload {
+        let base64 = self.zlib.finish();
+        let base64 = base64.expect("writing to a String cannot fail");
+        Payload {
+            id: self.id,
+            base64: base64.into_inner(),
+        }
     }
 }
 
@@ -87,6 +116,7 @@ fn planes(bytes: &[u8], width: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base64::Engine;
     use std::io::Read;
 
     #[test]

@@ -2,11 +2,22 @@
 
 use serde_json::json;
 
-use super::payload::Payload;
+use super::payload::{Payload, PayloadEncoder};
+use base::text::Diagnostic;
 use output::results::ObjectsTable;
 
 /// Returns the table as JSON, with the keys `columns` and `rows`.
-pub(super) fn payload(table: &ObjectsTable) -> Payload {
-    let text = json!({ "columns": table.columns, "rows": table.rows }).to_string();
-    Payload::of_bytes("objects-table", text.as_bytes())
+///
+/// # Errors
+/// The table is damaged.
+pub(super) fn payload(table: ObjectsTable) -> Result<Payload, Diagnostic> {
+    let mut payload = PayloadEncoder::new("objects-table");
+    payload.encode(format!("{{\"columns\":{},\"rows\":[", json!(table.columns())).as_bytes());
+    let mut separator = "";
+    table.read_rows(|row| {
+        payload.encode(format!("{separator}{}", json!(row)).as_bytes());
+        separator = ",";
+    })?;
+    payload.encode(b"]}");
+    Ok(payload.finish())
 }

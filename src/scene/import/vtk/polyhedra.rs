@@ -89,15 +89,24 @@ impl Polyhedra {
     /// Returns the faces of a cell, each as its points in order around it; none if it is not a
     /// polyhedron.
     pub(super) fn faces(&self, cell: usize) -> impl ExactSizeIterator<Item = &[u32]> {
-        let of_cell = match self.ends.get(cell) {
+        self.of_cell(cell).iter().map(|&face| self.points(face))
+    }
+
+    /// Returns the points of a cell's face with this number.
+    pub(super) fn face(&self, cell: usize, number: usize) -> &[u32] {
+        self.points(self.of_cell(cell)[number])
+    }
+
+    fn of_cell(&self, cell: usize) -> &[u32] {
+        match self.ends.get(cell) {
             Some(end) => &self.faces[begin(&self.ends, cell)..*end],
             None => &[],
-        };
-        let points = |face: &u32| {
-            let face = *face as usize;
-            &self.points[begin(&self.face_ends, face)..self.face_ends[face]]
-        };
-        of_cell.iter().map(points)
+        }
+    }
+
+    fn points(&self, face: u32) -> &[u32] {
+        let face = face as usize;
+        &self.points[begin(&self.face_ends, face)..self.face_ends[face]]
     }
 }
 

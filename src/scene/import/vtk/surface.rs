@@ -1,7 +1,5 @@
 //! Extracts the surface of a piece: its flat cells, and the faces that only one solid cell has.
 
-use rayon::slice::ParallelSliceMut;
-
 use super::super::Result;
 use super::super::mesh::fan;
 use super::super::polygons::Polygons;
@@ -88,7 +86,7 @@ impl PieceSurface {
             }
         }
         // Triangulate the faces that only one cell has.
-        keep_external(&mut faces);
+        keep_external(&mut faces, cells.n_points);
         budget.take_of::<[u32; 16]>(faces.len())?;
         for face in faces.iter().filter(|face| face.is_shown) {
             let (shape, corners) = cells.get(face.cell as usize)?;
@@ -97,13 +95,11 @@ impl PieceSurface {
                 let of_face = of_cell[face.number as usize].iter();
                 polygon.extend(of_face.map(|corner| corners[*corner as usize]));
                 self.polygon(face.cell as usize, &polygon);
-            } else if let Some(of_face) = cells
-                .polyhedra
-                .faces(face.cell as usize)
-                .nth(face.number as usize)
-            {
+            } else {
+                let [cell, number] = [face.cell, face.number].map(|n| n as usize);
+                let of_face = cells.polyhedra.face(cell, number);
                 budget.take_of::<[u32; 8]>(of_face.len())?;
-                self.polygon(face.cell as usize, of_face);
+                self.polygon(cell, of_face);
             }
         }
         Ok(())
@@ -179,7 +175,7 @@ impl PieceSurface {
 }
 
 /// A face of a solid cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug)]
 struct CellFace {
     /// The least four points in ascending order, on which two cells that share the face agree.
     key: [u32; 4],
@@ -206,17 +202,38 @@ impl CellFace {
     }
 }
 
-/// Removes the faces that several cells share, and sorts the rest by cell.
-fn keep_external(faces: &mut Vec<CellFace>) {
-    faces.par_sort_unstable();
-    let external: Vec<CellFace> = faces
-        .chunk_by(|a, b| a.key == b.key)
-        .filter(|same| same.len() == 1)
-        .flatten()
-        .copied()
-        .collect();
-    *faces = external;
-    faces.par_sort_unstable_by_key(|face| (face.cell, face.number));
+/// Removes the faces that several cells share.
+fn keep_external(faces: &mut Vec<CellFace>, n_points: usize) {
+    // Group the faces by their least points, of which a face without points has none.
+    let least = |face: &CellFace| (face.key[0] as usize).min(n_points);
+    let mut ends = vec![0; n_points + 1];
+    for face in faces.iter() {
+        ends[least(face)] += 1;
+    }
+    let mut n_before = 0;
+    for end in &mut ends {
+        n_before += std::mem::replace(end, n_before);
+    }
+    let mut grouped = vec![0; faces.len()];
+    for (index, face) in faces.iter().enumerate() {
+        let end = &mut ends[least(face)];
+        grouped[*end] = index;
+        *end += 1;
+    }
+    // Compare the faces of each group.
+    let mut is_shared = vec![false; faces.len()];
+    let mut begin = 0;
+    for end in ends {
+        let group = &mut grouped[begin..end];
+        group.sort_unstable_by_key(|&index| faces[index].key);
+        let several = group.chunk_by(|&a, &b| faces[a].key == faces[b].key);
+        for same in several.filter(|same| same.len() > 1) {
+            same.iter().for_each(|&index| is_shared[index] = true);
+        }
+        begin = end;
+    }
+    let mut is_shared = is_shared.into_iter();
+    faces.retain(|_| !is_shared.next().unwrap_or_default());
 }
 
 /// Returns the cells of a grid one by one.

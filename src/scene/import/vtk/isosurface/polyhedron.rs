@@ -38,8 +38,7 @@ pub(super) fn polygons<'a>(
         while next != first {
             polygon.push(next);
             let at_edge = ends.get_mut(&next)?;
-            at_edge.retain(|line| !is_used[*line]);
-            let line = at_edge.pop()?;
+            let line = std::iter::from_fn(|| at_edge.pop()).find(|&line| !is_used[line])?;
             is_used[line] = true;
             let [from, to] = lines[line];
             next = if from == next { to } else { from };
