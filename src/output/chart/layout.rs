@@ -64,17 +64,14 @@ pub struct Layout {
     pub texts: [Block; 3],
 }
 
-/// Returns the smallest magnification that makes the longer side of the map long enough.
-pub(crate) fn magnification([width, height]: [u32; 2]) -> u32 {
-    MIN_LONGER_SIDE_PX.div_ceil(width.max(height))
-}
-
 impl Layout {
     /// Computes the layout of `map`.
     pub fn new(map: &CostMap) -> Self {
-        let magnification = magnification([map.width, map.height]);
+        let magnification = MIN_LONGER_SIDE_PX.div_ceil(map.width.max(map.height));
         let [width, height] = [map.width, map.height].map(|n| (n * magnification) as f32);
-        let em_px = (width.max(height) / 50.0).clamp(14.0, 160.0);
+        // Beside a thin map, large texts would take most of the picture.
+        let em_px = width.max(height) / 50.0;
+        let em_px = em_px.min(width.min(height) / 8.0).clamp(14.0, 160.0);
         let em = |n: f32| px(n * em_px);
 
         // Place the bar beside the map, which gives the width of the texts.
@@ -203,9 +200,17 @@ mod tests {
     }
 
     #[test]
-    fn the_font_is_two_percent_of_the_longer_side() {
-        let sizes = [(1, 1), (400, 300), (3840, 2160), (2160, 3840), (20_000, 9)];
-        let expected = [14.0, 16.0, 76.8, 76.8, 160.0];
+    fn the_font_is_two_percent_of_the_longer_side_but_small_beside_a_thin_map() {
+        let sizes = [
+            (1, 1),
+            (400, 300),
+            (3840, 2160),
+            (2160, 3840),
+            (20_000, 9000),
+            (20_000, 160),
+            (1, 65_535),
+        ];
+        let expected = [14.0, 16.0, 76.8, 76.8, 160.0, 20.0, 14.0];
         let found = sizes.map(|(width, height)| layout(width, height, "t").em_px);
         assert_eq!(found, expected);
     }

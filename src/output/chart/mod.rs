@@ -33,7 +33,6 @@ use colors::Colors;
 pub use entries::LegendEntries;
 pub use label::{rounded_number, short_number};
 use layout::Layout;
-pub(crate) use layout::magnification;
 pub use legend::{ColorLegend, LegendKey, Swatch, draw_legends};
 pub use range::Range;
 use surface::line_px;
@@ -69,6 +68,27 @@ pub struct CostMap<'a> {
     pub subtitle: &'a str,
 }
 
+impl CostMap<'static> {
+    /// Creates a map of this size with a title and a subtitle of typical length, without values.
+    pub fn typical([width, height]: [u32; 2]) -> Self {
+        Self {
+            values: &[],
+            range: Range::spanning(&[1.0, 1e5]),
+            width,
+            height,
+            title: "still_life: time per pixel",
+            unit: "ns",
+            subtitle: "720 × 480 pixels, 256 samples per pixel, 16 threads; median 412 ns, sum 1.27 s",
+        }
+    }
+
+    /// Returns the number of pixels of its picture.
+    pub fn n_picture_pixels(&self) -> u64 {
+        let Layout { width, height, .. } = Layout::new(self);
+        width as u64 * height as u64
+    }
+}
+
 /// Writes the picture of `map` as a PNG, with the run's ID if it has one.
 ///
 /// # Errors
@@ -84,8 +104,9 @@ pub fn write(map: &CostMap, run: Option<RunId>, out: &mut impl Write) -> io::Res
 /// Draws `map` with its title, color bar and footer.
 ///
 /// Each value becomes a square of n by n pixels, where n is the smallest integer for which the
-/// longer side of the map has at least 600 pixels. The font size is 2 % of that side, within 14 to
-/// 160 pixels. The same map gives the same picture, and no value causes a panic.
+/// longer side of the map has at least 600 pixels. The font size is 2 % of that side, and at most an
+/// eighth of the shorter one, within 14 to 160 pixels. The same map gives the same picture, and no
+/// value causes a panic.
 fn draw(map: &CostMap) -> RgbImage {
     debug_assert_eq!(map.values.len(), map.width as usize * map.height as usize);
     let colors = Colors::over(&map.range);

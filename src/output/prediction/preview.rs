@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::chart;
+use crate::chart::CostMap;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode, Image, Tiling};
@@ -34,7 +34,7 @@ pub(super) struct Preview {
     pub(super) counter_bytes: f64,
     /// Wall time per sample, in seconds.
     pub(super) seconds_per_sample: f64,
-    /// Pixels of the cost map per pixel of the picture; 0 without a map.
+    /// Pixels of `cost.png` per pixel of the picture; 0 without a map.
     pub(super) map_pixels: f64,
 }
 
@@ -76,8 +76,8 @@ impl Preview {
             map_pixels: match config.cost {
                 CostMode::None => 0.0,
                 _ => {
-                    let scale = chart::magnification([config.image.width, config.image.height]);
-                    f64::from(scale).powi(2)
+                    let map = CostMap::typical([config.image.width, config.image.height]);
+                    map.n_picture_pixels() as f64 / config.image.n_pixels() as f64
                 }
             },
         }

@@ -2,13 +2,14 @@
 
 use std::io::{self, Write};
 
-use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use super::reduced_map::ReducedMap;
+use super::{BYTES_PER_PIXEL, RenderingView};
 use crate::chart::{self, CostMap, Range};
 use base::provenance::RunId;
 use base::text::numbers;
 use render::film::Film;
+use scene::config::{Config, Image};
 use tracer::cost::{Metric, MetricUnit};
 
 /// The file.
@@ -45,6 +46,17 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
     chart::write(&map, Some(run), out)
 }
 
+/// Returns the bytes of the map's picture, if they are more than its share of [`BYTES_PER_PIXEL`]:
+/// beside a small or a thin map, the texts take more room than the map.
+pub(super) fn write_bytes(config: &Config) -> u64 {
+    if !config.cost.has_counters() {
+        return 0;
+    }
+    let Image { width, height, .. } = config.image;
+    let n_bytes = 3 * CostMap::typical([width, height]).n_picture_pixels();
+    n_bytes.saturating_sub(config.image.n_pixels() as u64 * BYTES_PER_PIXEL / 2)
+}
+
 /// Writes a map of a film's costs, or of none, with any labels: the means of blocks of pixels with
 /// this side.
 pub(crate) fn write_bare(
@@ -61,15 +73,11 @@ pub(crate) fn write_bare(
     if !has_costs {
         map.values.fill(0.0);
     }
-    let [width, height] = map.size;
     let map = CostMap {
         values: &map.values,
         range,
-        width,
-        height,
-        title: "still_life: time per pixel",
         unit: metric.unit_label(),
-        subtitle: "720 × 480 pixels, 256 samples per pixel, 16 threads; median 412 ns, sum 1.27 s",
+        ..CostMap::typical(map.size)
     };
     chart::write(&map, None, out)
 }
@@ -78,7 +86,10 @@ fn subtitle(rendering: &RenderingView, metric: Metric) -> String {
     let (image, survey) = (&rendering.config.image, rendering.survey);
     let n_threads = rendering.threads.used;
     let means = match &survey.map {
-        Some(map) if map.side > 1 => format!(", means of {0} × {0}", map.side),
+        Some(map) if map.block != [1, 1] => {
+            let [width, height] = map.block;
+            format!(", means of {width} × {height}")
+        }
         _ => String::new(),
     };
     // A sum of ratios means nothing, their mean does.

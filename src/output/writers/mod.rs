@@ -93,7 +93,10 @@ pub(crate) fn compression_bytes(codec: Codec) -> u64 {
 
 /// Returns an upper bound of the bytes to write files, besides those per pixel.
 pub(crate) fn write_bytes(config: &Config) -> u64 {
-    compression_bytes(config.compress) + layers::write_bytes(config) + picture::write_bytes(config)
+    compression_bytes(config.compress)
+        + layers::write_bytes(config)
+        + picture::write_bytes(config)
+        + heatmap::write_bytes(config)
 }
 
 /// Returns an upper bound of the bytes to write a picture in bands, besides the bands' rows.
