@@ -37,7 +37,7 @@ use crate::session;
 use ::scene::import;
 use base::stop::{self, Cancellation};
 use base::text::numbers::shell_word;
-use base::text::{self, Diagnostic, one_line};
+use base::text::{self, Diagnostic, one_line, shortened};
 
 /// A ray tracer that shows its work
 ///
@@ -140,12 +140,16 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
     }
 }
 
-/// Returns clap's text with its styles. clap repeats arguments verbatim, so arguments with control
-/// characters are parsed again with these made visible.
+/// Maximum number of characters of an argument in a message.
+const MAX_ARGUMENT: usize = 240;
+
+/// Returns clap's text with its styles. clap repeats arguments verbatim, so long arguments are parsed
+/// again shortened, and control characters made visible.
 fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
-    let visible = arguments
-        .iter()
-        .map(|argument| one_line(&argument.to_string_lossy()).into_owned());
+    let visible = arguments.iter().map(|argument| {
+        let argument = shortened(argument.to_string_lossy().into_owned(), MAX_ARGUMENT);
+        one_line(&argument).into_owned()
+    });
     let again = Cli::try_parse_from(visible).err();
     let text = again.as_ref().unwrap_or(found).render();
     text.ansi().to_string().trim_end().to_owned() + "\n"

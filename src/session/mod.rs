@@ -30,7 +30,7 @@ use render::film::{self, written_columns};
 use scene::animation::HierarchyUpdate;
 use scene::config::Config;
 use scene::world::Scene;
-use scene::yaml::{Document, Source};
+use scene::yaml::{Document, Source, yaml_of_json};
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 
 #[doc(inline)]
@@ -110,8 +110,7 @@ impl Session {
     pub fn from_value(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
         let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
-        // JSON is YAML.
-        let text = serde_json::to_string_pretty(scene).map_err(cannot)?;
+        let text = yaml_of_json(&serde_json::to_string_pretty(scene).map_err(cannot)?);
         let document = Document::new(Source::new(name, text), Config::MERGING)?;
         let (document, config) = Frames::first(document)?;
         Self::new(Input::read(document, config, Memory::estimate)?, stages)

@@ -8,7 +8,7 @@ use std::process::Output;
 use raycost::Session;
 use raycost::session::RenderError;
 
-use crate::common::{assert_success, raycost};
+use crate::common::{assert_success, in_repository, raycost};
 
 /// A scene in which one sphere fills the middle of the picture.
 const FINE: &str = "\
@@ -261,4 +261,34 @@ fn a_new_scene_names_the_schema_beside_it() {
     let scene = fs::read_to_string(folder.path().join("a.yaml")).unwrap();
     let first = "# yaml-language-server: $schema=scene.schema.json\n";
     assert!(scene.starts_with(first), "{scene}");
+}
+
+#[test]
+fn messages_about_long_words_are_short() {
+    let long = "x".repeat(100_000);
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let scene = scene.to_str().unwrap();
+    let yaml = format!("{long}.yaml");
+    for words in [
+        vec![&*long],
+        vec![&yaml],
+        vec!["render", &yaml],
+        vec!["render", scene, "--width", &long],
+        vec!["render", scene, "--out", &long],
+        vec!["render", scene, &long],
+        vec!["check", scene, "--set", &long],
+        vec!["view", &long],
+        vec!["diff", &long, &long],
+        vec!["study", &long],
+        vec!["new", &long],
+        vec!["trace", scene, "--pixel", &long],
+    ] {
+        let output = raycost().args(&words).output().unwrap();
+        let length = output.stderr.len();
+        assert!(
+            !output.status.success() && (20..3000).contains(&length),
+            "{:?}: {length}",
+            words[0]
+        );
+    }
 }

@@ -8,11 +8,15 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::terminal::{one_line, visible};
 
-/// Maximum number of characters of a message: a value in it may have any length.
+/// Maximum number of characters of a message with an excerpt: a value in it may have any length.
 const MAX_MESSAGE: usize = 240;
+/// Maximum number of characters of any other text, which may have two paths.
+const MAX_TEXT: usize = 1000;
 /// Maximum number of characters of the label beside the caret and of the remedy, which may list all
 /// choices.
 const MAX_LIST: usize = 480;
+/// Maximum number of characters of the output of another program.
+const MAX_NOTE: usize = 10_000;
 /// Maximum number of underlined characters.
 const MAX_UNDERLINED: usize = 60;
 
@@ -43,7 +47,7 @@ impl Diagnostic {
     /// Creates a diagnostic without an excerpt.
     pub fn new(message: impl Into<String>) -> Self {
         Self {
-            message: one_line(&message.into()).into_owned(),
+            message: one_line(&shortened(message.into(), MAX_TEXT)).into_owned(),
             excerpt: None,
             note: None,
             help: None,
@@ -64,13 +68,14 @@ impl Diagnostic {
 
     /// Adds advice on how to correct it.
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(one_line(&help.into()).into_owned());
+        self.help = Some(one_line(&shortened(help.into(), MAX_TEXT)).into_owned());
         self
     }
 
     /// Adds the output of another program, which may have several lines.
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
-        self.note = Some(visible(note.into().trim_end()).into_owned());
+        let note = shortened(note.into(), MAX_NOTE);
+        self.note = Some(visible(note.trim_end()).into_owned());
         self
     }
 
@@ -153,6 +158,18 @@ impl fmt::Debug for Diagnostic {
 }
 
 impl std::error::Error for Diagnostic {}
+
+/// Returns the start and the end of a text that has more than `n_most` characters: a long value is
+/// between the words about it.
+pub fn shortened(text: String, n_most: usize) -> String {
+    let n = text.chars().count();
+    if n <= n_most {
+        return text;
+    }
+    let start = text.chars().take(n_most / 2);
+    let end = text.chars().skip(n - n_most / 2);
+    start.chain(['…']).chain(end).collect()
+}
 
 /// Returns the text as one line of at most `n_most` characters.
 fn truncated(text: &str, n_most: usize) -> String {

@@ -9,7 +9,7 @@ mod terminal;
 
 pub use cell::{text_cell, text_of_cell};
 pub use diagnostic::Diagnostic;
-pub use diagnostic::line_start;
+pub use diagnostic::{line_start, shortened};
 pub use keyword::{keyword, keyword_name};
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;

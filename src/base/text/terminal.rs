@@ -96,13 +96,13 @@ pub fn print_error(text: &str) {
 }
 
 /// Returns true if the character is invisible or reorders others: control characters, Unicode line
-/// ends, direction marks and zero-width characters. Joiners count as visible, because names in some
-/// languages require them.
+/// ends, direction marks, zero-width characters and noncharacters. Joiners count as visible, because
+/// names in some languages require them.
 fn is_unseen(c: char) -> bool {
     let is_format = matches!(c,
         '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
         | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
-        | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}');
+        | '\u{fff9}'..='\u{fffb}' | '\u{fffe}' | '\u{ffff}' | '\u{e0000}'..='\u{e007f}');
     c.is_control() || is_format
 }
 

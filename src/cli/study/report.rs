@@ -27,6 +27,9 @@ pub(super) struct StudyResults<'a> {
     pub(super) left_out: &'a [LeftOutStep],
 }
 
+/// Maximum number of characters of a plot's name; its number is unique.
+const MAX_PLOT_NAME: usize = 200;
+
 /// Writes the tables and plots of a study. Returns the numbers of the plots that have no values.
 pub(super) fn write_tables(
     out: &Path,
@@ -46,6 +49,7 @@ pub(super) fn write_tables(
         fits.extend(fits_of(plot, &figure));
         let x = plot.x.replace(['/', '\\', ':', '"'], "-");
         let name = format!("plot-{}-{}-over-{x}", number + 1, plot.y.join("-"));
+        let name: String = name.chars().take(MAX_PLOT_NAME).collect();
         write_figure(&figure, out, &name)?;
         drawn.push(name);
     }

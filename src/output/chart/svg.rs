@@ -5,6 +5,7 @@ use quick_xml::escape::escape;
 
 use super::surface::{Anchor, DrawingSurface, PixelPosition, Rect};
 use super::text::Style;
+use base::text::one_line;
 
 /// A picture as SVG, on transparent ground.
 #[derive(Debug)]
@@ -71,7 +72,9 @@ impl DrawingSurface for SvgPicture {
         } else {
             String::new()
         };
-        let (size, fill, text) = (style.em_px, hex(style.color), escape(text));
+        // XML has no control characters.
+        let text = one_line(text);
+        let (size, fill, text) = (style.em_px, hex(style.color), escape(&*text));
         self.0 += &format!(
             "<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" font-family=\"sans-serif\" \
              font-size=\"{size}\" fill=\"{fill}\"{turn}>{text}</text>\n"
@@ -94,4 +97,22 @@ fn joined(points: &[PixelPosition]) -> String {
         format!("{x},{y}")
     });
     pairs.collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::INK;
+    use super::*;
+
+    #[test]
+    fn text_of_any_characters_is_xml() {
+        let mut picture = SvgPicture::new([9, 9]);
+        let style = Style::new(9.0, INK);
+        picture.text("a\u{1b}[31m <\u{ffff}>", [1.0, 2.0], Anchor::Start, &style);
+        let svg = picture.finish();
+        assert!(
+            svg.contains(">a\\u{1b}[31m &lt;\\u{ffff}&gt;</text>"),
+            "{svg}"
+        );
+    }
 }

@@ -64,7 +64,7 @@ fn marked(line: &str) -> Option<(&str, &str, &str, &str)> {
 }
 
 /// Escapes XML text to ASCII, as text chunks of PNGs require: other characters become character
-/// references.
+/// references, and those that XML does not have appear as text.
 fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for character in text.chars() {
@@ -74,6 +74,9 @@ fn escape(text: &str) -> String {
             '>' => escaped += "&gt;",
             '"' => escaped += "&quot;",
             ' '..='~' => escaped.push(character),
+            '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => {
+                escaped.extend(character.escape_default());
+            }
             other => escaped += &format!("&#{};", u32::from(other)),
         }
     }
@@ -96,6 +99,14 @@ mod tests {
         assert_eq!(filled, expected);
         let kept = fill(template, |_| None);
         assert!(kept.contains("value=\"old\"/>"), "{kept}");
+    }
+
+    #[test]
+    fn characters_that_xml_does_not_have_appear_as_text() {
+        assert_eq!(
+            escape("a\u{1b}[31m\t\u{85}\u{ffff}"),
+            "a\\u{1b}[31m&#9;&#133;\\u{ffff}"
+        );
     }
 
     #[test]

@@ -186,7 +186,7 @@ impl<'de> Visitor<'de> for MetricsVisitor {
         while let Some((name, parts)) = map.next_entry::<String, RatioParts>()? {
             metrics.push(RatioMetric::new(&name, parts));
             if metrics.len() > MAX_METRICS {
-                let message = format!("too many metrics, expected at most {MAX_METRICS}");
+                let message = format!("cannot be so many, expected at most {MAX_METRICS}");
                 return Err(Error::custom(message));
             }
         }

@@ -33,9 +33,11 @@ const MAX_LIST: u64 = 64 << 20;
 /// Maximum number of digits of a number in a file's name.
 const MAX_DIGITS: usize = 15;
 
-/// Returns true if a path stands for a series of files.
+/// Returns true if a full path stands for a series of files: a file that has the name of a pattern
+/// is only itself.
 pub fn is_series(path: &Path) -> bool {
-    Pattern::find(path).is_some() || matches!(extension(path).as_str(), "pvd" | "series")
+    Pattern::find(path).is_some_and(|_| !path.is_file())
+        || matches!(extension(path).as_str(), "pvd" | "series")
 }
 
 /// Returns the time steps of a geometry file whose path is relative to `folder`: of a series of
@@ -46,7 +48,7 @@ pub fn is_series(path: &Path) -> bool {
 /// As [`read_series`], or a VTKHDF file cannot be read or is damaged.
 pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
     let DataFile { path, step } = file;
-    if is_series(path) {
+    if is_series(&folder.join(path)) {
         return read_series(folder, path).map(Some);
     }
     if !vtk::is_hdf(path) || step.is_some() {

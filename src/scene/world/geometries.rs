@@ -313,7 +313,7 @@ pub(super) fn read_checked(
     path: &FieldPath,
 ) -> Result<ObjectGeometry, Fault> {
     let of_series;
-    let file = if import::is_series(file.file()) {
+    let file = if import::is_series(&folder.join(file.file())) {
         let series = import::read_series(folder, file.file());
         let DataSeries(steps) = series.map_err(|fault| fault.at_value(path))?;
         of_series = file.at(&steps[0]);
@@ -334,20 +334,16 @@ fn read_instances<F: Folders + ?Sized>(
     path: &FieldPath,
 ) -> Result<ObjectGeometry, Fault> {
     let of_mesh = path.clone().key("mesh").key("file");
-    refuse_series(&instances.mesh.file, &of_mesh)?;
-    let folder = folders.folder_of(&of_mesh);
-    check_size(&folder.join(&instances.mesh.file), available, &of_mesh)?;
+    let file = folders.folder_of(&of_mesh).join(&instances.mesh.file);
+    refuse_series(&file, &of_mesh)?;
+    check_size(&file, available, &of_mesh)?;
     let of_points = instances.points_file().is_some_and(import::is_vtk);
     let mesh_extra = match extra {
         // The array belongs to the points.
         Extra::Array(_) if of_points => Extra::Array(None),
         extra => extra,
     };
-    let mesh = read_mesh(
-        &instances.mesh,
-        &folder.join(&instances.mesh.file),
-        mesh_extra,
-    );
+    let mesh = read_mesh(&instances.mesh, &file, mesh_extra);
     let mut mesh = mesh.map_err(|fault| fault.at_value(&of_mesh))?;
     let available = available.saturating_sub(mesh.n_bytes());
     let (places, scalars) = read_places(
@@ -402,13 +398,13 @@ fn read_places<F: Folders + ?Sized>(
         }
         InstancePlaces::Points(points) => {
             let path = path.clone().key("points").key("file");
-            refuse_series(&points.file, &path)?;
+            let file = folders.folder_of(&path).join(&points.file);
+            refuse_series(&file, &path)?;
             if array.is_some_and(|array| array.is_color) {
                 let message = "instances have no colors of points";
                 let expected = "expected a material with `color: { array: … }`";
                 return Err(Fault::new(path, message, expected));
             }
-            let file = folders.folder_of(&path).join(&points.file);
             check_size(&file, available, &path)?;
             let read = points.read(&file, array);
             let read = read.map_err(|fault| fault.at_value(&path))?;

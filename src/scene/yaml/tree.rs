@@ -10,6 +10,7 @@ use indexmap::IndexMap;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 
 use super::field_path::Step;
+use super::json::quoted;
 
 /// A value.
 #[derive(Debug, Clone)]
@@ -144,7 +145,7 @@ impl Tree {
             Self::Scalar { text, is_plain } if *is_plain && text.chars().all(is_safe) => {
                 out.push_str(text);
             }
-            Self::Scalar { text, .. } => push_quoted(text, out),
+            Self::Scalar { text, .. } => out.push_str(&quoted(text)),
             Self::List(list) => {
                 out.push('[');
                 for item in list {
@@ -163,7 +164,7 @@ impl Tree {
             Self::Map(map) => {
                 out.push('{');
                 for (key, value) in map {
-                    push_quoted(key, out);
+                    out.push_str(&quoted(key));
                     out.push_str(": ");
                     value.write(out);
                     out.push_str(", ");
@@ -211,11 +212,6 @@ fn is_safe(c: char) -> bool {
     c.is_ascii_alphanumeric() || "_.+-~".contains(c)
 }
 
-/// Appends a text in double quotes, in JSON's form, which is valid YAML.
-fn push_quoted(text: &str, out: &mut String) {
-    out.push_str(&serde_json::Value::from(text).to_string());
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,7 +228,8 @@ größe 5: |
 \"h.i\": 99999999999999999999
 j:
   - k: a - b
-  - \"\\u2028\\0\"
+  - \"\\u2028\\0\\x7f\\x85\\ufeff\\uffff\"
+\"\\ufeff\": 1
 ";
         let written = Tree::parse(text).text();
         let read = |text: &str| -> Result<serde_yaml::Value, String> {

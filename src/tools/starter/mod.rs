@@ -8,7 +8,7 @@ use base::host::available_memory;
 use base::text::{Diagnostic, one_line};
 use scene::geometry::Aabb;
 use scene::import::{self, FileFault, Mesh, RadiusChoice, Tubes};
-use scene::yaml::{MAX_NAME, Source};
+use scene::yaml::{MAX_NAME, Source, quoted};
 
 /// A commented scene.
 pub const SCENE: &str = include_str!("scene.yaml");
@@ -188,11 +188,6 @@ fn light_factor(mesh: &Mesh, bounds: &Aabb) -> Option<f32> {
 fn first_array(arrays: Vec<String>) -> Option<String> {
     let mut arrays = arrays.into_iter();
     arrays.find(|name| name.chars().count() <= MAX_NAME && !name.chars().any(char::is_control))
-}
-
-/// Quotes a text; JSON is YAML.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
 }
 
 fn text_of(subject: &Subject, file: &Path) -> String {

@@ -9,6 +9,9 @@ use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use base::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
+/// Maximum number of bytes of a file's name on most systems.
+const MAX_FILE_NAME: usize = 255;
+
 impl StudyPlan {
     /// Checks that no point occurs twice, that there is a launcher exactly where ranks are varied,
     /// and that plots name factors and metrics of the study.
@@ -98,6 +101,28 @@ impl StudyPlan {
                     let expected = "expected one of the two";
                     return Err(Fault::new(path, message, expected));
                 }
+            }
+        }
+        self.check_pictures()
+    }
+
+    /// Checks that the picture of each step has a file name of its own.
+    fn check_pictures(&self) -> Result<(), Fault> {
+        let mut known = HashSet::new();
+        for (number, point) in self.points().iter().enumerate() {
+            let file = point.picture().unwrap_or_default();
+            let path = key("steps").index(number % self.steps.len()).key("name");
+            if file.len() > MAX_FILE_NAME {
+                let message = format!(
+                    "the picture of `{path}` would have a file name of {} bytes",
+                    file.len()
+                );
+                let expected = format!("expected at most {MAX_FILE_NAME}, with the scene's name");
+                return Err(Fault::new(path, message, expected));
+            }
+            if !known.insert(file.clone()) {
+                let message = format!("the pictures of two steps would be the file `{file}`");
+                return Err(Fault::new(path, message, "expected another name"));
             }
         }
         Ok(())

@@ -89,7 +89,7 @@ impl StudyPoint {
         let name = format!("{}-{}", self.values.get("scene")?.as_str()?, self.step()?);
         Some(format!(
             "step-{}.png",
-            name.replace(['/', '\\', ':', '"', ' '], "-")
+            name.replace(|c: char| c.is_control() || "/\\:\" ".contains(c), "-")
         ))
     }
 

@@ -47,6 +47,17 @@ fn mistakes_are_reported_before_the_first_run() {
             "did you mean `threads`?",
         ),
         (
+            "title: x\nscenes: [scene.yaml]\nsteps: [{ name: a b, set: { threads: 1 } }, { name: a-b, set: { threads: 2 } }]",
+            "the pictures of two steps would be the file `step-scene-a-b.png`",
+        ),
+        (
+            &format!(
+                "title: x\nscenes: [scene.yaml]\nsteps: [{{ name: {}, set: {{ threads: 1 }} }}]",
+                "n".repeat(250)
+            ),
+            "the picture of `steps[0].name` would have a file name of 265 bytes",
+        ),
+        (
             "title: x\nscenes: [scene.yaml]\nvary: { threads: [0] }",
             "`vary.threads[0]` cannot be `0`",
         ),
