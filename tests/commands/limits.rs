@@ -187,6 +187,9 @@ fn a_table_of_many_objects_takes_the_memory_of_a_small_one() {
         assert!(output.status.success(), "{words}: {error}");
     }
     for mib in (24..100).step_by(4) {
+        if !limited(&limit(mib), "--version").status.success() {
+            continue;
+        }
         let output = limited(&limit(mib), &view);
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(

@@ -35,6 +35,7 @@ fn foreign_results_stay_unchanged() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn mistakes_are_reported_before_the_first_run() {
     for (study, expected) in [
         ("title: x\nscenes: []", "`scenes` cannot be an empty list"),
