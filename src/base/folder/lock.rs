@@ -33,6 +33,13 @@ pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
+/// Locks the folder of a process that was killed; `None` if it is in use, which is unknown on a file
+/// system without locks.
+pub(super) fn lock_left(folder: &Path) -> Option<File> {
+    let file = open(folder).ok()?;
+    file.try_lock().is_ok().then_some(file)
+}
+
 #[cfg(unix)]
 fn open(folder: &Path) -> io::Result<File> {
     File::open(folder)

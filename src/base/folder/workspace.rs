@@ -7,9 +7,10 @@
 //! has another, so raycost ignores the content of a workspace that was not made here.
 //!
 //! The process that creates a workspace locks it: one that is not locked belongs to a killed
-//! process. Of this, only files directly in these folders are removed, and in `exchanged-<number>`,
-//! which may have files of others, only those that raycost wrote or that have another name elsewhere.
-//! Nothing in it says what to move or remove elsewhere.
+//! process. (All remain where the file system has no locks.) Of this, only files directly in these
+//! folders are removed, and in `exchanged-<number>`, which may have files of others, only those that
+//! raycost wrote or that have another name elsewhere. Nothing in it says what to move or remove
+//! elsewhere.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata};
@@ -23,7 +24,7 @@ use rayon::prelude::*;
 use super::SUMMARY;
 use super::disk::change;
 use super::listing::{is_marked, listed_in};
-use super::lock::{lock, number_of};
+use super::lock::{lock, lock_left, number_of};
 use crate::provenance::checksum;
 
 /// The prefix of the names of all workspaces.
@@ -196,7 +197,7 @@ pub(super) fn is_name(name: &str) -> bool {
 fn left_in(parent: &Path, prefix: &str) -> impl Iterator<Item = Workspace> {
     places_in(parent, prefix).filter_map(|place| {
         Some(Workspace {
-            lock: Some(lock(&place.path).ok()??),
+            lock: Some(lock_left(&place.path)?),
             place,
             remains: false,
         })
@@ -250,17 +251,14 @@ pub(super) fn remove_files(folder: &Path, is_known: impl Fn(&Path) -> bool + Syn
     let (summary, others): (Vec<PathBuf>, Vec<PathBuf>) =
         paths.partition(|path| path.ends_with(SUMMARY));
     let remove = |path: &PathBuf| !is_known(path) || change(|| fs::remove_file(path)).is_ok();
-    let are_removed = if rayon::current_thread_index().is_some() {
-        let removed = others.par_iter().with_max_len(1).map(remove);
-        removed.reduce(|| true, |one, other| one && other)
+    let remains = |path: &&PathBuf| !remove(path);
+    let n_left = if rayon::current_thread_index().is_some() {
+        others.par_iter().with_max_len(1).filter(remains).count()
     } else {
-        others
-            .iter()
-            .map(remove)
-            .fold(true, |one, other| one && other)
+        others.iter().filter(remains).count()
     };
     // It lists the others.
-    if are_removed {
+    if n_left == 0 {
         for path in &summary {
             remove(path);
         }
