@@ -16,8 +16,8 @@ impl Half {
     pub(super) fn nearest(number: f32) -> Self {
         let bits = (number / SCALE).to_bits();
         let below_half = (1 << (N_MORE_BITS - 1)) - 1;
-        let is_odd = bits >> N_MORE_BITS & 1;
-        Self((bits + below_half + is_odd >> N_MORE_BITS) as u16)
+        let is_odd = (bits >> N_MORE_BITS) & 1;
+        Self(((bits + below_half + is_odd) >> N_MORE_BITS) as u16)
     }
 
     /// Returns the number. Two operations, unlike in crates that ask which instructions the processor
