@@ -372,13 +372,13 @@ fn the_rows_sum_up_in_fog() {
         render(&format!("{scene}.yaml"), folder.path(), &flags);
         for kind in ["object", "material"] {
             let rows = rows(folder.path());
-            let all = rows
+            let mut all = rows
                 .iter()
                 .filter(|row| row["kind"] == kind && row["ray_kind"] == "all");
             let whole: f64 = all.clone().map(|row| number(row, "rays_share")).sum();
             // By both rules.
             assert!((whole - 2.0).abs() < 1e-5, "{scene}, {kind}: {whole}");
-            let last = all.last().unwrap();
+            let last = all.next_back().unwrap();
             assert_eq!((&*last["name"], &*last["id"]), ("nothing", "-1"));
         }
     }
