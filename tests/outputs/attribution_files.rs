@@ -365,7 +365,7 @@ fn the_rows_sum_up_in_fog() {
     let folder = tempfile::tempdir().unwrap();
     let fog = "fog={mean_free_path: 4, color: 0.5}";
     for (scene, setting) in [
-        ("hall_of_mirrors", "shading.model=path"),
+        ("hall_of_mirrors", "shading={model: path}"),
         ("blocks", "fog.color=1"),
     ] {
         let flags = ["--cost=counters", "--set", fog, "--set", setting];
