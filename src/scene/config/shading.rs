@@ -105,7 +105,7 @@ pub enum LightSampling {
     /// Every light, with one ray each.
     Each,
     /// One light, chosen with a probability proportional to the light that would arrive at the
-    /// point if nothing were in the way; for more than 16 lights, proportional to its power.
+    /// point if nothing were in the way; for more than 16 lights, to its power plus the mean power.
     Power,
 }
 
