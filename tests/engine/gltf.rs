@@ -20,13 +20,13 @@ use crate::common::parse;
 /// A file: its JSON and its first buffer.
 #[derive(Clone)]
 pub struct Gltf {
-    json: Value,
+    pub json: Value,
     pub binary: Vec<u8>,
 }
 
 impl Gltf {
     /// Appends bytes to the buffer; returns the index of their view.
-    fn view(&mut self, bytes: &[u8]) -> usize {
+    pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         let view =
             json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
@@ -36,7 +36,7 @@ impl Gltf {
     }
 
     /// Appends an accessor; returns its index.
-    fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
+    pub fn accessor(&mut self, kind: &str, component: u32, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
         let mut accessor = json!({
             "bufferView": view, "componentType": component, "count": count, "type": kind,
@@ -49,7 +49,7 @@ impl Gltf {
         push(&mut self.json["accessors"], accessor)
     }
 
-    fn floats(&mut self, kind: &str, count: usize, numbers: &[f32]) -> usize {
+    pub fn floats(&mut self, kind: &str, count: usize, numbers: &[f32]) -> usize {
         let bytes: Vec<u8> = numbers
             .iter()
             .flat_map(|number| number.to_le_bytes())
@@ -81,7 +81,7 @@ impl Gltf {
     }
 }
 
-fn push(list: &mut Value, item: Value) -> usize {
+pub fn push(list: &mut Value, item: Value) -> usize {
     if list.is_null() {
         *list = json!([]);
     }
@@ -153,7 +153,7 @@ pub fn sign() -> Gltf {
 }
 
 /// The mesh of a file with its materials, or the message about it.
-fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
+pub fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
@@ -484,21 +484,6 @@ fn a_mistake_is_reported_with_its_place() {
         ),
         ("/buffers/0/byteLength", json!(90_000), "`buffers[0]` has"),
         (
-            "/images/0/bufferView",
-            json!(0),
-            "`images[0]`: it is not a picture of a known format",
-        ),
-        (
-            "/images/0",
-            json!({ "uri": "wood.png" }),
-            "`wood.png`: cannot read it: ",
-        ),
-        (
-            "/images/0",
-            json!({ "uri": "data:image/png;base64,!!" }),
-            "`images[0]`: a `uri` has damaged base64",
-        ),
-        (
             "/meshes/0/primitives/0/attributes/POSITION",
             json!(99),
             "a mesh has attributes of `accessors[99]`, expected one of the 6 accessors, from 0",
@@ -527,33 +512,13 @@ fn a_mistake_is_reported_with_its_place() {
         );
     }
     let mut file = sign();
-    file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    read("a.glb", &file.glb()).unwrap();
-    for (name, what) in [
-        (
-            "KHR_draco_mesh_compression",
-            ": its meshes are compressed by Draco",
-        ),
-        ("EXT_texture_webp", ": its pictures are WebP files"),
-        (
-            "KHR_materials_pbrSpecularGlossiness",
-            ": its materials have specular colors and glossiness, not metallicness and roughness",
-        ),
-        (
-            "KHR_materials_unlit",
-            ": its surfaces show their colors without light",
-        ),
-        ("EXT_new", ""),
-    ] {
-        file.json["extensionsRequired"] = json!([name]);
-        // What the extension changes is no mistake of the file.
-        file.json["textures"] = json!([{}]);
-        let found = read("a.glb", &file.glb()).unwrap_err();
-        let expected = format!(
-            "it requires the extension `{name}`{what}, expected a file that was exported without it"
-        );
-        assert!(found.ends_with(&expected), "{found}");
-    }
+    file.json["extensionsRequired"] = json!(["EXT_new", "KHR_draco_mesh_compression"]);
+    // What the extension changes is no mistake of the file.
+    file.json["accessors"][0] = json!({});
+    let found = read("a.glb", &file.glb()).unwrap_err();
+    let expected = "it requires the extension `KHR_draco_mesh_compression`: its meshes are \
+                    compressed by Draco, expected a file that was exported without it";
+    assert!(found.ends_with(expected), "{found}");
     let old = r#"{ "asset": { "version": 1.0 }, "meshes": { "a": {} } }"#;
     let found = read("a.gltf", old.as_bytes()).unwrap_err();
     assert!(
@@ -642,7 +607,6 @@ fn lights_shine_from_their_nodes() {
 #[test]
 fn lights_out_of_range_are_refused() {
     for (light, expected) in [
-        (json!({ "type": "lamp" }), "it has no valid value"),
         (json!({ "type": "spot" }), "it is missing"),
         (
             json!({ "type": "point", "intensity": -1 }),

@@ -13,6 +13,7 @@ mod environment;
 mod finite;
 mod fog;
 mod gltf;
+mod gltf_parts;
 mod growth;
 mod import;
 mod instances;

@@ -30,6 +30,8 @@ pub struct MeshMaterial {
     pub finish: Finish,
     /// The share of light that is transmitted through the surface, 0 to 1.
     pub transmission: f32,
+    /// True if the surface shows its color without light.
+    pub is_unlit: bool,
     /// The index of refraction of the inside, 1 to 10.
     pub index: f32,
     /// The radiance that the surface emits.
@@ -113,6 +115,7 @@ impl MeshMaterial {
                 reflection: 0.0,
             },
             transmission: 0.0,
+            is_unlit: false,
             index: 1.5,
             emission: Vec3::ZERO,
             opacity: None,
@@ -173,6 +176,8 @@ pub(super) struct PictureShelf {
     /// Bytes of memory left for pictures.
     available: u64,
     read: HashMap<(PathBuf, Option<Transfer>, [u32; 3]), Arc<Picture>>,
+    /// Sentences about pictures that cannot be read.
+    pub(super) notes: Vec<String>,
 }
 
 impl PictureShelf {
@@ -181,6 +186,7 @@ impl PictureShelf {
         Self {
             available,
             read: HashMap::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -211,6 +217,32 @@ impl PictureShelf {
         self.read.insert(key, Arc::clone(&picture));
         Ok(picture)
     }
+
+    /// Returns a picture as [`picture`](Self::picture) does; `None` and a note if it cannot be read.
+    pub(super) fn picture_or_note(
+        &mut self,
+        name: &Path,
+        transfer: Option<Transfer>,
+        tint: Vec3,
+        bytes: impl FnOnce() -> Result<PictureBytes>,
+    ) -> Option<Arc<Picture>> {
+        let read = self.picture(name, transfer, tint, bytes);
+        let read = read.map_err(|fault| {
+            let note = missing_note(&fault);
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        });
+        read.ok()
+    }
+}
+
+/// Returns a note on a file that a mesh names and that cannot be read.
+pub(super) fn missing_note(fault: &FileFault) -> String {
+    format!(
+        "shown without {}, expected {}",
+        fault.problem, fault.expected
+    )
 }
 
 /// Moves a fault in a referenced file to the place of the reference.

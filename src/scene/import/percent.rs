@@ -3,6 +3,11 @@
 /// Decodes a URI's path, or a name of a legacy VTK file: `%20` is a blank. What is not an encoded byte
 /// stays as it is.
 pub(super) fn percent_decoded(text: &str) -> String {
+    String::from_utf8_lossy(&percent_decoded_bytes(text)).into_owned()
+}
+
+/// Decodes text to the bytes that it stands for.
+pub(super) fn percent_decoded_bytes(text: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.as_bytes();
     while let [first, behind @ ..] = rest {
@@ -21,5 +26,5 @@ pub(super) fn percent_decoded(text: &str) -> String {
             }
         }
     }
-    String::from_utf8_lossy(&bytes).into_owned()
+    bytes
 }

@@ -39,8 +39,12 @@ impl Material {
         if detail == MaterialDetail::Surface {
             return made;
         }
-        made.emission = of.emission;
-        made.factors.emission = of.emission_map.as_ref().map(image);
+        if of.is_unlit {
+            made.show_unlit();
+        } else {
+            made.emission = of.emission;
+            made.factors.emission = of.emission_map.as_ref().map(image).map(Texture::Image);
+        }
         // Media are closed, and a surface with holes is not a medium.
         let is_open =
             |opacity: &&MeshOpacity| opacity.threshold.is_some() || of.transmission == 0.0;
@@ -112,6 +116,17 @@ impl Material {
                 self.kind = MaterialKind::Opaque { reflection };
             }
         }
+    }
+
+    /// Emits the color in place of reflecting light.
+    fn show_unlit(&mut self) {
+        *self = Self {
+            emission: Vec3::ONE,
+            ambient: 0.0,
+            diffuse: 0.0,
+            ..Self::matte(self.color.clone())
+        };
+        self.factors.emission = Some(self.color.clone());
     }
 
     fn take_principled(&mut self, principled: Principled) {

@@ -1,16 +1,17 @@
-//! Properties of a surface that vary over it as pictures do.
+//! Properties of a surface that vary over it as textures do.
 
 use glam::Vec3;
 
 use super::image::ImageTexture;
+use super::texture::Texture;
 use super::texture_point::TexturePoint;
 use math::simd::{Real, Vector};
 
-/// The pictures of a material's properties, each multiplied by the material's number.
+/// The textures of a material's properties, each multiplied by the material's number.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FactorPictures {
     /// The factor of the emitted light.
-    pub emission: Option<ImageTexture>,
+    pub emission: Option<Texture>,
     /// The factors of the roughness, in green, and of the metallicness, in blue, as in glTF.
     pub facets: Option<ImageTexture>,
 }
@@ -29,20 +30,22 @@ pub struct PictureFactors<R> {
 impl FactorPictures {
     /// Returns the pictures.
     pub(super) fn images(&self) -> impl Iterator<Item = &ImageTexture> {
-        self.emission.iter().chain(&self.facets)
+        let emission = self.emission.as_ref().and_then(Texture::image);
+        emission.into_iter().chain(&self.facets)
     }
 
     /// Returns the pictures.
     pub(super) fn images_mut(&mut self) -> impl Iterator<Item = &mut ImageTexture> {
-        self.emission.iter_mut().chain(&mut self.facets)
+        let emission = self.emission.as_mut().and_then(Texture::image_mut);
+        emission.into_iter().chain(&mut self.facets)
     }
 
     /// Returns the factors at a point.
     #[inline(always)]
     pub fn at<R: Real>(&self, point: &TexturePoint<R>) -> PictureFactors<R> {
         let mut found = PictureFactors::ones(point.width);
-        if let Some(image) = &self.emission {
-            found.emission = image.color_at(point);
+        if let Some(texture) = &self.emission {
+            found.emission = texture.color_at(point);
         }
         if let Some(image) = &self.facets {
             [_, found.roughness, found.metallic, _] = image.values_at(point);

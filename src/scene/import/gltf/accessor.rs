@@ -73,16 +73,24 @@ impl Accessors<'_> {
             component(accessor),
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32
         );
-        if !is_whole || n_components(accessor) != 1 || accessor.sparse.is_some() {
+        if !is_whole || n_components(accessor) != 1 {
             let problem = format!("`accessors[{}]` has no indices", index.value());
             return Err(FileFault::new(
                 problem,
                 "whole numbers without a sign, one by one",
             ));
         }
-        let elements = self.elements(index, accessor)?;
-        let elements = elements.ok_or_else(|| outside(index))?;
-        Ok((0..n).map(|i| elements.index(i)).collect())
+        let mut found = vec![0; n];
+        if let Some(elements) = self.elements(index, accessor)? {
+            for (i, number) in found.iter_mut().enumerate() {
+                *number = elements.index(i);
+            }
+        }
+        self.replace(index, accessor, |i, values, from| {
+            let number = found.get_mut(i);
+            number.map(|number| *number = values.index(from)).is_some()
+        })?;
+        Ok(found)
     }
 
     /// Returns the number of elements.
@@ -98,6 +106,21 @@ impl Accessors<'_> {
         n_bytes: usize,
     ) -> Result<(&Accessor, usize)> {
         let accessor = self.root.get(index).ok_or_else(|| outside(index))?;
+        for (key, is_valid) in [
+            ("type", accessor.type_ != Checked::Invalid),
+            (
+                "componentType",
+                matches!(accessor.component_type, Checked::Valid(_)),
+            ),
+        ] {
+            if !is_valid {
+                let problem = format!(
+                    "`accessors[{}].{key}`: it has no valid value",
+                    index.value()
+                );
+                return Err(FileFault::new(problem, "one of glTF 2.0"));
+            }
+        }
         let n = accessor.count.0;
         budget.take(n.saturating_mul(n_bytes as u64))?;
         Ok((accessor, n as usize))

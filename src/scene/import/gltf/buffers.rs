@@ -4,30 +4,27 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use gltf_json::{Index, Root, buffer};
+use base64::alphabet;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use gltf_json::{Buffer, Index, Root, buffer};
 
 use crate::import::budget::Budget;
 use crate::import::materials::{of_reference, path_in};
-use crate::import::percent::percent_decoded;
+use crate::import::percent::{percent_decoded, percent_decoded_bytes};
 use crate::import::{FileFault, Result, max_bytes, open, read_whole};
 
-/// The bytes of all buffers.
-pub(super) struct Buffers<'a>(Vec<Cow<'a, [u8]>>);
+/// The bytes of all buffers; the fault of a buffer matters only where it is used.
+pub(super) struct Buffers<'a>(Vec<Result<Cow<'a, [u8]>>>);
 
 impl<'a> Buffers<'a> {
     /// Reads the buffers. `binary` is the first buffer of a binary file, `folder` is the file's.
-    ///
-    /// # Errors
-    /// A buffer cannot be read, or has fewer bytes than the file says.
     pub(super) fn read(
         root: &'a Root,
         binary: Option<&'a [u8]>,
         folder: &Path,
         budget: &mut Budget,
-    ) -> Result<Self> {
-        let mut found = Vec::with_capacity(root.buffers.len());
-        for (i, buffer) in root.buffers.iter().enumerate() {
+    ) -> Self {
+        let read = |(i, buffer): (usize, &Buffer)| {
             let bytes = match (&buffer.uri, binary) {
                 (Some(uri), _) => Cow::Owned(bytes_of_uri(uri, folder, budget)?),
                 (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
@@ -41,16 +38,16 @@ impl<'a> Buffers<'a> {
                 let expected = format!("the {} of its `byteLength`", buffer.byte_length.0);
                 return Err(FileFault::new(problem, expected));
             }
-            found.push(bytes);
-        }
-        Ok(Self(found))
+            Ok(bytes)
+        };
+        Self(root.buffers.iter().enumerate().map(read).collect())
     }
 
     /// Returns the bytes of a view of a buffer, and the bytes from one element to the next if they
     /// are given.
     ///
     /// # Errors
-    /// The view exceeds its buffer.
+    /// The view exceeds its buffer, or the buffer was not read.
     pub(super) fn view(
         &self,
         root: &Root,
@@ -64,6 +61,7 @@ impl<'a> Buffers<'a> {
         let from = view.byte_offset.map_or(0, |offset| offset.0);
         let end = from.checked_add(view.byte_length.0).ok_or_else(outside)?;
         let buffer = self.0.get(view.buffer.value()).ok_or_else(outside)?;
+        let buffer = buffer.as_ref().map_err(Clone::clone)?;
         let bytes = buffer
             .get(from as usize..end as usize)
             .ok_or_else(outside)?;
@@ -86,11 +84,24 @@ pub(super) fn bytes_of_uri(uri: &str, folder: &Path, budget: &mut Budget) -> Res
 
 /// Returns the bytes that a URI contains; `None` if it refers to a file.
 pub(super) fn embedded(uri: &str, budget: &mut Budget) -> Option<Result<Vec<u8>>> {
-    let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
-    Some(budget.take(text.len() as u64).and_then(|()| {
-        STANDARD.decode(text).map_err(|error| {
+    let (kind, text) = uri.strip_prefix("data:")?.split_once(',')?;
+    Some(budget.take(3 * text.len() as u64).and_then(|()| {
+        let mut written = percent_decoded_bytes(text);
+        if !kind.ends_with(";base64") {
+            return Ok(written);
+        }
+        written.retain(|letter| !letter.is_ascii_whitespace());
+        BASE64.decode(written).map_err(|error| {
             let problem = format!("a `uri` has damaged base64: {error}");
-            FileFault::new(problem, "base64 with its padding")
+            FileFault::new(problem, "letters of base64")
         })
     }))
 }
+
+/// Base64 as browsers read it: with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &alphabet::STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);

@@ -1,11 +1,14 @@
 //! The two forms of a glTF file: JSON, or a binary file whose first chunk is JSON.
 
+use std::collections::BTreeSet;
+
+use base::text::numbers::counted;
 use gltf_json::Root;
 use gltf_json::extensions::ENABLED_EXTENSIONS;
 use gltf_json::validation::{Error, Validate};
 use memchr::memchr_iter;
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::import::budget::Budget;
 use crate::import::fault::cut;
@@ -30,21 +33,95 @@ pub(super) fn parse<'a>(file: &'a [u8], budget: &mut Budget) -> Result<(Root, Op
         Some(_) => chunks(file)?,
         None => (file, None),
     };
-    let n_objects = memchr_iter(b'{', json).count() as u64;
-    budget.take(n_objects * OBJECT_BYTES + json.len() as u64 * BYTES_PER_BYTE)?;
+    take_memory(json, budget)?;
     check_head(json)?;
-    let root: Root = serde_json::from_slice(json).map_err(|error| {
-        let line = FileLocation::Line(error.line() as u64);
-        let text = error.to_string();
-        let (reason, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
-        let reason: String = reason.chars().take(MAX_PLACE).collect();
-        FileFault::new(format!("the JSON is damaged: {reason}"), "glTF 2.0").at(line)
-    })?;
+    let root = match serde_json::from_slice(json) {
+        Ok(root) => root,
+        Err(error) => completed(json, budget)?.ok_or_else(|| damaged(&error))?,
+    };
     match first_mistake(&root) {
         None => Ok((root, binary)),
         Some(fault) => Err(fault),
     }
 }
+
+/// Takes the memory of parsed JSON.
+///
+/// # Errors
+/// Too little is left.
+fn take_memory(json: &[u8], budget: &mut Budget) -> Result<()> {
+    let n_objects = memchr_iter(b'{', json).count() as u64;
+    budget.take(n_objects * OBJECT_BYTES + json.len() as u64 * BYTES_PER_BYTE)
+}
+
+/// Creates the fault of JSON that does not conform to glTF.
+fn damaged(error: &serde_json::Error) -> FileFault {
+    let line = FileLocation::Line(error.line() as u64);
+    let text = error.to_string();
+    let (reason, _) = text.rsplit_once(" at line ").unwrap_or((&text, ""));
+    let reason: String = reason.chars().take(MAX_PLACE).collect();
+    FileFault::new(format!("the JSON is damaged: {reason}"), "glTF 2.0").at(line)
+}
+
+/// Parses JSON that gltf-json refuses for no reason of glTF: scenes without nodes, whole numbers
+/// with a decimal point, and animations and cameras, which are not read. Returns `None` for JSON
+/// that has other mistakes.
+///
+/// # Errors
+/// Too little memory is left.
+fn completed(json: &[u8], budget: &mut Budget) -> Result<Option<Root>> {
+    take_memory(json, budget)?;
+    let Ok(mut value) = serde_json::from_slice(json) else {
+        return Ok(None);
+    };
+    make_whole(&mut value);
+    if let Some(root) = value.as_object_mut() {
+        root.remove("cameras");
+    }
+    for animation in objects_of(&mut value, "animations") {
+        for key in ["channels", "samplers"] {
+            animation.insert(key.to_owned(), Value::Array(Vec::new()));
+        }
+    }
+    for scene in objects_of(&mut value, "scenes") {
+        scene
+            .entry("nodes")
+            .or_insert_with(|| Value::Array(Vec::new()));
+    }
+    for node in objects_of(&mut value, "nodes") {
+        node.remove("camera");
+    }
+    Ok(serde_json::from_value(value).ok())
+}
+
+/// Returns the objects of a list of the file.
+fn objects_of<'a>(
+    root: &'a mut Value,
+    key: &str,
+) -> impl Iterator<Item = &'a mut Map<String, Value>> {
+    let list = root.get_mut(key).and_then(Value::as_array_mut);
+    list.into_iter().flatten().filter_map(Value::as_object_mut)
+}
+
+/// Writes whole numbers without a decimal point.
+fn make_whole(value: &mut Value) {
+    match value {
+        Value::Number(number) => {
+            let found = number
+                .as_f64()
+                .filter(|found| number.is_f64() && found.fract() == 0.0);
+            if let Some(found) = found.filter(|found| found.abs() < MAX_WHOLE) {
+                *number = (found as i64).into();
+            }
+        }
+        Value::Array(values) => values.iter_mut().for_each(make_whole),
+        Value::Object(values) => values.values_mut().for_each(make_whole),
+        _ => {}
+    }
+}
+
+/// The numbers below it are exact in 64 bits.
+const MAX_WHOLE: f64 = (1_u64 << 53) as f64;
 
 /// The version and the extensions of a file.
 #[derive(Deserialize)]
@@ -60,8 +137,8 @@ struct GltfAsset {
     version: Value,
 }
 
-/// Extensions that change the bytes of a file or the light of its surfaces, each with its effect.
-const EFFECTS: [(&str, &str); 11] = [
+/// Extensions without which a file has no geometry, each with its effect.
+const EFFECTS: [(&str, &str); 4] = [
     (
         "KHR_draco_mesh_compression",
         "its meshes are compressed by Draco",
@@ -74,21 +151,38 @@ const EFFECTS: [(&str, &str); 11] = [
         "KHR_meshopt_compression",
         "its buffers are compressed by meshoptimizer",
     ),
-    ("EXT_texture_webp", "its pictures are WebP files"),
-    ("EXT_texture_avif", "its pictures are AVIF files"),
-    ("KHR_texture_basisu", "its pictures are KTX files"),
-    ("MSFT_texture_dds", "its pictures are DDS files"),
-    ("EXT_mesh_gpu_instancing", "its nodes repeat meshes"),
     ("KHR_gaussian_splatting", "it is made of splats"),
-    (
-        "KHR_materials_pbrSpecularGlossiness",
-        "its materials have specular colors and glossiness, not metallicness and roughness",
-    ),
-    (
-        "KHR_materials_unlit",
-        "its surfaces show their colors without light",
-    ),
 ];
+
+/// Extensions that are read, but unknown to gltf-json: `KHR_mesh_quantization` allows whole numbers
+/// for attributes.
+const OWN_EXTENSIONS: [&str; 3] = ["KHR_mesh_quantization", INSTANCING, VISIBILITY];
+
+/// The extension that repeats the mesh of a node.
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// The extension that hides nodes.
+pub(super) const VISIBILITY: &str = "KHR_node_visibility";
+
+/// Maximum number of extensions that a note names.
+const MAX_NAMED: usize = 8;
+
+/// Returns the sentence about extensions that are not read.
+pub(super) fn unread_extensions(root: &Root) -> Option<String> {
+    let is_read = |name: &str| ENABLED_EXTENSIONS.contains(&name) || OWN_EXTENSIONS.contains(&name);
+    let named = root.extensions_used.iter().chain(&root.extensions_required);
+    let unread: BTreeSet<&String> = named.filter(|name| !is_read(name)).collect();
+    let shown = unread.iter().take(MAX_NAMED);
+    let shown: Vec<String> = shown.map(|name| format!("`{}`", short(name))).collect();
+    let number = counted(unread.len() as u64, "extension");
+    let sentence = format!("{number} left out: {}", shown.join(", "));
+    (!unread.is_empty()).then_some(sentence)
+}
+
+/// Returns the beginning of a name or a place for a message.
+fn short(text: &str) -> String {
+    text.chars().take(MAX_PLACE).collect()
+}
 
 /// Refuses glTF of another version, and extensions without which a file means something else: their
 /// consequences would be reported as mistakes in the rest of the JSON.
@@ -105,14 +199,12 @@ fn check_head(json: &[u8]) -> Result<()> {
         let problem = format!("it is glTF {}", cut(&version));
         return Err(FileFault::new(problem, "glTF 2.0"));
     }
-    let is_known = |name: &str| ENABLED_EXTENSIONS.contains(&name) || name == QUANTIZATION;
-    let Some(unknown) = extensions.iter().find(|name| !is_known(name)) else {
+    let is_required =
+        |(name, _): &&(&str, &str)| extensions.iter().any(|required| required == name);
+    let Some((name, what)) = EFFECTS.iter().find(is_required) else {
         return Ok(());
     };
-    let effect = EFFECTS.iter().find(|(name, _)| name == unknown);
-    let what = effect.map_or(String::new(), |(_, what)| format!(": {what}"));
-    let name: String = unknown.chars().take(MAX_PLACE).collect();
-    let problem = format!("it requires the extension `{name}`{what}");
+    let problem = format!("it requires the extension `{name}`: {what}");
     Err(FileFault::new(
         problem,
         "a file that was exported without it",
@@ -160,9 +252,6 @@ fn chunk<'a>(chunks: &'a [u8], kind: &[u8; 4]) -> Result<(&'a [u8], &'a [u8])> {
     })
 }
 
-/// Integer vertex attributes: supported, but unknown to gltf-json.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
-
 /// Returns the first index that is out of range, or value that glTF does not define.
 fn first_mistake(root: &Root) -> Option<FileFault> {
     let mut first = None;
@@ -183,10 +272,25 @@ fn first_mistake(root: &Root) -> Option<FileFault> {
             // Extensions were checked before.
             Error::Unsupported => return,
         };
-        first.get_or_insert_with(|| {
-            let place: String = path().as_str().chars().take(MAX_PLACE).collect();
-            FileFault::new(format!("`{place}`: {problem}"), expected)
-        });
+        let place = path();
+        if first.is_none() && matters(place.as_str(), error) {
+            let problem = format!("`{}`: {problem}", short(place.as_str()));
+            first = Some(FileFault::new(problem, expected));
+        }
     });
     first
+}
+
+/// Returns true if a mistake changes what is read, or may panic where it is looked up; a mistake of
+/// an accessor is refused where it is used.
+fn matters(place: &str, error: Error) -> bool {
+    let is_unread = place.starts_with("animations[") || place.starts_with("cameras[");
+    match error {
+        _ if is_unread => false,
+        // gltf-json checks bounds of positions, which are not read.
+        Error::Missing if place.contains("attributes[\"POSITION\"]") => false,
+        Error::Missing => !(place.starts_with("accessors[") && place.ends_with("].bufferView")),
+        Error::Invalid => place.contains(".sparse.") || place.ends_with(".mode"),
+        _ => true,
+    }
 }

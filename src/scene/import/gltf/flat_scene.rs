@@ -1,6 +1,7 @@
 //! Merges the meshes of a scene into one.
 
-use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
+use base::text::numbers::counted;
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use gltf_json::accessor::Accessor;
 use gltf_json::material::Material;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
@@ -8,8 +9,10 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
 use super::accessor::Accessors;
+use super::attributes::{Moving, attribute};
 use super::materials::{self, Placing};
 use super::nodes::PlacedMesh;
+use super::pose::{MeshPose, normal_matrix};
 use crate::import::budget::Budget;
 use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved, point};
 use crate::import::{FileFault, Result};
@@ -28,6 +31,9 @@ pub(super) struct FlatScene<'a> {
     uvs: CornerValues<Vec2>,
     colors: CornerValues<Vec3>,
     opacities: CornerValues<f32>,
+    /// The number of primitives of points or lines, and of those whose tangents are not read.
+    n_without_triangles: u64,
+    n_with_tangents: u64,
 }
 
 /// A triangle mesh of one material, as stored in the file.
@@ -37,7 +43,7 @@ struct Part<'a> {
     triangles: Vec<[u32; 3]>,
     n_vertices: usize,
     material: u32,
-    scene_from_mesh: DMat4,
+    pose: MeshPose<'a>,
 }
 
 impl<'a> FlatScene<'a> {
@@ -50,6 +56,8 @@ impl<'a> FlatScene<'a> {
             uvs: CornerValues::default(),
             colors: CornerValues::default(),
             opacities: CornerValues::default(),
+            n_without_triangles: 0,
+            n_with_tangents: 0,
         }
     }
 
@@ -85,8 +93,7 @@ impl<'a> FlatScene<'a> {
                 let place = format!("`meshes[{}].primitives[{i}]`", placed.mesh.value());
                 FileFault::new(format!("{place}: {}", fault.problem), fault.expected)
             };
-            self.add_primitive(primitive, placed.scene_from_mesh, budget)
-                .map_err(at)?;
+            self.add_primitive(primitive, placed, budget).map_err(at)?;
         }
         Ok(())
     }
@@ -94,19 +101,20 @@ impl<'a> FlatScene<'a> {
     fn add_primitive(
         &mut self,
         primitive: &Primitive,
-        scene_from_mesh: DMat4,
+        placed: &PlacedMesh,
         budget: &mut Budget,
     ) -> Result<()> {
         let Some(positions) = attribute(primitive, Semantic::Positions) else {
+            self.n_without_triangles += 1;
             return Ok(());
         };
         // Read the triangles, and check their indices.
         let mut triangles = self.triangles(primitive, positions, budget)?;
-        if scene_from_mesh.determinant() < 0.0 {
-            // Mirrored: swap corners so that the same side stays outside.
-            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        if triangles.is_empty() {
+            self.n_without_triangles += 1;
+            return Ok(());
         }
-        let vertices = self.accessors.vectors::<3>(positions, budget)?;
+        let mut vertices = self.accessors.vectors::<3>(positions, budget)?;
         let n_vertices = vertices.len();
         let corners = triangles.as_flattened().iter();
         if let Some(wrong) = corners
@@ -119,22 +127,40 @@ impl<'a> FlatScene<'a> {
                 format!("one of the {n_vertices}, from 0"),
             ));
         }
+        let pose = MeshPose::new(self.accessors, placed, primitive, n_vertices, budget)?;
+        for corners in &mut triangles {
+            if pose.at(corners[0] as usize).determinant() < 0.0 {
+                // Mirrored: swap corners so that the same side stays outside.
+                corners.swap(1, 2);
+            }
+        }
         // Add the attributes.
         let part = Part {
             primitive,
             triangles,
             n_vertices,
             material: self.material_of(primitive),
-            scene_from_mesh,
+            pose,
         };
-        self.add_normals(&part, budget)?;
+        let material = part.material_in(self.accessors.root);
+        let has_normal_map = material.is_some_and(|of| of.normal_texture.is_some());
+        if has_normal_map && attribute(primitive, Semantic::Tangents).is_some() {
+            self.n_with_tangents += 1;
+        }
+        let moving = Moving {
+            primitive,
+            weights: placed.weights,
+        };
+        self.accessors
+            .move_by_targets(&moving, |of| of.positions, &mut vertices, budget)?;
+        self.add_normals(&part, &moving, budget)?;
         self.add_uvs(&part, budget)?;
         self.add_colors(&part, budget)?;
         // Place the vertices, and append the triangles.
         let first = count(self.vertices.len() + n_vertices)? - n_vertices as u32;
-        for vertex in vertices {
+        for (i, vertex) in vertices.into_iter().enumerate() {
             let vertex: Vec3 = finite(vertex)?;
-            let placed = scene_from_mesh.transform_point3(vertex.as_dvec3());
+            let placed = part.pose.at(i).transform_point3(vertex.as_dvec3());
             self.vertices.push(point(placed.to_array())?);
         }
         let n = self.mesh.triangles.len() + part.triangles.len();
@@ -187,19 +213,22 @@ impl<'a> FlatScene<'a> {
         })
     }
 
-    fn add_normals(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
-        let Some(normals) = part.values::<3>(&self.accessors, Semantic::Normals, budget)? else {
+    fn add_normals(&mut self, part: &Part, moving: &Moving, budget: &mut Budget) -> Result<()> {
+        let Some(mut normals) = self.accessors.values::<3>(
+            part.primitive,
+            Semantic::Normals,
+            part.n_vertices,
+            budget,
+        )?
+        else {
             return Ok(());
         };
-        let [x, y, z] = [0, 1, 2].map(|k| part.scene_from_mesh.col(k).truncate());
-        // The matrix of cofactors transforms normals, even if the matrix has no inverse.
-        let mut world = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        if part.scene_from_mesh.determinant() < 0.0 {
-            world = -world;
-        }
-        let placed = normals.into_iter().map(|normal| {
+        self.accessors
+            .move_by_targets(moving, |of| of.normals, &mut normals, budget)?;
+        let placed = normals.into_iter().enumerate().map(|(i, normal)| {
             let normal: Vec3 = finite(normal)?;
-            Ok((world * normal.as_dvec3()).normalize_or_zero().as_vec3())
+            let placed = normal_matrix(part.pose.at(i)) * normal.as_dvec3();
+            Ok(placed.normalize_or_zero().as_vec3())
         });
         let placed = placed.collect::<Result<_>>()?;
         self.normals
@@ -210,7 +239,10 @@ impl<'a> FlatScene<'a> {
         let material = part.material_in(self.accessors.root);
         let placing = material.map_or(Placing::default(), materials::of_material);
         let semantic = Semantic::TexCoords(placing.set);
-        let Some(uvs) = part.values::<2>(&self.accessors, semantic, budget)? else {
+        let Some(uvs) =
+            self.accessors
+                .values::<2>(part.primitive, semantic, part.n_vertices, budget)?
+        else {
             return Ok(());
         };
         let placed = uvs.into_iter().map(|uv| {
@@ -224,7 +256,13 @@ impl<'a> FlatScene<'a> {
     }
 
     fn add_colors(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
-        let Some(colors) = part.values::<4>(&self.accessors, Semantic::Colors(0), budget)? else {
+        let Some(colors) = self.accessors.values::<4>(
+            part.primitive,
+            Semantic::Colors(0),
+            part.n_vertices,
+            budget,
+        )?
+        else {
             return Ok(());
         };
         let colors = colors.into_iter().map(|color| {
@@ -253,6 +291,8 @@ impl<'a> FlatScene<'a> {
             uvs,
             colors,
             opacities,
+            n_without_triangles,
+            n_with_tangents,
             ..
         } = self;
         let n = mesh.triangles.len();
@@ -261,6 +301,13 @@ impl<'a> FlatScene<'a> {
         mesh.colors = colors.completed(n, Vec3::ONE);
         mesh.opacities = opacities.completed(n, 1.0);
         mesh.take_normals(normals);
+        let [bare, with_tangents] = [n_without_triangles, n_with_tangents]
+            .map(|n| (n > 0).then(|| counted(n, "primitive")));
+        mesh.notes
+            .extend(bare.map(|n| format!("{n} without triangles left out, such as points")));
+        mesh.notes.extend(with_tangents.map(|n| {
+            format!("the tangents of {n} are not read: bumps lie along the texture coordinates")
+        }));
         mesh
     }
 }
@@ -270,33 +317,4 @@ impl Part<'_> {
     fn material_in<'a>(&self, root: &'a Root) -> Option<&'a Material> {
         root.get(self.primitive.material?)
     }
-
-    /// Returns the values of an attribute at the vertices, if there is one.
-    fn values<const N: usize>(
-        &self,
-        accessors: &Accessors,
-        semantic: Semantic,
-        budget: &mut Budget,
-    ) -> Result<Option<Vec<[f32; N]>>> {
-        let Some(index) = attribute(self.primitive, semantic) else {
-            return Ok(None);
-        };
-        let values = accessors.vectors(index, budget)?;
-        if values.len() >= self.n_vertices {
-            return Ok(Some(values));
-        }
-        let problem = format!(
-            "`accessors[{}]` has {} elements",
-            index.value(),
-            values.len()
-        );
-        Err(FileFault::new(
-            problem,
-            format!("one for each of the {} vertices", self.n_vertices),
-        ))
-    }
-}
-
-fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
-    primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }

@@ -26,7 +26,8 @@ pub(super) fn of_node<'a>(root: &'a Root, node: &Node) -> Result<Option<&'a Gltf
     Ok(light)
 }
 
-/// Returns the light of a node in the space of the scene; `None` if its node is scaled to nothing.
+/// Returns the light of a node in the space of the scene; `None` if its node is scaled to nothing, or
+/// its type is unknown.
 pub(super) fn placed(light: &GltfLight, scene_from_node: &DAffine3) -> Option<Light> {
     // Only the place and the direction of the node count, not its scale.
     let axis = scene_from_node.transform_vector3(DVec3::NEG_Z);
@@ -53,8 +54,8 @@ pub(super) fn placed(light: &GltfLight, scene_from_node: &DAffine3) -> Option<Li
             let angles = [spot.outer_cone_angle, spot.inner_cone_angle];
             Light::Spot(SpotLight::new(at_point, axis, angles.map(f64::from)))
         }),
-        // The container has refused other types.
-        _ => Some(Light::Point(at_point)),
+        (Checked::Valid(Type::Point), _) => Some(Light::Point(at_point)),
+        _ => None,
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use glam::{Mat3, Vec2, Vec3};
+use gltf_json::extensions::material::PbrSpecularGlossiness;
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::{AlphaMode, Material};
 use gltf_json::texture::{Info, MagFilter, Sampler, WrappingMode};
@@ -11,6 +12,7 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, image, texture};
 
 use super::buffers::{Buffers, embedded};
+use super::glossy::{MetallicColor, specular_glossiness};
 use crate::color::Transfer;
 use crate::import::budget::Budget;
 use crate::import::materials::{
@@ -53,8 +55,8 @@ impl Materials<'_> {
     /// Returns all materials; the last one is for triangles without any.
     ///
     /// # Errors
-    /// There are too many, or a picture is missing or damaged.
-    pub(super) fn read(mut self) -> Result<Vec<MeshMaterial>> {
+    /// There are too many.
+    pub(super) fn read(&mut self) -> Result<Vec<MeshMaterial>> {
         if self.root.materials.len() >= MAX_MATERIALS {
             let expected = format!("at most {}", MAX_MATERIALS - 1);
             return Err(FileFault::new("too many materials", expected));
@@ -65,38 +67,36 @@ impl Materials<'_> {
                 .name
                 .clone()
                 .unwrap_or_else(|| format!("material {i}"));
-            found.push(self.material(&name, material)?);
+            found.push(self.material(&name, material));
         }
-        found.push(self.material("default", &Material::default())?);
+        found.push(self.material("default", &Material::default()));
         Ok(found)
     }
 
-    fn material(&mut self, name: &str, of: &Material) -> Result<MeshMaterial> {
-        // Read the color, and the means of roughness and metallicness.
-        let pbr = &of.pbr_metallic_roughness;
-        let [red, green, blue, opacity] = pbr.base_color_factor.0;
-        let color = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
-        let picture = self.picture(pbr.base_color_texture.as_ref(), None, color)?;
-        let [_, rough, metal, _] = self.mean(
-            pbr.metallic_roughness_texture.as_ref(),
-            Some(Transfer::Linear),
-        )?;
+    fn material(&mut self, name: &str, of: &Material) -> MeshMaterial {
+        let Base {
+            color,
+            opacity,
+            picture,
+            finish,
+        } = match specular_glossiness(of) {
+            Some(glossy) => self.base_of_glossy(glossy),
+            None => self.base(of),
+        };
         let extensions = of.extensions.as_ref();
         let index = extensions
             .and_then(|of| of.ior.as_ref())
             .map_or(1.5, |of| of.ior.0);
-        let (emission, emission_map) = self.emission(of)?;
+        let (emission, emission_map) = self.emission(of);
         // Make the opaque surface.
         let mut made = MeshMaterial {
-            finish: Finish::Facets {
-                metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
-                roughness: (pbr.roughness_factor.0 * rough).clamp(0.0, 1.0),
-            },
+            finish,
             index: index.clamp(1.0, 10.0),
             emission,
             emission_map,
-            facets_map: self.facets_map(of)?,
-            normal_map: self.normal_map(of)?,
+            facets_map: self.facets_map(of),
+            normal_map: self.normal_map(of),
+            is_unlit: extensions.is_some_and(|of| of.unlit.is_some()),
             ..MeshMaterial::new(name, color)
         };
         // Add transmission, and opacity by the alpha mode.
@@ -104,7 +104,7 @@ impl Materials<'_> {
             let [share, ..] = self.mean(
                 transmission.transmission_texture.as_ref(),
                 Some(Transfer::Linear),
-            )?;
+            );
             made.transmission = (transmission.transmission_factor.0 * share).clamp(0.0, 1.0);
         }
         made.opacity = has_opacity(of).then(|| MeshOpacity {
@@ -114,37 +114,85 @@ impl Materials<'_> {
                 .then(|| of.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
         });
         made.picture = picture;
-        Ok(made)
+        made
+    }
+
+    /// Reads the color of a material, and the means of its roughness and metallicness.
+    fn base(&mut self, of: &Material) -> Base {
+        let pbr = &of.pbr_metallic_roughness;
+        let [red, green, blue, opacity] = pbr.base_color_factor.0;
+        let color = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
+        let [_, rough, metal, _] = self.mean(
+            pbr.metallic_roughness_texture.as_ref(),
+            Some(Transfer::Linear),
+        );
+        Base {
+            color,
+            opacity,
+            picture: self.picture(pbr.base_color_texture.as_ref(), None, color),
+            finish: Finish::Facets {
+                metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
+                roughness: (pbr.roughness_factor.0 * rough).clamp(0.0, 1.0),
+            },
+        }
+    }
+
+    /// Reads the colors of diffuse and specular light as those of a surface with a share of metal,
+    /// by their means.
+    fn base_of_glossy(&mut self, of: &PbrSpecularGlossiness) -> Base {
+        let [red, green, blue, opacity] = of.diffuse_factor.0;
+        let factor = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
+        let [red, green, blue, _] = self.mean(of.diffuse_texture.as_ref(), None);
+        let diffuse = factor * Vec3::new(red, green, blue);
+        let [red, green, blue, glossy] = self.mean(of.specular_glossiness_texture.as_ref(), None);
+        let specular = Vec3::from(of.specular_factor.0) * Vec3::new(red, green, blue);
+        let MetallicColor { color, share } =
+            MetallicColor::of_specular(diffuse, specular.clamp(Vec3::ZERO, Vec3::ONE));
+        // The picture varies the diffuse color, which metals do not have.
+        let tint = (color * factor / diffuse.max(Vec3::splat(1e-6))).min(Vec3::ONE);
+        let picture = of.diffuse_texture.as_ref().filter(|_| share < 0.5);
+        Base {
+            color,
+            opacity,
+            picture: self.picture(picture, None, tint),
+            finish: Finish::Facets {
+                metallic: share,
+                roughness: (1.0 - of.glossiness_factor.0 * glossy).clamp(0.0, 1.0),
+            },
+        }
     }
 
     /// Returns the radiance that a surface emits, and the picture that multiplies it; a picture
     /// placed differently from the material's others is replaced by its mean.
-    fn emission(&mut self, of: &Material) -> Result<(Vec3, Option<MeshPicture>)> {
+    fn emission(&mut self, of: &Material) -> (Vec3, Option<MeshPicture>) {
         let factor = Vec3::from(of.emissive_factor.0).max(Vec3::ZERO);
         if factor == Vec3::ZERO {
-            return Ok((factor, None));
+            return (factor, None);
         }
         let extensions = of.extensions.as_ref();
         let strength = extensions.and_then(|of| of.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |of| of.emissive_strength.0);
         let bright = factor * strength.max(0.0);
         let emission = if bright.is_finite() { bright } else { factor };
-        let map = self.placed_as_others(of, of.emissive_texture.as_ref(), None)?;
+        let map = self.placed_as_others(of, of.emissive_texture.as_ref(), None);
         if map.is_some() {
-            return Ok((emission, map));
+            return (emission, map);
         }
-        let [red, green, blue, _] = self.mean(of.emissive_texture.as_ref(), None)?;
-        Ok((emission * Vec3::new(red, green, blue), None))
+        let [red, green, blue, _] = self.mean(of.emissive_texture.as_ref(), None);
+        (emission * Vec3::new(red, green, blue), None)
     }
 
     /// Returns the picture of roughness and metallicness, with its factors, if it is placed as the
     /// others are.
-    fn facets_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, [f32; 2])>> {
+    fn facets_map(&mut self, of: &Material) -> Option<(MeshPicture, [f32; 2])> {
+        if specular_glossiness(of).is_some() {
+            return None;
+        }
         let pbr = &of.pbr_metallic_roughness;
         let info = pbr.metallic_roughness_texture.as_ref();
         let map = self.placed_as_others(of, info, Some(Transfer::Linear))?;
         let factors = [pbr.roughness_factor.0, pbr.metallic_factor.0];
-        Ok(map.map(|map| (map, factors.map(|factor| factor.clamp(0.0, 1.0)))))
+        Some((map, factors.map(|factor| factor.clamp(0.0, 1.0))))
     }
 
     /// Reads a picture if it is placed as the material's others are.
@@ -153,16 +201,14 @@ impl Materials<'_> {
         of: &Material,
         info: Option<&Info>,
         transfer: Option<Transfer>,
-    ) -> Result<Option<MeshPicture>> {
+    ) -> Option<MeshPicture> {
         let info = info.filter(|info| placing(info) == of_material(of));
         self.picture(info, transfer, Vec3::ONE)
     }
 
     /// Returns the picture of normals if it is placed as the picture of the color is.
-    fn normal_map(&mut self, of: &Material) -> Result<Option<(MeshPicture, f32)>> {
-        let Some(map) = &of.normal_texture else {
-            return Ok(None);
-        };
+    fn normal_map(&mut self, of: &Material) -> Option<(MeshPicture, f32)> {
+        let map = of.normal_texture.as_ref()?;
         let info = Info {
             index: map.index,
             tex_coord: map.tex_coord,
@@ -175,42 +221,47 @@ impl Materials<'_> {
         } else {
             1.0
         };
-        Ok(picture.map(|picture| (picture, strength)))
+        Some((picture, strength))
     }
 
     /// Returns the mean of a picture, or ones without a picture.
-    fn mean(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> Result<[f32; 4]> {
-        let picture = self.picture(info, transfer, Vec3::ONE)?;
+    fn mean(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> [f32; 4] {
+        let picture = self.picture(info, transfer, Vec3::ONE);
         let picture = picture.map(|of| of.picture).unwrap_or_default();
         let (_, mut texels) = picture.reduced(1);
-        Ok(texels.next().unwrap_or([1.0; 4]))
+        texels.next().unwrap_or([1.0; 4])
     }
 
-    /// Reads a picture and multiplies its colors by a tint.
+    /// Reads a picture and multiplies its colors by a tint; `None` without one that can be read.
     fn picture(
         &mut self,
         info: Option<&Info>,
         transfer: Option<Transfer>,
         tint: Vec3,
-    ) -> Result<Option<MeshPicture>> {
-        let Some(texture) = info.and_then(|info| self.root.get(info.index)) else {
-            return Ok(None);
-        };
+    ) -> Option<MeshPicture> {
+        let texture = self.root.get(info?.index)?;
         let (root, buffers, folder) = (self.root, self.buffers, self.folder);
-        let Some(image) = root.get(texture.source) else {
-            return Ok(None);
-        };
+        let image = root.get(texture.source)?;
         let name = name_of(texture.source, image, folder);
         let budget = &mut *self.budget;
         let bytes = || bytes_of(root, image, buffers, folder, budget);
-        let picture = self.shelf.picture(&name, transfer, tint, bytes)?;
-        Ok(Some(MeshPicture {
+        let picture = self.shelf.picture_or_note(&name, transfer, tint, bytes)?;
+        Some(MeshPicture {
             name,
             picture,
             sampling: sampling(root, texture),
             size: [1.0; 2],
-        }))
+        })
     }
+}
+
+/// The color of a material, and its scattering.
+struct Base {
+    color: Vec3,
+    opacity: f32,
+    /// The picture, multiplied by the color.
+    picture: Option<MeshPicture>,
+    finish: Finish,
 }
 
 /// Returns true if the opacities of a material's color count.
@@ -229,7 +280,10 @@ pub(super) fn of_material(material: &Material) -> Placing {
             ..Placing::default()
         };
     }
-    let color = pbr.base_color_texture.as_ref();
+    let color = match specular_glossiness(material) {
+        Some(glossy) => glossy.diffuse_texture.as_ref(),
+        None => pbr.base_color_texture.as_ref(),
+    };
     let others = pbr.metallic_roughness_texture.as_ref();
     let first = color.or(others).or(material.emissive_texture.as_ref());
     first.map_or(Placing::default(), placing)

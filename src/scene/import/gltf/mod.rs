@@ -7,8 +7,11 @@
 mod buffers;
 mod container;
 mod accessor;
+mod attributes;
 mod lights;
 mod nodes;
+mod pose;
+mod glossy;
 mod materials;
 mod flat_scene;
 
@@ -21,6 +24,7 @@ use super::mesh::Mesh;
 use super::{GeometryFileReader, Result, Surroundings, read_whole};
 use accessor::Accessors;
 use buffers::Buffers;
+use container::unread_extensions;
 use flat_scene::FlatScene;
 use materials::Materials;
 use nodes::PlacedNodes;
@@ -29,28 +33,31 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
     let mut budget = Budget::new();
     let bytes = read_whole(file, &mut budget)?;
     let (root, binary) = container::parse(&bytes, &mut budget)?;
-    let buffers = Buffers::read(&root, binary, around.folder, &mut budget)?;
-    let mut scene = FlatScene::new(Accessors {
+    let buffers = Buffers::read(&root, binary, around.folder, &mut budget);
+    let accessors = Accessors {
         root: &root,
         buffers: &buffers,
-    });
+    };
+    let mut scene = FlatScene::new(accessors);
     let PlacedNodes {
         meshes,
         lights,
         n_limited,
-    } = nodes::placed_nodes(&root)?;
+    } = nodes::placed_nodes(accessors, &mut budget)?;
     scene.take_memory(&meshes, &mut budget)?;
     for placed in &meshes {
         scene.add(placed, &mut budget)?;
     }
     let mut mesh = scene.finish();
+    mesh.notes.extend(unread_extensions(&root));
+    mesh.notes.extend(unread_animations(root.animations.len()));
     match around.memory {
         None => {
             mesh.material_of.clear();
             mesh.opacities = None;
         }
         Some(available) => {
-            let reader = Materials {
+            let mut reader = Materials {
                 root: &root,
                 buffers: &buffers,
                 folder: around.folder,
@@ -58,6 +65,7 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
                 shelf: PictureShelf::new(available),
             };
             mesh.materials = reader.read()?;
+            mesh.notes.extend(reader.shelf.notes);
             mesh.lights = lights;
             mesh.notes.extend(limited_lights(n_limited));
             mark_colored(&mut mesh);
@@ -68,6 +76,12 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
         }
     }
     Ok(mesh)
+}
+
+/// Returns the sentence about animations.
+fn unread_animations(n: usize) -> Option<String> {
+    let sentence = format!("{} left out: shown at rest", counted(n as u64, "animation"));
+    (n > 0).then_some(sentence)
 }
 
 /// Returns the sentence about lights that end at a distance.
