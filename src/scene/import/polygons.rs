@@ -109,7 +109,8 @@ impl<'a> FlatPolygon<'a> {
         let mut turn = 0.0;
         for i in 0..n {
             let corners = [i, (i + 1) % n, (i + 2) % n].map(|corner| self.at(corner));
-            if !(height(corners) >= -self.tolerance) {
+            let is_reflex = height(corners) < -self.tolerance;
+            if is_reflex || height(corners).is_nan() {
                 return false;
             }
             let [a, b, c] = corners;

@@ -15,7 +15,7 @@ pub(super) enum Attributes {
     #[default]
     None,
     /// Attributes of the corners of triangles.
-    Corners(CornerAttributes),
+    Corners(Box<CornerAttributes>),
     /// A color per primitive: linear light.
     Colors(Vec<Vec3>),
     /// The number of an array per primitive.
@@ -130,7 +130,7 @@ impl Attributes {
     pub(super) fn kind(&self) -> AttributeKind {
         let corners = match self {
             Self::None => &CornerAttributes::default(),
-            Self::Corners(corners) => corners,
+            Self::Corners(corners) => corners.as_ref(),
             Self::Colors(_) => return AttributeKind::Colors,
             Self::Scalars(_) => return AttributeKind::Scalars,
             Self::Ends(_) => return AttributeKind::Ends,

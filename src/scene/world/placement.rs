@@ -182,7 +182,7 @@ impl<'a> Placement<'a> {
         }
         // Keep the attributes of these triangles that the materials need.
         let kept_corners = |triangles| placed_corners(only(triangles, &kept), &transform);
-        Ok(Attributes::Corners(CornerAttributes {
+        Ok(Attributes::Corners(Box::new(CornerAttributes {
             normals: normals.map(|normals| CornerValues {
                 values: world_normals(normals.values, &transform),
                 triangles: kept_corners(normals.triangles),
@@ -202,10 +202,10 @@ impl<'a> Placement<'a> {
                     ..colors
                 }),
             opacities: opacities.map(|opacities| CornerValues {
-                triangles: only(opacities.triangles, &kept),
+                triangles: kept_corners(opacities.triangles),
                 ..opacities
             }),
-        }))
+        })))
     }
 
     /// Creates the fault of a mesh whose triangles have no area: in the file, or beside a scene that
