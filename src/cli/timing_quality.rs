@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use base::text::numbers;
 use output::summary::ThreadTime;
-use output::writers::{RenderingView, thread_time};
+use output::writers::{RenderingView, thread_time, time_notes};
 use render::tiles::Overhead;
 
 /// Least time without a CPU, in percent of the time at work, that is reported.
@@ -13,10 +13,13 @@ const LEAST_WAITING_PERCENT: f64 = 0.1;
 /// Returns the lines that apply, each with a line feed.
 pub(super) fn lines(rendering: &RenderingView) -> String {
     let time = thread_time(rendering);
+    let notes = time_notes(rendering);
+    let notes = notes.iter().map(|note| format!("note    {note}\n"));
     let lines = [
         time.as_ref().map(threads),
         time.as_ref().and_then(waiting),
         time.and_then(|_| repeats(rendering)),
+        Some(notes.collect()),
         rendering.overhead.as_ref().map(overhead),
     ];
     lines.into_iter().flatten().collect()
@@ -24,16 +27,12 @@ pub(super) fn lines(rendering: &RenderingView) -> String {
 
 /// Returns the breakdown of the threads' time.
 fn threads(time: &ThreadTime) -> String {
-    let percent = |part_ns| time.percent(part_ns);
+    let percent = |permille| f64::from(permille) / 10.0;
+    let [pixels, clock, film, warm_up, unexplained] = time.permille().map(percent);
     format!(
-        "threads {} at work: {:.1} % pixels, {:.1} % film, {:.1} % clock, {:.1} % warm-up, \
-         {:.1} % unexplained\n",
+        "threads {} at work: {pixels:.1} % pixels, {film:.1} % film, {clock:.1} % clock, \
+         {warm_up:.1} % warm-up, {unexplained:.1} % unexplained\n",
         numbers::duration(Duration::from_nanos(time.busy_ns as u64)),
-        percent(time.pixels_ns),
-        percent(time.film_ns),
-        percent(time.clock_ns),
-        percent(time.warm_up_ns),
-        percent(time.unexplained_ns),
     )
 }
 
@@ -43,32 +42,17 @@ fn waiting(time: &ThreadTime) -> Option<String> {
     let waiting = || Duration::from_nanos(time.waiting_ns as u64);
     (!is_short).then(|| {
         format!(
-            "waiting {} more, for a CPU that other work had; no pixel's time includes it\n",
+            "waiting {} more, for a CPU that other work had\n",
             numbers::duration(waiting())
         )
     })
 }
 
-/// Returns the number of repeats, the spread of the times, and the rejected ones.
+/// Returns the number of repeats and the spread of the times.
 fn repeats(rendering: &RenderingView) -> Option<String> {
-    let film = rendering.film;
-    let n_rejected: u64 = rendering
-        .repeats
-        .iter()
-        .map(|repeat| repeat.n_rejected)
-        .sum();
-    let rejected = numbers::counted(n_rejected, "interrupted time");
+    let n = rendering.film.n_repeats;
     let mad_percent = 100.0 * rendering.survey.time_mad_ns / rendering.survey.time_ns;
-    match (film.n_repeats, n_rejected) {
-        (0 | 1, 0) => None,
-        (0 | 1, _) => Some(format!(
-            "repeats none; {rejected}, less the wait for a CPU\n"
-        )),
-        (n, 0) => Some(format!("repeats {n}; MAD {mad_percent:.1} % of the time\n")),
-        (n, _) => Some(format!(
-            "repeats {n}; MAD {mad_percent:.1} % of the time; {rejected}, left out\n"
-        )),
-    }
+    (n > 1).then(|| format!("repeats {n}; MAD {mad_percent:.1} % of the time\n"))
 }
 
 /// Returns the overhead of measurement.

@@ -142,7 +142,6 @@ impl Rendering<'_> {
         let survey = survey.ok_or_else(unreadable)?;
         if let [repeat] = &mut self.measured.repeats[..] {
             repeat.pixels_ns = repeat.pixels_ns.map(|_| survey.time_ns);
-            repeat.n_rejected = survey.n_rejected;
         }
         self.survey = survey.into();
         let mut stages = std::mem::take(&mut self.stages);

@@ -193,7 +193,6 @@ pub fn lasting(mut film: Film) -> (Vec<Strip>, Vec<Vec<u32>>) {
     for strip in &mut film.strips {
         strip.time_ns.clear();
         strip.time_mad_ns.clear();
-        strip.n_rejected.clear();
         // NaN is not equal to itself: compare bits.
         let misses = strip
             .object

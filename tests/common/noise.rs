@@ -30,7 +30,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     film.repeats = Repeats::Auto;
     for strip in &mut film.strips {
         strip.time_mad_ns = vec![0.0; strip.time_ns.len()];
-        let arrays: [&mut [u8]; 14] = [
+        let arrays: [&mut [u8]; 13] = [
             cast_slice_mut(&mut strip.rgb),
             cast_slice_mut(&mut strip.position),
             cast_slice_mut(&mut strip.normal),
@@ -40,7 +40,6 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
             cast_slice_mut(&mut strip.material),
             cast_slice_mut(&mut strip.time_ns),
             cast_slice_mut(&mut strip.time_mad_ns),
-            cast_slice_mut(&mut strip.n_rejected),
             cast_slice_mut(&mut strip.radiance),
             cast_slice_mut(&mut strip.albedo),
             cast_slice_mut(&mut strip.bounces),

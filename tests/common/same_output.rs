@@ -10,7 +10,7 @@ use super::names;
 
 /// Whether an array differs from run to run.
 fn is_timed(array: &Array) -> bool {
-    array.name.contains("time_") || ["n_rejected", "thread"].contains(&array.name.as_str())
+    array.name.contains("time_") || array.name == "thread"
 }
 
 /// The arrays of an output that do not differ, and the names of those that do.

@@ -54,6 +54,8 @@ fn repeats_change_neither_the_picture_nor_the_counters() {
             let (film, repeats) = repeated(&config, n_repeats);
             assert_eq!(film.totals, once.totals);
             assert_eq!(repeats.len(), usize::from(n_repeats));
+            let is_moved = mode == CostMode::Time;
+            assert_eq!(film.n_grids, if is_moved { n_repeats } else { 1 });
             assert!(lasting(film) == lasting(once.clone()), "{mode:?}");
         }
     }
@@ -152,18 +154,12 @@ fn times_and_their_spread_make_sense() {
     let (film, repeats) = repeated(&small("seed_extended"), 4);
     let times = film.values(|strip| &strip.time_ns);
     let deviations = film.values(|strip| &strip.time_mad_ns);
-    let rejected = film.values(|strip| &strip.n_rejected);
-    let mut n_rejected = 0;
-    for ((time_ns, mad_ns), rejected) in times.zip(deviations).zip(rejected) {
+    for (time_ns, mad_ns) in times.zip(deviations) {
         assert!(time_ns >= 1.0 && time_ns.is_finite());
-        // Half of the kept times, which are positive, are no larger than the
+        // Half of the times, which are positive, are no larger than the
         // median, and so no farther from it.
         assert!((0.0..).contains(&mad_ns) && mad_ns.is_finite());
-        assert!(rejected <= 4);
-        n_rejected += u64::from(rejected);
     }
-    let sum: u64 = repeats.iter().map(|repeat| repeat.n_rejected).sum();
-    assert_eq!(n_rejected, sum);
     for repeat in &repeats {
         let pixels_ns = repeat.pixels_ns.unwrap();
         assert!(pixels_ns >= 53.0 * 37.0);
@@ -197,7 +193,6 @@ fn the_files_hold_the_repeats() {
     assert!(lines.contains("\nrepeats 3; MAD "), "{lines}");
     let repeats = &summary(out.path())["repeats"];
     assert_eq!((&repeats["asked"], &repeats["n"]), (&json!(3), &json!(3)));
-    assert!(repeats["n_rejected"].is_u64());
     for list in ["busy_ns", "wall_ms"] {
         let list = repeats[list].as_array().unwrap();
         assert_eq!(list.len(), 3);
@@ -211,7 +206,37 @@ fn the_files_hold_the_repeats() {
             .map(|array| array.name.as_str())
             .collect();
         let time = names.iter().position(|name| *name == "time_ns").unwrap();
-        assert_eq!(names[time + 1..time + 3], ["time_mad_ns", "n_rejected"]);
+        assert_eq!(names[time + 1], "time_mad_ns");
+    }
+}
+
+#[test]
+fn squares_in_the_times_are_said_in_the_same_words() {
+    let out = tempfile::tempdir().unwrap();
+    let sentence = "timed in squares of 16 x 16 pixels; 5 repeats or 1,024 samples avoid them";
+    for (arguments, is_said) in [
+        (&["--repeats=1", "--spp=4"][..], true),
+        (
+            &["--repeats=1", "--spp=4", "--cost=single_ray_time"][..],
+            false,
+        ),
+        (&["--repeats=5", "--spp=4"][..], false),
+        (&["--repeats=1", "--cost=counters"][..], false),
+    ] {
+        let output = command(out.path(), arguments);
+        assert_success(&output);
+        let lines = String::from_utf8(output.stdout).unwrap();
+        let lines = lines.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(lines.contains(sentence), is_said, "{lines}");
+        let notes = summary(out.path())["time_notes"].clone();
+        let notes = notes.as_array().unwrap();
+        assert_eq!(
+            notes.iter().any(|note| note == sentence),
+            is_said,
+            "{notes:?}"
+        );
+        let state = fs::read_to_string(out.path().join("heatmap.pvsm")).unwrap();
+        assert_eq!(state.contains(sentence), is_said, "{arguments:?}");
     }
 }
 
@@ -233,8 +258,8 @@ fn one_rendering_has_no_spread_but_a_summary() {
         assert_eq!(summary["thread_time"].is_null(), n_times == 0);
         assert_eq!(summary["overhead"], Value::Null);
         let frame = DataSet::read(&out.path().join("frame.vti"));
-        let is_new = |name: &str| ["time_mad_ns", "n_rejected"].contains(&name);
-        assert!(!frame.arrays.iter().any(|array| is_new(&array.name)));
+        let is_spread = |name: &str| name == "time_mad_ns";
+        assert!(!frame.arrays.iter().any(|array| is_spread(&array.name)));
     }
 }
 

@@ -10,7 +10,7 @@ fn pixel(film: &Film, (x, y): (u32, u32)) -> (Vec<u8>, Vec<u32>) {
     let strip = &film.strips[y as usize / render::film::STRIP_ROWS as usize];
     let i = ((y - strip.first_row) * film.grid.width + x) as usize;
     let columns = film.kept_columns().filter(|column| {
-        column.is_in_strips() && !["time_ns", "time_mad_ns", "n_rejected"].contains(&column.name)
+        column.is_in_strips() && !["time_ns", "time_mad_ns"].contains(&column.name)
     });
     let mut bytes = Vec::new();
     for column in columns {

@@ -18,7 +18,7 @@ const MEMORY: &str = "--memory=72M";
 
 /// Whether an array differs from run to run.
 fn is_timed(name: &str) -> bool {
-    name.contains("time_") || ["n_rejected", "thread"].contains(&name)
+    name.contains("time_") || name == "thread"
 }
 
 /// Checks that pieces have the pixels and the points of one file each.

@@ -24,7 +24,7 @@ const TITLE_EM: f32 = 1.3;
 /// Size of the footer, in ems.
 const FOOTER_EM: f32 = 0.9;
 /// Maximum number of lines of a text; the last one is truncated.
-const MAX_LINES: usize = 3;
+const MAX_LINES: usize = 4;
 
 /// Text in one or more lines.
 pub struct Block {

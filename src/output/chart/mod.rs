@@ -58,7 +58,7 @@ pub struct CostMap<'a> {
     pub width: u32,
     /// Rows, at least 1.
     pub height: u32,
-    /// The title, such as "spheres: time per pixel"; long ones take up to three
+    /// The title, such as "spheres: time per pixel"; long ones take up to four
     /// lines.
     pub title: &'a str,
     /// Unit of the values. "ns" is labeled in ns, µs, ms and s; any other unit, such as "node

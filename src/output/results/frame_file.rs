@@ -316,7 +316,7 @@ mod tests {
             extent: Extent::of_size(size),
             point_data: vec![
                 array("RGB", 3, n, &[1, 2, 3]),
-                array("n_rejected", 1, n, &[7, 8]),
+                array("depth", 1, n, &[7, 8]),
             ],
         };
         let folder = tempfile::tempdir().unwrap();
@@ -328,7 +328,7 @@ mod tests {
         assert_eq!([frame.width(), frame.height()], size);
         // The last pixels of the file belong to the upper row.
         let columns = [0, size[0] - 2, size[0] - 1];
-        let found = frame.read_selected("n_rejected", &columns, &[0, size[1] - 1]);
+        let found = frame.read_selected("depth", &columns, &[0, size[1] - 1]);
         let expected = ArrayValues::U8(vec![0, 7, 8, 0, 0, 0]);
         assert_eq!(found.unwrap().values, expected);
         let found = frame.read_selected("RGB", &columns[1..], &[0]);

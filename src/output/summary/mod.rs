@@ -95,6 +95,9 @@ pub struct Summary {
     pub repeats: Option<RepeatsSection>,
     /// The breakdown of the threads' time; `None` if pixels were not timed.
     pub thread_time: Option<ThreadTime>,
+    /// The limits of the times, a sentence each.
+    #[serde(default)]
+    pub time_notes: Vec<String>,
     /// The overhead of measurement; `None` if it was not measured.
     pub overhead: Option<Overhead>,
     /// Why there are no hardware counters; `None` if there are.

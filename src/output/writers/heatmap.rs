@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::file::{FileContent, OutputFile};
 use super::reduced_map::ReducedMap;
-use super::{BYTES_PER_PIXEL, RenderingView};
+use super::{BYTES_PER_PIXEL, RenderingView, time_notes};
 use crate::chart::{self, CostMap, Range};
 use base::provenance::RunId;
 use base::text::numbers;
@@ -100,8 +100,13 @@ fn subtitle(rendering: &RenderingView, metric: Metric) -> String {
         }
         _ => ["sum", &metric.format(survey.sum)],
     };
+    let notes = match metric.is_timed() {
+        true => time_notes(rendering),
+        false => Vec::new(),
+    };
+    let notes: String = notes.iter().map(|note| format!("; {note}")).collect();
     format!(
-        "{} × {} pixels{means}, {} per pixel, {}; median {}, {name} {whole}",
+        "{} × {} pixels{means}, {} per pixel, {}; median {}, {name} {whole}{notes}",
         image.width,
         image.height,
         image.samples(),

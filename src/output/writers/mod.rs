@@ -53,7 +53,7 @@ pub use rays::Traced;
 pub use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
 pub use survey::Survey;
-pub use thread_time::thread_time;
+pub use thread_time::{thread_time, time_notes};
 pub use tiles::write as write_tiles;
 pub use traced::STATE as RAYS_STATE;
 pub use traced::{refuse_foreign_traced, write_rays, write_traced};

@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use serde_json::Number;
 
 use super::file::{FileContent, Job, OutputFile};
-use super::{RenderingView, Survey, thread_time};
+use super::{RenderingView, Survey, thread_time, time_notes};
 use crate::summary::{
     AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
     RepeatsSection, SceneSection, StageEntry, Summary,
@@ -65,6 +65,7 @@ fn summarize(job: &Job) -> Summary {
         stages: stages.ended.iter().map(StageEntry::from).collect(),
         repeats: Some(repeats(rendering)),
         thread_time: thread_time(rendering),
+        time_notes: time_notes(rendering),
         overhead: rendering.overhead,
         no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
         no_energy: stages.no_energy().map(str::to_owned),
@@ -99,7 +100,6 @@ fn repeats(rendering: &RenderingView) -> RepeatsSection {
         n: repeats.len(),
         busy_ns: repeats.iter().filter_map(|one| one.pixels_ns).collect(),
         wall_ms: wall_ms.collect(),
-        n_rejected: Some(repeats.iter().map(|repeat| repeat.n_rejected).sum()),
     }
 }
 

@@ -24,8 +24,6 @@ pub struct Survey {
     pub time_ns: f64,
     /// The sum of the times' median absolute deviations in nanoseconds.
     pub time_mad_ns: f64,
-    /// Number of rejected times.
-    pub n_rejected: u64,
     /// The most expensive pixel by time, if times can be trusted, and by node visits, or by
     /// primitive tests without a hierarchy.
     pub hottest: [Option<(Metric, HotPixel)>; 2],
@@ -64,7 +62,6 @@ pub(super) struct Surveyor {
     n_hits: u64,
     /// The sums of the times and of their deviations.
     times: [f64; 2],
-    n_rejected: u64,
     hottest: [Option<(Metric, HotPixel)>; 2],
     histograms: SurveyHistograms,
     map: Option<ReducedMap>,
@@ -100,7 +97,6 @@ impl Surveyor {
             hashes: PixelHashes::default(),
             n_hits: 0,
             times: [0.0; 2],
-            n_rejected: 0,
             hottest: [None; 2],
             histograms: SurveyHistograms::default(),
             map: (!film.has_rows()).then(|| ReducedMap::new([film.grid.width, film.grid.height])),
@@ -132,7 +128,6 @@ impl Surveyor {
         self.n_hits += band.n_hits() as u64;
         self.times[0] += band.total_time_ns();
         self.times[1] += band.total_time_mad_ns();
-        self.n_rejected += band.n_rejected();
     }
 
     /// Returns the survey of all bands.
@@ -160,7 +155,6 @@ impl Surveyor {
             n_hits: self.n_hits,
             time_ns,
             time_mad_ns,
-            n_rejected: self.n_rejected,
             hottest: self.hottest,
             metrics: self.metrics,
             range,

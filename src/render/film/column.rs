@@ -88,13 +88,8 @@ const GEOMETRY: [Column; 6] = [
 // time of its group.
 const TIME: Column = column!(Metric::TIME.name, time_ns, F32 x 1 in Metric::TIME.unit_label());
 
-// The spread of repeated times, and the number of rejected ones.
-const REPEATED: [Column; 2] = [
-    // Median absolute deviation of the accepted times.
-    column!("time_mad_ns", time_mad_ns, F32 x 1 in Metric::TIME.unit_label()),
-    // Times of a pixel that was interrupted whenever it was timed.
-    column!("n_rejected", n_rejected, U8 x 1),
-];
+// The spread of repeated times: their median absolute deviation.
+const SPREAD: Column = column!("time_mad_ns", time_mad_ns, F32 x 1 in Metric::TIME.unit_label());
 
 const WORK: [Column; 2] = [
     // The tile, numbered along rows from the top left.
@@ -148,11 +143,11 @@ fn all_columns(
 ) -> impl Iterator<Item = Column> {
     let time = cost.has_time().then_some(TIME);
     let is_repeated = cost.has_time() && repeats.has_spread();
-    let repeated = is_repeated.then_some(REPEATED).into_iter().flatten();
+    let spread = is_repeated.then_some(SPREAD);
     let counted = Metric::counted(counts_samples).map(Column::counted);
     let work = || counted.chain(WORK);
     let work = cost.has_counters().then(work).into_iter().flatten();
-    GEOMETRY.into_iter().chain(time).chain(repeated).chain(work)
+    GEOMETRY.into_iter().chain(time).chain(spread).chain(work)
 }
 
 impl Column {

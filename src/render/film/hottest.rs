@@ -28,9 +28,8 @@ impl Film {
     /// one, then the left one, comes first. Returns fewer where too few cost anything or have a
     /// trustworthy time.
     ///
-    /// A time is trustworthy where the repeats agree and at least one of them was accepted. After a
-    /// single rendering, it is trustworthy where the pixel was not rejected and a neighbor took at
-    /// least half as long.
+    /// A time is trustworthy where the repeats agree or, after a single rendering, where a neighbor
+    /// took at least half as long.
     pub fn hottest(&self, metric: Metric, n: usize) -> Vec<HotPixel> {
         if metric.is_timed() {
             let first_row = self.row_range().start;
@@ -81,7 +80,6 @@ impl Film {
         Times {
             ns: self.rows(|strip| &strip.time_ns).collect(),
             mad_ns: self.rows(|strip| &strip.time_mad_ns).collect(),
-            n_rejected: self.rows(|strip| &strip.n_rejected).collect(),
             n_repeats: self.n_repeats,
         }
     }
@@ -94,8 +92,6 @@ pub struct Times<'a> {
     pub ns: Vec<&'a [f32]>,
     /// The median absolute deviations of the times; empty if not measured.
     pub mad_ns: Vec<&'a [f32]>,
-    /// Numbers of rejected samples; empty if unknown.
-    pub n_rejected: Vec<&'a [u8]>,
     /// Number of samples.
     pub n_repeats: u8,
 }
@@ -112,24 +108,20 @@ impl Times<'_> {
 
     fn is_trusted(&self, (x, y): (usize, usize)) -> bool {
         if self.n_repeats <= 1 {
-            return self.n_rejected_at((x, y)) == 0 && self.has_like_neighbor((x, y));
+            return self.has_like_neighbor((x, y));
         }
         let mad_ns = self.mad_ns.get(y).map_or(0.0, |row| row[x]);
-        self.n_rejected_at((x, y)) < self.n_repeats && mad_ns <= AGREEMENT * self.ns[y][x]
+        mad_ns <= AGREEMENT * self.ns[y][x]
     }
 
-    /// Returns true if a neighbor of this pixel that was not rejected took at least half as long.
+    /// Returns true if a neighbor of this pixel took at least half as long.
     fn has_like_neighbor(&self, (x, y): (usize, usize)) -> bool {
         let around = |at: usize, n: usize| at.saturating_sub(1)..n.min(at + 2);
         let mut places = around(y, self.ns.len())
             .flat_map(|row| around(x, self.ns[row].len()).map(move |column| (column, row)))
             .filter(|&place| place != (x, y));
         let least = LIKE_A_NEIGHBOR * self.ns[y][x];
-        places.any(|place| self.ns[place.1][place.0] >= least && self.n_rejected_at(place) == 0)
-    }
-
-    fn n_rejected_at(&self, (x, y): (usize, usize)) -> u8 {
-        self.n_rejected.get(y).map_or(0, |row| row[x])
+        places.any(|place| self.ns[place.1][place.0] >= least)
     }
 }
 
@@ -221,13 +213,13 @@ mod tests {
         film
     }
 
-    /// Returns the time, the deviation and the number of rejected samples of a pixel.
-    fn at(film: &mut Film, (x, y): (u32, u32)) -> (&mut f32, &mut f32, &mut u8) {
+    /// Returns the time and the deviation of a pixel.
+    fn at(film: &mut Film, (x, y): (u32, u32)) -> (&mut f32, &mut f32) {
         let mut strips = film.strips.iter_mut();
         let strip = strips.rfind(|strip| strip.first_row <= y).unwrap();
         let i = ((y - strip.first_row) * WIDTH + x) as usize;
         let [times, deviations] = [&mut strip.time_ns, &mut strip.time_mad_ns];
-        (&mut times[i], &mut deviations[i], &mut strip.n_rejected[i])
+        (&mut times[i], &mut deviations[i])
     }
 
     fn places(film: &Film, n: usize) -> Vec<(u32, u32)> {
@@ -248,10 +240,8 @@ mod tests {
 
     #[test]
     fn a_pixel_whose_repeats_differ_is_passed_over() {
-        let mut film = film(3, &[((1, 1), 900.0), ((6, 3), 800.0), ((3, 6), 300.0)]);
+        let mut film = film(3, &[((1, 1), 900.0), ((3, 6), 300.0)]);
         *at(&mut film, (1, 1)).1 = 91.0;
-        *at(&mut film, (6, 3)).2 = 3;
-        *at(&mut film, (3, 6)).2 = 2;
         assert_eq!(places(&film, 1), [(3, 6)]);
         *at(&mut film, (1, 1)).1 = 90.0;
         assert_eq!(places(&film, 1), [(1, 1)]);
@@ -261,10 +251,8 @@ mod tests {
     fn after_one_rendering_a_speck_is_passed_over() {
         let specks = [((5, 4), 9000.0), ((0, 0), 8000.0), ((7, 6), 4000.0)];
         let pair = [((2, 3), 500.0), ((3, 4), 260.0)];
-        let mut film = film(1, &[&specks[..], &pair[..]].concat());
+        let film = film(1, &[&specks[..], &pair[..]].concat());
         assert_eq!(places(&film, 1), [(2, 3)]);
-        *at(&mut film, (3, 4)).2 = 1;
-        assert_eq!(places(&film, 1), [(1, 0)]);
     }
 
     #[test]

@@ -26,7 +26,7 @@ use column::kept_columns;
 pub use column::{Column, columns, written_columns};
 pub use hottest::{HotPixel, Times, highest_counts};
 pub use packed::PackedCounters;
-pub use rendered::{Pixel, PixelColumns, PixelTime, Rendered};
+pub use rendered::{Pixel, PixelColumns, Rendered};
 pub use strip::Strip;
 pub use tile::RenderedTile;
 
@@ -65,6 +65,8 @@ pub struct Film {
     pub repeats: Repeats,
     /// Number of renderings made.
     pub n_repeats: u8,
+    /// Number of these with other edges of groups.
+    pub n_grids: u8,
     /// The sum of the counters of all pixels; zero if nothing was counted.
     pub totals: Cost,
     /// The rows, from top to bottom: all rows of the grid, some of them, or none.
@@ -80,7 +82,6 @@ pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<Pack
 /// Returns an upper bound of a film's bytes per pixel.
 pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
     let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
-    let rejected = if cost.has_time() { size_of::<u8>() } else { 0 };
     let n_vectors = 1 + usize::from(extra.radiance) + usize::from(extra.albedo);
     let bounces = if extra.bounces {
         size_of::<RaysByBounce>()
@@ -95,7 +96,7 @@ pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
         0
     };
     let extra = n_vectors * size_of::<Vec3>() + bounces + instance + tests;
-    extra + rejected + kept.map(|column| column.stride()).sum::<usize>()
+    extra + kept.map(|column| column.stride()).sum::<usize>()
 }
 
 /// Returns the bytes of a pixel in all arrays that a rendering writes to a film.
@@ -133,6 +134,7 @@ impl Film {
             cost,
             repeats: Repeats::ONCE,
             n_repeats: 1,
+            n_grids: 1,
             totals: Cost::default(),
             strips: Vec::new(),
             tiles: vec![RenderedTile::default(); grid.n_tiles() as usize],
@@ -225,13 +227,6 @@ impl Film {
             .iter()
             .map(|strip| sum(&strip.time_mad_ns))
             .sum()
-    }
-
-    /// Returns the number of rejected times of all pixels, which were interrupted whenever they
-    /// were measured.
-    pub fn n_rejected(&self) -> u64 {
-        let of_strip = |strip: &Strip| strip.n_rejected.iter().map(|&n| u64::from(n)).sum::<u64>();
-        self.strips.iter().map(of_strip).sum()
     }
 
     /// Returns the rows of an array, from top to bottom, each as a slice of its strip.

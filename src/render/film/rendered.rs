@@ -17,8 +17,6 @@ pub struct Rendered<'a> {
     pub bounces: &'a [RaysByBounce],
     /// The times of the pixels in nanoseconds; empty if they were not measured.
     pub time_ns: &'a [f32],
-    /// 1 for each pixel whose time is rejected, 0 for the others.
-    pub n_rejected: &'a [u8],
     /// Time spent on discarded renderings of pixels, in nanoseconds.
     pub warm_up_ns: f64,
 }
@@ -134,14 +132,4 @@ impl PixelColumns {
         self.material[i] = pixel.material;
         self.instance[i] = pixel.instance;
     }
-}
-
-/// One measured time of a pixel.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct PixelTime {
-    /// The time in nanoseconds, without waiting for a CPU.
-    pub ns: f32,
-    /// True if the thread lost its CPU meanwhile or in the pixel before, as far as the system
-    /// reports it: then the time includes cold caches.
-    pub is_rejected: bool,
 }

@@ -6,7 +6,7 @@ use super::Strip;
 use crate::schedule::Tile;
 
 /// Number of arrays that a rendering writes.
-const N_ARRAYS: usize = 13;
+const N_ARRAYS: usize = 12;
 
 /// The arrays of a strip that a rendering writes, as bytes, shared or for writing. The spread of
 /// repeated times is not among them: it is computed after all renderings.
@@ -25,7 +25,6 @@ macro_rules! arrays {
             bytemuck::$cast($($reference)+ $strip.object[..]),
             bytemuck::$cast($($reference)+ $strip.material[..]),
             bytemuck::$cast($($reference)+ $strip.time_ns[..]),
-            bytemuck::$cast($($reference)+ $strip.n_rejected[..]),
         ]
     };
 }

@@ -39,7 +39,6 @@ pub struct Strip {
     pub time_ns: Vec<f32>,
     /// Empty if no spread was requested.
     pub time_mad_ns: Vec<f32>,
-    pub n_rejected: Vec<u8>,
 }
 
 impl Strip {
@@ -70,7 +69,6 @@ impl Strip {
             material: Vec::with_capacity(n),
             time_ns: Vec::with_capacity(n_times),
             time_mad_ns: Vec::new(),
-            n_rejected: Vec::with_capacity(n_times),
         }
     }
 
@@ -83,7 +81,7 @@ impl Strip {
             };
         }
         fill!(rgb, radiance, albedo, bounces, instance, position, normal);
-        fill!(distance, footprint, object, material, time_ns, n_rejected);
+        fill!(distance, footprint, object, material, time_ns);
     }
 
     /// Writes the pixels `row` of `rendered`, which are adjacent in a row, to the indices from
@@ -103,8 +101,7 @@ impl Strip {
             self.bounces[places.clone()].copy_from_slice(&rendered.bounces[row.clone()]);
         }
         if !rendered.time_ns.is_empty() {
-            self.time_ns[places.clone()].copy_from_slice(&rendered.time_ns[row.clone()]);
-            self.n_rejected[places].copy_from_slice(&rendered.n_rejected[row]);
+            self.time_ns[places].copy_from_slice(&rendered.time_ns[row]);
         }
     }
 

@@ -79,14 +79,8 @@ impl Film {
     }
 
     /// Returns true if a pixel, by column and row, was rendered.
-    pub(crate) fn is_rendered(&self, (x, y): (u32, u32)) -> bool {
-        let TileGrid {
-            tile_size,
-            n_columns,
-            ..
-        } = self.grid;
-        let tile = y / tile_size * n_columns + x / tile_size;
-        !self.tiles[tile as usize].is_missing
+    pub(crate) fn is_rendered(&self, place: (u32, u32)) -> bool {
+        !self.tiles[self.grid.number_at(place) as usize].is_missing
     }
 
     /// Sets the numbers of a strip's pixels that were not rendered to 0.

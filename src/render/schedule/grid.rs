@@ -11,13 +11,17 @@ const BLOCK_SIDE: u32 = 4;
 pub const MAX_PIXELS: usize = 2048;
 
 /// Paths of a group of pixels that are traced and timed together: enough to keep the kernel busy.
-const GROUP_PATHS: u32 = 1024;
+pub const GROUP_PATHS: u32 = 1024;
 
-/// Greatest number of pixels of a group.
+/// Greatest number of pixels of a group, and the side of a square of so many.
 const GROUP_PIXELS: u32 = 256;
+const GROUP_SIDE: u32 = 16;
+
+/// Number of different grids of an image's renderings.
+pub const N_GRIDS: u32 = 5;
 
 /// An image divided into square tiles, numbered along rows from the top left. The tiles at the
-/// right and the bottom edge may be smaller.
+/// edges may be smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TileGrid {
     /// Pixels along a tile's side.
@@ -30,6 +34,8 @@ pub struct TileGrid {
     pub width: u32,
     /// Height of the image in pixels.
     pub height: u32,
+    /// Columns and rows of pixels that the first tile lacks.
+    shift: [u32; 2],
 }
 
 /// A rectangle of pixels that one thread renders.
@@ -53,6 +59,22 @@ impl TileGrid {
             n_rows: height.div_ceil(tile_size),
             width,
             height,
+            shift: [0; 2],
+        }
+    }
+
+    /// Returns the grid for a later rendering of the image, given its number from 0. Its tiles, and
+    /// the groups in them, have other edges: five grids are moved by a lattice in which no two
+    /// share a column or a row.
+    pub fn of_rendering(self, number: u8) -> Self {
+        let side = GROUP_SIDE.min(self.tile_size);
+        let n = u32::from(number) % N_GRIDS;
+        let shift = [n, 2 * n % N_GRIDS].map(|n| n * side / N_GRIDS);
+        Self {
+            n_columns: (self.width + shift[0]).div_ceil(self.tile_size),
+            n_rows: (self.height + shift[1]).div_ceil(self.tile_size),
+            shift,
+            ..self
         }
     }
 
@@ -69,21 +91,28 @@ impl TileGrid {
 
     /// Returns the tiles that contain a row of pixels, from left to right.
     pub fn tiles_of_row(&self, y: u32) -> impl Iterator<Item = Tile> {
-        let first = y / self.tile_size * self.n_columns;
+        let first = (y + self.shift[1]) / self.tile_size * self.n_columns;
         (first..first + self.n_columns).map(|number| self.tile(number))
     }
 
     /// Returns the tile with this number, less than [`n_tiles`](Self::n_tiles).
     pub fn tile(&self, number: u32) -> Tile {
-        let span = |index: u32, end: u32| {
-            let first = index * self.tile_size;
-            [first, (first + self.tile_size).min(end)]
+        let [dx, dy] = self.shift;
+        let span = |index: u32, shift: u32, end: u32| {
+            let next = (index + 1) * self.tile_size - shift;
+            [next.saturating_sub(self.tile_size), next.min(end)]
         };
         Tile {
             number,
-            columns: span(number % self.n_columns, self.width),
-            rows: span(number / self.n_columns, self.height),
+            columns: span(number % self.n_columns, dx, self.width),
+            rows: span(number / self.n_columns, dy, self.height),
         }
+    }
+
+    /// Returns the number of the tile with this pixel.
+    pub fn number_at(&self, (x, y): (u32, u32)) -> u32 {
+        let [dx, dy] = self.shift;
+        (y + dy) / self.tile_size * self.n_columns + (x + dx) / self.tile_size
     }
 }
 
@@ -146,13 +175,11 @@ impl Tile {
     /// one sample, of one pixel at 1024.
     pub fn groups(&self, n_samples: u32) -> impl Iterator<Item = Tile> + use<> {
         let part = *self;
-        let n_pixels = (GROUP_PATHS / n_samples.max(1)).clamp(1, GROUP_PIXELS);
-        let log = n_pixels.ilog2();
         let cells = |[first, end]: [u32; 2], side: u32| {
             let starts = (first..end).step_by(side as usize);
             starts.map(move |start| [start, (start + side).min(end)])
         };
-        let sides = [1 << log.div_ceil(2), 1 << (log / 2)];
+        let sides = group_sides(n_samples);
         cells(part.rows, sides[1]).flat_map(move |rows| {
             cells(part.columns, sides[0]).map(move |columns| Tile {
                 columns,
@@ -187,6 +214,14 @@ impl Tile {
     }
 }
 
+/// Returns the columns and the rows of a group of pixels with `n_samples` samples each (0 if that
+/// differs).
+pub fn group_sides(n_samples: u32) -> [u32; 2] {
+    let n_pixels = (GROUP_PATHS / n_samples.max(1)).clamp(1, GROUP_PIXELS);
+    let log = n_pixels.ilog2();
+    [1 << log.div_ceil(2), 1 << (log / 2)]
+}
+
 /// Returns the rows (or columns) of each block between the first one and the end.
 fn blocks([first, end]: [u32; 2]) -> impl Iterator<Item = Range<u32>> {
     let starts = (first..end).step_by(BLOCK_SIDE as usize);
@@ -201,31 +236,58 @@ mod tests {
     fn tiles_cover_every_pixel_once() {
         for (width, height) in [(1, 1), (16, 16), (17, 33), (50, 7)] {
             for tile_size in [2, 3, 16, 256] {
-                let grid = TileGrid::new(width, height, tile_size);
-                let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
-                let mut pixels = Vec::new();
-                for tile in tiles {
-                    assert_eq!(tile.pixels().count(), tile.n_pixels());
-                    let mut along_rows: Vec<_> = tile.pixels().collect();
-                    along_rows.sort_by_key(|&(x, y)| (y, x));
-                    let indices = along_rows.iter().map(|&place| tile.index(place));
-                    assert!(indices.eq(0..tile.n_pixels() as u32));
-                    // Parts of whole blocks have the order of the tile.
-                    let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
-                    assert!(parts.eq(tile.pixels()));
-                    let parts = tile.parts(100).flat_map(|part| part.pixels());
-                    assert_eq!(parts.count(), tile.n_pixels());
-                    for n_samples in [0, 1, 4, 31, 600, 5000] {
-                        let groups = tile.groups(n_samples);
-                        let mut grouped: Vec<_> = groups.flat_map(|it| it.pixels()).collect();
-                        grouped.sort_by_key(|&(x, y)| (y, x));
-                        assert_eq!(grouped, along_rows);
-                    }
-                    pixels.extend(tile.pixels().map(|(x, y)| y * width + x));
+                for number in 0..6 {
+                    check(TileGrid::new(width, height, tile_size).of_rendering(number));
                 }
-                pixels.sort_unstable();
-                assert!(pixels.into_iter().eq(0..width * height));
             }
         }
+    }
+
+    fn check(grid: TileGrid) {
+        let (width, height) = (grid.width, grid.height);
+        let mut pixels = Vec::new();
+        for number in 0..grid.n_tiles() {
+            let tile = grid.tile(number);
+            assert!(tile.pixels().all(|place| grid.number_at(place) == number));
+            assert_eq!(tile.pixels().count(), tile.n_pixels());
+            let mut along_rows: Vec<_> = tile.pixels().collect();
+            along_rows.sort_by_key(|&(x, y)| (y, x));
+            let indices = along_rows.iter().map(|&place| tile.index(place));
+            assert!(indices.eq(0..tile.n_pixels() as u32));
+            // Parts of whole blocks have the order of the tile.
+            let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());
+            assert!(parts.eq(tile.pixels()));
+            let parts = tile.parts(100).flat_map(|part| part.pixels());
+            assert_eq!(parts.count(), tile.n_pixels());
+            for n_samples in [0, 1, 4, 31, 600, 5000] {
+                let groups = tile.groups(n_samples);
+                let mut grouped: Vec<_> = groups.flat_map(|it| it.pixels()).collect();
+                grouped.sort_by_key(|&(x, y)| (y, x));
+                assert_eq!(grouped, along_rows);
+            }
+            pixels.extend(tile.pixels().map(|(x, y)| y * width + x));
+        }
+        pixels.sort_unstable();
+        assert!(pixels.into_iter().eq(0..width * height));
+    }
+
+    #[test]
+    fn renderings_have_different_edges_of_tiles_and_groups() {
+        for (n_samples, n_edges) in [(1, 5), (16, 5), (64, 4)] {
+            let grid = TileGrid::new(100, 100, 32);
+            for side in [0, 1] {
+                let edges = (0..5).map(|number| {
+                    let tile = grid.of_rendering(number).tile(4 + 1);
+                    let edge = [tile.columns, tile.rows][side][0];
+                    edge % group_sides(n_samples)[side]
+                });
+                let edges: std::collections::BTreeSet<u32> = edges.collect();
+                assert_eq!(edges.len(), n_edges, "{edges:?}");
+            }
+        }
+        assert_eq!(
+            TileGrid::new(9, 9, 4).of_rendering(5),
+            TileGrid::new(9, 9, 4)
+        );
     }
 }

@@ -10,7 +10,7 @@ mod worker_share;
 
 use std::time::{Duration, Instant};
 
-pub use grid::{MAX_PIXELS, Tile, TileGrid};
+pub use grid::{GROUP_PATHS, MAX_PIXELS, N_GRIDS, Tile, TileGrid, group_sides};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
 pub use worker_share::{WorkerShare, pause};
@@ -56,11 +56,11 @@ pub struct TileRun {
     /// The part of the duration that the write to the film took, in nanoseconds: first touches of
     /// memory, and contention with other threads for its rows.
     pub film_ns: u64,
-    /// The part of the duration spent on discarded renderings of pixels, in nanoseconds: the
-    /// warm-up, and pixels that were timed again.
+    /// The part of the duration that warmed up the thread, in nanoseconds: discarded renderings of
+    /// pixels, and the first writes to memory.
     pub warm_up_ns: u64,
-    /// The part of the duration in which the thread was without a CPU, as far as the system reports
-    /// it, in nanoseconds: it is in no other part.
+    /// The part of the duration in which the thread waited for a CPU, in nanoseconds: it is in no
+    /// other part.
     pub waiting_ns: u64,
     /// The sum of the counters of its pixels; zero if nothing was counted.
     pub counted: Cost,
@@ -75,11 +75,6 @@ impl TileRun {
     /// Returns the part of the duration in which the thread had a CPU, in nanoseconds.
     pub fn busy_ns(&self) -> u64 {
         self.duration_ns().saturating_sub(self.waiting_ns)
-    }
-
-    /// Returns true if the thread lost its CPU meanwhile, as far as the system reports it.
-    pub fn is_interrupted(&self) -> bool {
-        self.waiting_ns > 0
     }
 }
 

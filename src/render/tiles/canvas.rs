@@ -5,12 +5,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::checkpoint::TileRecord;
 use crate::film::{Film, PackedCounters, PixelColumns, Rendered, RenderedTile, STRIP_ROWS, Strip};
-use crate::schedule::{Tile, TileRun};
+use crate::schedule::{Tile, TileGrid, TileRun};
 use scene::color::Development;
 
 /// A film whose strips and tiles each have a lock.
 pub(super) struct Canvas<'a> {
     strips: Vec<Mutex<&'a mut Strip>>,
+    /// Empty if the counters of the tiles are not stored.
     tiles: Vec<Mutex<&'a mut RenderedTile>>,
     /// True if the film has room for only one tile of the picture at a time.
     has_one_tile: bool,
@@ -26,25 +27,33 @@ pub(super) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Creates a canvas that writes to a film, which may hold an earlier rendering.
-    pub(super) fn new(film: &'a mut Film) -> Self {
+    /// Creates a canvas that writes the tiles of a grid to a film, which may hold an earlier
+    /// rendering: by another grid, it has stored the same counters.
+    pub(super) fn new(film: &'a mut Film, grid: &TileGrid) -> Self {
+        let first_row = film.row_range().start;
+        let tiles = if film.grid == *grid {
+            &mut film.tiles[..]
+        } else {
+            &mut []
+        };
         Self {
             has_one_tile: false,
-            first_row: film.row_range().start,
+            first_row,
             tile_size: film.grid.tile_size,
             bytes_per_pixel: film.strips.first().map_or(0, Strip::stored_bytes_per_pixel),
             width: film.grid.width as usize,
             development: film.development,
             strips: film.strips.iter_mut().map(Mutex::new).collect(),
-            tiles: film.tiles.iter_mut().map(Mutex::new).collect(),
+            tiles: tiles.iter_mut().map(Mutex::new).collect(),
         }
     }
 
     /// Creates a canvas that writes one tile of a picture after the other to a film of one tile.
     pub(super) fn of_one_tile(film: &'a mut Film) -> Self {
+        let grid = film.grid;
         Self {
             has_one_tile: true,
-            ..Self::new(film)
+            ..Self::new(film, &grid)
         }
     }
 
@@ -75,12 +84,14 @@ impl<'a> Canvas<'a> {
         let tile = &self.placed(tile);
         if let Some(counters) = rendered.counters {
             let packed = PackedCounters::new(counters);
-            let mut stored = lock(&self.tiles[tile.number as usize]);
-            if tile.rows[0].is_multiple_of(self.tile_size) {
-                // Counters of an earlier rendering.
-                stored.counters.clear();
+            if let Some(stored) = self.tiles.get(tile.number as usize) {
+                let mut stored = lock(stored);
+                if tile.rows[0].is_multiple_of(self.tile_size) {
+                    // Counters of an earlier rendering.
+                    stored.counters.clear();
+                }
+                stored.counters.push(packed);
             }
-            stored.counters.push(packed);
         }
         let [left, _] = tile.columns;
         let [top, bottom] = tile.rows;
@@ -138,7 +149,6 @@ impl<'a> Canvas<'a> {
                 counters: None,
                 bounces: &[],
                 time_ns: &[],
-                n_rejected: &[],
                 warm_up_ns: 0.0,
             },
         );

@@ -16,7 +16,6 @@ mod camera_rays;
 mod noisy_pixels;
 mod stream;
 mod follow;
-mod stopwatch;
 mod timed;
 mod time_hottest;
 mod wave_times;
@@ -46,13 +45,13 @@ use pass::Pass;
 use stream::StreamRenderer;
 use tile_queue::{Target, TileQueue};
 use timed::SingleRayRenderer;
-use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+use tracer::cost::{Counters, Meter, NoProbe, Stopwatch};
 use tracer::trace::Tracer;
 pub use view::View;
 
 pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
 pub use pass::Limits;
-pub use repeat::{Repeat, repeat, repeat_within};
+pub use repeat::{LEAST_GRIDS, Repeat, repeat, repeat_within};
 pub use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};
 pub use stored::StoredPicture;
 pub use tile_plan::TilePlan;
@@ -129,13 +128,20 @@ fn render_onto(
 
 /// Renders tiles, with buffers for one tile, one per thread.
 trait TileRenderer {
-    /// Renders the tile's pixels, at most [`MAX_PIXELS`], row by row. `wait` measures the calling
-    /// thread.
-    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_>;
+    /// Renders the tile's pixels, at most [`MAX_PIXELS`].
+    fn render(&mut self, tile: &Tile);
 
-    /// Records that the thread has rendered the tile's pixels and stored them in the film, in this
-    /// number of nanoseconds.
-    fn has_rendered(&mut self, _n_pixels: usize, _ns: u64) {}
+    /// Returns the pixels of the last tile, row by row.
+    fn rendered(&mut self) -> Rendered<'_>;
+
+    /// Returns the clock of the thread that has created the renderer.
+    fn stopwatch(&mut self) -> &mut Stopwatch;
+
+    /// Adds the nanoseconds in which the thread has rendered the tile's pixels and stored them in
+    /// the film. Returns those that warmed up the thread and are not counted yet.
+    fn add_rendered(&mut self, _n_pixels: usize, _ns: f64) -> f64 {
+        0.0
+    }
 }
 
 /// Renders the tiles of the plan, except for those that the pass takes over. Each thread takes the
@@ -156,7 +162,7 @@ fn render_tiles<R: TileRenderer>(
             |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
         let render = || {
             let film = film_to_fill;
-            let _ = target.set(Target::new(film, pass.limits.is_stored));
+            let _ = target.set(Target::new(film, &plan.grid, pass.limits.is_stored));
             rayon::broadcast(render_some)
         };
         let runs = match pass.limits.team {
@@ -179,7 +185,7 @@ fn render_tiles<R: TileRenderer>(
     {
         clear_missing(&schedule, 0..plan.grid.n_tiles(), canvas);
     }
-    if is_first || schedule.is_whole() {
+    if is_first {
         note_runs(&mut film, &schedule);
     }
     (film, schedule)
@@ -203,45 +209,39 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
     }
 }
 
-/// Renders a tile into the film. Returns its times since `begin` and its counters. `wait` measures
-/// the calling thread.
+/// Renders a tile into the film. Returns its times since `begin` and its counters.
 fn render_tile(
     renderer: &mut impl TileRenderer,
     (plan, tile): (&TilePlan, &Tile),
     canvas: &Canvas,
     begin: Instant,
-    wait: &mut CpuWait,
 ) -> TileRun {
     let now_ns = || begin.elapsed().as_nanos() as u64;
-    wait.begin();
-    let start_ns = now_ns();
     let mut run = TileRun {
-        start_ns,
-        end_ns: start_ns,
+        start_ns: now_ns(),
         ..TileRun::default()
     };
+    let begin_ns = renderer.stopwatch().cpu_ns();
+    let mut end_ns = begin_ns;
     // Render a part of whole rows.
     for part in tile.parts(MAX_PIXELS) {
-        let before_ns = run.busy_ns();
-        let rendered = renderer.render(&plan.in_picture(&part), wait);
-        run.warm_up_ns += rendered.warm_up_ns as u64;
+        renderer.render(&plan.in_picture(&part));
         // Add up its counters and store it in the film, timed separately: page faults at the first
         // write would show in the map of a single pixel.
-        let rendered_ns = now_ns();
-        wait.is_interrupted();
-        let waited_ns = wait.waited_ns();
+        let rendered_ns = renderer.stopwatch().cpu_ns();
+        let rendered = renderer.rendered();
+        run.warm_up_ns += rendered.warm_up_ns as u64;
         if let Some(counters) = rendered.counters {
             run.counted = run.counted.with(counters.total());
         }
         canvas.store(&part, &rendered);
-        run.end_ns = now_ns();
-        wait.is_interrupted();
-        run.waiting_ns = wait.waited_ns();
-        let busy_ns = run
-            .end_ns
-            .saturating_sub(rendered_ns + run.waiting_ns - waited_ns);
-        run.film_ns += busy_ns;
-        renderer.has_rendered(part.n_pixels(), run.busy_ns().saturating_sub(before_ns));
+        let stored_ns = renderer.stopwatch().cpu_ns();
+        run.film_ns += (stored_ns - rendered_ns) as u64;
+        let warm_up_ns = renderer.add_rendered(part.n_pixels(), stored_ns - end_ns);
+        run.warm_up_ns += warm_up_ns as u64;
+        end_ns = stored_ns;
     }
+    run.end_ns = now_ns();
+    run.waiting_ns = run.duration_ns().saturating_sub((end_ns - begin_ns) as u64);
     run
 }

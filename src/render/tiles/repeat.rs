@@ -12,13 +12,16 @@ use super::samples::{SAMPLE_BYTES, Samples};
 use super::time_hottest::{limit_after, time_hottest_again};
 use super::{Report, TilePlan, View, render_onto};
 use crate::film::Film;
-use crate::schedule::{Schedule, TileRun};
+use crate::schedule::{N_GRIDS, Schedule, TileRun};
 use scene::config::{Config, Repeats};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
 /// Time limit of all renderings of [`Repeats::Auto`] together. The first one may exceed it.
 const TIME_OF_AUTO: Duration = Duration::from_millis(500);
+
+/// Number of grids from which on the edges of groups hardly show.
+pub const LEAST_GRIDS: u8 = 3;
 
 /// One of several renderings of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -32,13 +35,10 @@ pub struct Repeat {
     pub waiting_ns: u64,
     /// The part of the busy time that wrote pixels to the film.
     pub film_ns: u64,
-    /// The part of the busy time spent on discarded renderings of pixels: warm-up, and pixels that
-    /// were timed again.
+    /// The part of the busy time that warmed up the threads.
     pub warm_up_ns: u64,
     /// The sum of the pixels' times in nanoseconds, if they were measured.
     pub pixels_ns: Option<f64>,
-    /// Number of rejected pixel times.
-    pub n_rejected: u64,
 }
 
 /// Returns the largest number of renderings of the config's picture.
@@ -68,11 +68,13 @@ pub fn repeat_bytes_per_pixel(config: &Config) -> usize {
 /// Renders the picture repeatedly, as [`render`](super::render) does. [`Repeats::Auto`] continues
 /// while one more rendering, as long as the last one, would end within half a second.
 ///
-/// The film's `time_ns` is the median of the accepted samples, and `time_mad_ns` their median
-/// absolute deviation. `n_rejected` counts the rejected samples, of pixels that were interrupted
-/// whenever they were timed. If all samples were rejected, both describe all samples. `thread` and
-/// the schedule describe the last rendering. All other values are the same in each rendering. With
-/// [`Repeats::ONCE`], or without times, the film equals the result of [`render`](super::render).
+/// The film's `time_ns` is the median of the times, and `time_mad_ns` their median absolute
+/// deviation. `thread` and the schedule describe the first rendering. All other values are the same
+/// in each rendering. With [`Repeats::ONCE`], or without times, the film equals the result of
+/// [`render`](super::render).
+///
+/// If groups of pixels are timed, each rendering has another grid of tiles and groups, so that the
+/// edges of groups do not show in the medians.
 pub fn repeat(
     repeats: Repeats,
     tracer: Tracer,
@@ -88,8 +90,7 @@ pub fn repeat(
 /// kept, or rendered by several ranks, [`Repeats::Auto`] is one rendering, since the number that
 /// fits into half a second differs from run to run.
 ///
-/// At the deadline the first rendering leaves tiles out; an incomplete later one is discarded. The
-/// schedule describes the last one that counts.
+/// At the deadline the first rendering leaves tiles out; an incomplete later one is discarded.
 pub fn repeat_within(
     limits: &Limits,
     repeats: Repeats,
@@ -110,17 +111,20 @@ pub fn repeat_within(
     film.repeats = repeats;
     let mut samples: Option<Samples> = None;
     let mut done: Vec<Repeat> = Vec::new();
-    let mut last: Option<Schedule> = None;
+    let mut first: Option<Schedule> = None;
     let schedule = loop {
         // Render all tiles.
         let started = Instant::now();
         let pass = Pass::new(done.len() as u8, tracer.scene, *limits);
+        let has_groups = matches!(meter, Meter::Time(_)) && pass.is_alone();
+        let moved = (has_groups && pass.number > 0).then(|| plan.of_rendering(pass.number));
+        let plan = moved.as_ref().unwrap_or(plan);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, report);
         // Drop a later rendering that a deadline cut off.
         let is_whole = schedule.rendered().count() as u32 == plan.n_tiles();
-        if let Some(before) = last.take().filter(|_| !is_whole) {
-            break before;
+        if let Some(first) = first.take_if(|_| !is_whole) {
+            break first;
         }
         // Keep the times.
         let is_spread = limits.checkpoint.is_some() || limits.team.is_some();
@@ -130,6 +134,9 @@ pub fn repeat_within(
             started.elapsed()
         };
         done.push(Repeat::new(wall, &film, &schedule));
+        if has_groups {
+            film.n_grids = (done.len() as u32).min(N_GRIDS) as u8;
+        }
         if film.cost.has_time() && repeats.has_spread() {
             samples
                 .get_or_insert_with(|| Samples::new(&film))
@@ -138,17 +145,19 @@ pub fn repeat_within(
         // Stop when the repeats are done.
         let is_once = is_spread && repeats == Repeats::Auto;
         let is_last = is_once || !needs_another(repeats, &film, &done, begin.elapsed());
+        let schedule = first.take().unwrap_or(schedule);
         if is_last || !is_whole || pass.is_over() {
             break schedule;
         }
-        last = Some(schedule);
+        first = Some(schedule);
     };
     // Summarize the times, and time the most expensive pixels again.
     film.n_repeats = done.len() as u8;
     if let Some(samples) = samples {
         samples.summarize(&mut film);
     }
-    if limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0) {
+    let has_squares = film.n_grids < LEAST_GRIDS;
+    if has_squares && limits.checkpoint.is_none_or(|kept| kept.n_restored() == 0) {
         let limit = limit_after(begin.elapsed());
         time_hottest_again(&mut film, view, meter, plan, limit);
     }
@@ -177,7 +186,6 @@ impl Repeat {
             film_ns: schedule.runs.iter().map(|run| run.film_ns).sum(),
             warm_up_ns: schedule.runs.iter().map(|run| run.warm_up_ns).sum(),
             pixels_ns: film.cost.has_time().then(|| film.total_time_ns()),
-            n_rejected: film.n_rejected(),
         }
     }
 }

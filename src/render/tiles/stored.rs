@@ -74,7 +74,7 @@ impl<'a> StoredPicture<'a> {
             rows.start / grid.tile_size,
             rows.end.div_ceil(grid.tile_size),
         ];
-        let canvas = Canvas::new(film);
+        let canvas = Canvas::new(film, &grid);
         let numbers = first * grid.n_columns..end * grid.n_columns;
         numbers.clone().into_par_iter().for_each(|number| {
             let tile = grid.tile(number);

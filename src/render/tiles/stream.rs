@@ -18,7 +18,7 @@ use crate::schedule::Tile;
 use base::stop;
 use math::simd::{N_LANES, Simd, VectorColumn};
 use tracer::accel::Hit;
-use tracer::cost::{BounceCounts, ByPixel, Clock, CpuWait, PixelProbe, RayKind};
+use tracer::cost::{BounceCounts, ByPixel, Clock, PixelProbe, RayKind, Stopwatch};
 use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use tracer::trace::{Points, ShadowLight};
 
@@ -48,8 +48,9 @@ pub(super) struct StreamRenderer<'a, P> {
     pixels: PixelColumns,
     probe: P,
     bounces: BounceCounts,
+    stopwatch: Stopwatch,
     /// The times of the waves' stages, if they are measured.
-    times: Option<WaveTimes<'a>>,
+    times: Option<WaveTimes>,
     wave: PathWave,
     /// The next wave.
     next: PathWave,
@@ -82,6 +83,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             pixels: PixelColumns::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
+            stopwatch: Stopwatch::of_this_thread(Clock::of_system()),
             times: None,
             wave: PathWave::default(),
             next: PathWave::default(),
@@ -99,9 +101,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Creates a renderer that times the stages of its waves.
-    pub(super) fn timed(view: View<'a>, clock: &'a Clock) -> Self {
+    pub(super) fn timed(view: View<'a>, clock: &Clock) -> Self {
         Self {
-            times: Some(WaveTimes::new(clock, view.rounds.n_uniform())),
+            stopwatch: Stopwatch::of_this_thread(*clock),
+            times: Some(WaveTimes::new(view.rounds.n_uniform())),
             ..Self::new(view)
         }
     }
@@ -177,7 +180,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     #[inline]
     fn lap(&mut self, stage: WaveStage) {
         if let Some(times) = &mut self.times {
-            times.lap(stage);
+            times.lap(stage, &mut self.stopwatch);
         }
     }
 
@@ -383,17 +386,16 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         }
     }
 
-    /// Renders a group of a tile's pixels. Returns the nanoseconds of each stage if waves are
-    /// timed.
+    /// Renders a group of a tile's pixels. Returns the nanoseconds of each stage since the end of
+    /// the last lap, if waves are timed.
     pub(super) fn render_group(&mut self, tile: &Tile, group: &Tile) -> ByStage {
         self.places.fill_group(tile, group);
         if let Some(times) = &mut self.times {
             times.begin(tile, group);
         }
         self.render_places();
-        self.times
-            .as_ref()
-            .map_or(ByStage::default(), WaveTimes::ns)
+        let times = self.times.as_mut();
+        times.map_or(ByStage::default(), |times| times.end(&mut self.stopwatch))
     }
 
     /// Writes the counts of the stages of waves, for the pixels and the groups of a tile, if waves
@@ -414,31 +416,6 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                 of_pixels,
                 of_groups,
             });
-        }
-    }
-
-    /// Swaps the counters of the pixels with the counters of discarded renderings, and back.
-    pub(super) fn exchange_counters(
-        &mut self,
-        (probe, bounces): &mut (P, BounceCounts),
-        count: bool,
-    ) {
-        std::mem::swap(&mut self.probe, probe);
-        std::mem::swap(&mut self.bounces, bounces);
-        if let Some(times) = &mut self.times {
-            times.set_counting(count);
-        }
-    }
-
-    /// Returns the pixels that were last rendered.
-    pub(super) fn rendered(&self) -> Rendered<'_> {
-        Rendered {
-            pixels: &self.pixels,
-            counters: self.probe.counted(),
-            bounces: self.bounces.get(),
-            time_ns: &[],
-            n_rejected: &[],
-            warm_up_ns: 0.0,
         }
     }
 
@@ -467,9 +444,22 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 }
 
 impl<P: PixelProbe> TileRenderer for StreamRenderer<'_, P> {
-    fn render(&mut self, tile: &Tile, _: &mut CpuWait) -> Rendered<'_> {
+    fn render(&mut self, tile: &Tile) {
         self.begin(tile.n_pixels());
         self.render_group(tile, tile);
-        self.rendered()
+    }
+
+    fn rendered(&mut self) -> Rendered<'_> {
+        Rendered {
+            pixels: &self.pixels,
+            counters: self.probe.counted(),
+            bounces: self.bounces.get(),
+            time_ns: &[],
+            warm_up_ns: 0.0,
+        }
+    }
+
+    fn stopwatch(&mut self) -> &mut Stopwatch {
+        &mut self.stopwatch
     }
 }

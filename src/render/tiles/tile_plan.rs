@@ -86,6 +86,32 @@ impl TilePlan {
         }
     }
 
+    /// Returns the plan for a later rendering of the whole picture, given its number from 0: with the
+    /// grid of that rendering, and about the same order.
+    pub(super) fn of_rendering(&self, number: u8) -> Self {
+        let grid = self.grid.of_rendering(number);
+        let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
+        let first_pixels = tiles.map(|tile| (tile.columns[0], tile.rows[0]));
+        let here: Vec<usize> = first_pixels
+            .map(|place| self.grid.number_at(place) as usize)
+            .collect();
+        let mut positions = vec![0; self.grid.n_tiles() as usize];
+        for (position, &number) in self.sequence.iter().enumerate() {
+            positions[number as usize] = position;
+        }
+        let mut sequence: Vec<u32> = (0..grid.n_tiles()).collect();
+        sequence.sort_by_key(|&number| positions[here[number as usize]]);
+        let times = self.times.as_ref();
+        let this = Self {
+            grid,
+            sequence,
+            work: None,
+            times: times.map(|times| here.iter().map(|&number| times[number]).collect()),
+            ..self.clone()
+        };
+        this.scaled()
+    }
+
     /// Returns the position of a tile of the grid, or of some of its rows, in the picture.
     pub(super) fn in_picture(&self, tile: &Tile) -> Tile {
         let Some(first_rows) = &self.first_rows else {

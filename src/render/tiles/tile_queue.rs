@@ -8,9 +8,8 @@ use super::canvas::Canvas;
 use super::pass::Pass;
 use super::{Progress, Report, TilePlan, TileRenderer, render_tile};
 use crate::film::Film;
-use crate::schedule::{Tile, TileRun};
+use crate::schedule::{Tile, TileGrid, TileRun};
 use base::stop;
-use tracer::cost::CpuWait;
 
 /// Tiles with their numbers that a thread has rendered or taken over.
 pub(super) type TileRuns = Vec<(u32, TileRun)>;
@@ -25,16 +24,16 @@ pub(super) enum Target<'f> {
 }
 
 impl<'f> Target<'f> {
-    /// Returns the film, which gets rows if it has none, or films of one tile if tiles are `stored`
-    /// elsewhere.
-    pub(super) fn new(film: &'f mut Film, stored: bool) -> Self {
+    /// Returns the film for the tiles of a grid, which gets rows if it has none, or films of one tile
+    /// if tiles are `stored` elsewhere.
+    pub(super) fn new(film: &'f mut Film, grid: &TileGrid, stored: bool) -> Self {
         if stored {
             return Self::Tiles(film);
         }
         if !film.has_rows() {
             *film = film.clone().with_rows(0..film.grid.height);
         }
-        Self::Film(Canvas::new(film))
+        Self::Film(Canvas::new(film, grid))
     }
 
     /// Does `work` with the canvas of the calling thread.
@@ -92,11 +91,10 @@ impl<'a, 'f> TileQueue<'a, 'f> {
     }
 
     fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
-        let mut wait = CpuWait::of_this_thread();
         let mut runs = TileRuns::new();
         while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
             let tile_of_plan = (self.plan, &tile);
-            let run = render_tile(&mut renderer, tile_of_plan, canvas, self.begin, &mut wait);
+            let run = render_tile(&mut renderer, tile_of_plan, canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,

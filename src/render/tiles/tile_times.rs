@@ -12,7 +12,6 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use cpu_time::ThreadTime as ThreadClock;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -27,7 +26,7 @@ use crate::film::Film;
 use crate::schedule::Tile;
 use base::stop;
 use math::statistics::non_negative_least_squares;
-use tracer::cost::{Counters, CpuWait, Meter};
+use tracer::cost::{Counters, Meter};
 use tracer::trace::Tracer;
 
 /// Tiles for each that is measured, and the least and the greatest number of measured tiles.
@@ -162,7 +161,6 @@ fn measured<R: TileRenderer>(
     let n_taken = AtomicUsize::new(0);
     let measure_some = |_: rayon::BroadcastContext| {
         let mut renderer = renderer();
-        let mut wait = CpuWait::of_this_thread();
         let mut film = film.of_one_tile();
         let canvas = Canvas::of_one_tile(&mut film);
         let mut measured = Vec::new();
@@ -170,15 +168,13 @@ fn measured<R: TileRenderer>(
             // The first tile of a thread is rendered twice: its memory is new.
             let n_renderings = if measured.is_empty() { 2 } else { 1 };
             for i in 1..=n_renderings {
-                let begin = ThreadClock::now();
-                let begun = Instant::now();
-                let run = render_tile(&mut renderer, (plan, tile), &canvas, begun, &mut wait);
+                let begin = Instant::now();
+                let run = render_tile(&mut renderer, (plan, tile), &canvas, begin);
                 if i == n_renderings && !stop::is_requested() {
-                    let ns = begin.elapsed().as_nanos() as f64;
                     measured.push(MeasuredTile {
                         tile: *tile,
                         counts: ray_counts(&run.counted),
-                        ns,
+                        ns: run.busy_ns() as f64,
                     });
                 }
             }

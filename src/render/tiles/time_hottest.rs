@@ -12,7 +12,7 @@ use super::view::View;
 use crate::film::{Film, HotPixel};
 use crate::schedule::{MAX_PIXELS, Tile};
 use base::stop;
-use tracer::cost::{CpuWait, Meter, Metric};
+use tracer::cost::{Meter, Metric};
 
 /// Times of each pixel, whose median counts.
 const N_TIMES: usize = 5;
@@ -24,7 +24,7 @@ const PART_OF_RENDERING: u32 = 50;
 const LEAST_LIMIT: Duration = Duration::from_millis(4);
 
 /// Renders a group of pixels of the film once. Returns the nanoseconds of its pixels, row by row.
-type TimeGroup<'a> = &'a mut dyn FnMut(&Tile, &mut CpuWait) -> Vec<f32>;
+type TimeGroup<'a> = &'a mut dyn FnMut(&Tile) -> Vec<f32>;
 
 /// Returns the time that may be spent on timing pixels again after renderings that took `elapsed`
 /// together.
@@ -55,22 +55,20 @@ pub(super) fn time_hottest_again(
                 let mut groups = part(plan, at).groups(n_samples);
                 groups.find(|group| group.has(at))
             };
-            again(film, end, group_of, &mut |group, wait| {
+            again(film, end, group_of, &mut |group| {
                 let part = part(plan, first_pixel(group));
-                wait.begin();
                 let [part, group] = [&part, group].map(|tile| plan.in_picture(tile));
-                renderer.time_group(&part, &group, wait).collect()
+                renderer.time_group(&part, &group)
             });
         }
         Meter::SingleRayTime(clock) => {
             let room = (N_BEFORE as usize + 1, &plan.sensor.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
             let group_of = |at| Some(pixel(at));
-            again(film, end, group_of, &mut |group, wait| {
+            again(film, end, group_of, &mut |group| {
                 let place = first_pixel(&plan.in_picture(group));
                 let before = before(place, plan.sensor.image.width);
-                wait.begin();
-                vec![renderer.time_last(before.chain([place]), wait)]
+                vec![renderer.time_last(before.chain([place]))]
             });
         }
     }
@@ -83,7 +81,6 @@ fn again(
     time_group: TimeGroup,
 ) {
     let is_over = || stop::is_requested() || Instant::now() >= end;
-    let mut wait = CpuWait::of_this_thread();
     let mut timed: Vec<Tile> = Vec::new();
     while !stop::is_requested()
         && let [HotPixel { place, .. }] = film.hottest(Metric::TIME, 1)[..]
@@ -96,7 +93,7 @@ fn again(
             if i > 0 && is_over() {
                 break;
             }
-            for (times, ns) in times.iter_mut().zip(time_group(&group, &mut wait)) {
+            for (times, ns) in times.iter_mut().zip(time_group(&group)) {
                 times.push(f64::from(ns));
             }
         }
@@ -116,11 +113,10 @@ fn again(
 }
 
 /// Returns the part of a tile of the film that a pixel was rendered with.
-fn part(plan: &TilePlan, (x, y): (u32, u32)) -> Tile {
-    let size = plan.grid.tile_size;
-    let tile = plan.grid.tile(y / size * plan.grid.n_columns + x / size);
+fn part(plan: &TilePlan, place: (u32, u32)) -> Tile {
+    let tile = plan.grid.tile(plan.grid.number_at(place));
     let mut parts = tile.parts(MAX_PIXELS);
-    parts.find(|part| part.has((x, y))).unwrap_or(tile)
+    parts.find(|part| part.has(place)).unwrap_or(tile)
 }
 
 /// Returns the tile of one pixel.

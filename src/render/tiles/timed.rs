@@ -3,14 +3,13 @@
 
 use glam::Vec3;
 
-use super::stopwatch::{Stopwatch, ThreadTimer, is_spike};
 use super::view::View;
 use super::{PathProbe, TileRenderer, follow};
-use crate::film::{Pixel, PixelColumns, PixelTime, Rendered};
+use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use base::stop;
 use scene::config::Image;
-use tracer::cost::{BounceCounts, Clock, Cost, Counters, CpuWait, Probe};
+use tracer::cost::{BounceCounts, Clock, Cost, Counters, Probe, Stopwatch};
 use tracer::shade::{LightSample, PathRay};
 use tracer::trace::SurfacePoint;
 
@@ -23,26 +22,27 @@ const N_WARM_UP: usize = 4;
 /// Columns and rows of the pixels that warm up a thread.
 const SPREAD: u32 = 8;
 
-/// Disturbed pixels that take longer are not rendered again.
-const LONG_NS: f32 = 1e6;
-
 /// Paths for which room is allocated before any is traced.
 const PATHS: usize = 256;
 
 /// Renders tiles pixel by pixel, counts each and times it.
 pub(super) struct SingleRayRenderer<'a> {
-    clock: &'a Clock,
+    stopwatch: Stopwatch,
+    /// The cost of a reading of the clock in nanoseconds.
+    overhead_ns: f32,
     /// The pixels of the tile in the order in which they are rendered, listed before any is timed:
     /// finding the next one takes longer where a row of a block ends.
     places: Vec<PixelPlace>,
     renderer: PixelRenderer<'a>,
-    /// The times in this order.
-    times: Vec<PixelTime>,
+    /// The times in this order, in nanoseconds.
+    times_ns: Vec<f32>,
     // The same row by row, as in the film.
     columns: PixelColumns,
     counters: Counters,
     time_ns: Vec<f32>,
-    n_rejected: Vec<u8>,
+    /// Number of pixels rendered before a request to stop.
+    n_done: usize,
+    warm_up_ns: f64,
 }
 
 /// A pixel of a tile.
@@ -70,23 +70,16 @@ struct PixelRenderer<'a> {
 impl<'a> SingleRayRenderer<'a> {
     /// Creates a renderer of at most `n_pixels` pixels of the image at a time for the calling
     /// thread, and warms up the thread.
-    pub(super) fn new(
-        view: View<'a>,
-        clock: &'a Clock,
-        (n_pixels, image): (usize, &Image),
-    ) -> Self {
+    pub(super) fn new(view: View<'a>, clock: &Clock, (n_pixels, image): (usize, &Image)) -> Self {
         // Filled with nonzero values, so that page faults are not part of a pixel's time: the
         // system would map zeroed pages only at the first write.
         let written_cost = Cost {
             depth: u64::MAX,
             ..Cost::default()
         };
-        let written_time = PixelTime {
-            ns: f32::NAN,
-            ..PixelTime::default()
-        };
         let mut renderer = Self {
-            clock,
+            stopwatch: Stopwatch::of_this_thread(*clock),
+            overhead_ns: clock.overhead_ns() as f32,
             places: Vec::with_capacity(n_pixels),
             renderer: PixelRenderer {
                 view,
@@ -95,11 +88,12 @@ impl<'a> SingleRayRenderer<'a> {
                 bounces: BounceCounts::new(view.counts_bounces),
                 paths: Vec::with_capacity(PATHS),
             },
-            times: vec![written_time; n_pixels],
+            times_ns: vec![f32::NAN; n_pixels],
             columns: PixelColumns::none(n_pixels),
             counters: Counters::default(),
             time_ns: vec![f32::NAN; n_pixels],
-            n_rejected: vec![u8::MAX; n_pixels],
+            n_done: 0,
+            warm_up_ns: 0.0,
         };
         renderer.warm_up_thread(image);
         renderer
@@ -125,41 +119,43 @@ impl<'a> SingleRayRenderer<'a> {
 
     /// Renders some pixels one after the other, at most as many as there is room for. Returns the
     /// nanoseconds that the last one took.
-    pub(super) fn time_last(
-        &mut self,
-        places: impl Iterator<Item = (u32, u32)>,
-        wait: &mut CpuWait,
-    ) -> f32 {
+    pub(super) fn time_last(&mut self, places: impl Iterator<Item = (u32, u32)>) -> f32 {
         let place = |(index, at)| PixelPlace { at, index };
         self.places.clear();
         self.places.extend(places.enumerate().map(place));
         self.renderer.bounces.reset(self.places.len());
-        let clock = self.clock;
-        self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
-        self.times[self.places.len() - 1].ns
+        self.render_timed();
+        self.times_ns[self.places.len() - 1]
     }
 
-    /// Renders the pixels and times them. Returns their number, and the nanoseconds spent on
-    /// discarded renderings of pixels.
+    /// Renders the pixels and times them. Returns their number.
     ///
     /// The first pixels are rendered in a separate loop to fill the caches, as jumping to other
     /// pixels in the timed loop causes branch mispredictions.
-    fn render_timed(&mut self, mut stopwatch: Stopwatch<ThreadTimer>) -> (usize, f64) {
-        let (places, renderer) = (&self.places, &mut self.renderer);
-        let times = &mut self.times[..places.len()];
-        let mut render = |i: usize| renderer.render_pixel(places[i], i);
+    fn render_timed(&mut self) -> usize {
+        let (places, renderer, stopwatch) = (&self.places, &mut self.renderer, &mut self.stopwatch);
+        let times_ns = &mut self.times_ns[..places.len()];
+        let is_going_on = |_: &usize| !stop::is_requested();
         // Warm up the caches.
         let n_warm_up = N_WARM_UP.min(places.len() / 4).max(1);
-        let warm_up_ns = stopwatch.time(|_| {
-            let is_going_on = |_: &usize| !stop::is_requested();
-            (0..n_warm_up).take_while(is_going_on).for_each(&mut render);
-        });
-        // Time each pixel, and disturbed ones again.
-        let n_done = stopwatch.time_each(times, &mut render);
-        let times = &mut times[..n_done];
-        let again_ns =
-            stopwatch.time(|stopwatch| stopwatch.time_again(times, LONG_NS, is_spike, &mut render));
-        (n_done, warm_up_ns + again_ns)
+        let begin_ns = stopwatch.cpu_ns();
+        for i in (0..n_warm_up).take_while(is_going_on) {
+            renderer.render_pixel(places[i], i);
+        }
+        self.warm_up_ns = stopwatch.cpu_ns() - begin_ns;
+        // Time each pixel.
+        stopwatch.lap();
+        let mut n_done = 0;
+        for i in (0..places.len()).take_while(is_going_on) {
+            renderer.render_pixel(places[i], i);
+            times_ns[i] = stopwatch.lap();
+            stopwatch.take_waits_off(&mut times_ns[..=i]);
+            n_done = i + 1;
+        }
+        for ns in &mut times_ns[..n_done] {
+            *ns = (*ns - self.overhead_ns).max(1.0);
+        }
+        n_done
     }
 }
 
@@ -243,7 +239,7 @@ impl PathProbe for CountedPixel<'_> {
 }
 
 impl TileRenderer for SingleRayRenderer<'_> {
-    fn render(&mut self, tile: &Tile, wait: &mut CpuWait) -> Rendered<'_> {
+    fn render(&mut self, tile: &Tile) {
         let n_pixels = tile.n_pixels();
         self.places.clear();
         self.places.extend(tile.pixels().map(|at| PixelPlace {
@@ -251,15 +247,19 @@ impl TileRenderer for SingleRayRenderer<'_> {
             index: tile.index(at) as usize,
         }));
         self.renderer.bounces.reset(n_pixels);
-        let clock = self.clock;
-        let (n_done, warm_up_ns) = self.render_timed(Stopwatch::new(ThreadTimer { clock, wait }));
+        self.n_done = self.render_timed();
+    }
+
+    /// Copies the pixels to rows, which is not part of their times.
+    fn rendered(&mut self) -> Rendered<'_> {
+        let n_pixels = self.places.len();
         let PixelRenderer { view, pixels, .. } = &self.renderer;
         self.counters.reset(n_pixels, view.rounds.n_uniform());
+        self.time_ns.resize(n_pixels, 0.0);
         for (i, &PixelPlace { index, .. }) in self.places.iter().enumerate() {
             self.columns.set(index, &pixels[i]);
-            let PixelTime { ns, is_rejected } = self.times[i];
-            (self.time_ns[index], self.n_rejected[index]) = (ns, is_rejected.into());
-            if i < n_done {
+            self.time_ns[index] = self.times_ns[i];
+            if i < self.n_done {
                 self.counters.add(index, &self.renderer.costs[i]);
             }
         }
@@ -267,10 +267,13 @@ impl TileRenderer for SingleRayRenderer<'_> {
             pixels: &self.columns,
             counters: Some(&self.counters),
             bounces: self.renderer.bounces.get(),
-            time_ns: &self.time_ns[..n_pixels],
-            n_rejected: &self.n_rejected[..n_pixels],
-            warm_up_ns,
+            time_ns: &self.time_ns,
+            warm_up_ns: self.warm_up_ns,
         }
+    }
+
+    fn stopwatch(&mut self) -> &mut Stopwatch {
+        &mut self.stopwatch
     }
 }
 
@@ -302,10 +305,11 @@ mod tests {
         let clock = Clock::calibrated();
         let mut cold = StreamRenderer::<Counters>::new(view);
         let mut warm = SingleRayRenderer::new(view, &clock, plan.room());
-        let mut wait = CpuWait::of_this_thread();
         for number in [0, 200, 399] {
             let tile = plan.tile(number).unwrap();
-            let [cold, warm] = [cold.render(&tile, &mut wait), warm.render(&tile, &mut wait)];
+            cold.render(&tile);
+            warm.render(&tile);
+            let [cold, warm] = [cold.rendered(), warm.rendered()];
             assert_eq!(cold.warm_up_ns, 0.0);
             assert!(warm.warm_up_ns >= 1.0);
             assert_eq!(

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::schedule::Tile;
 use math::simd::{InstructionSet, Lanes, SimdKernel};
-use tracer::cost::{Clock, Counter, Counters, Instant};
+use tracer::cost::{Counter, Counters, Stopwatch};
 
 /// The stages of a wave.
 #[derive(Debug, Clone, Copy)]
@@ -44,15 +44,12 @@ const PATH_RAYS: [Counter; 4] = [
 
 /// The times of the stages of one group, and their counts for the pixels of a tile.
 #[derive(Debug)]
-pub(super) struct WaveTimes<'a> {
-    clock: &'a Clock,
-    /// The end of the last stage.
-    begin: Instant,
-    ns: ByStage,
+pub(super) struct WaveTimes {
+    /// The nanoseconds of each step of the group's waves, and its stage.
+    laps_ns: Vec<f32>,
+    stages: Vec<WaveStage>,
     /// Samples of every pixel; 0 if they are counted.
     n_samples: u32,
-    /// True if the rendered pixels count.
-    counts: bool,
     /// Number of rays of each pixel that hit nothing.
     misses: Vec<u32>,
     /// Node visits and primitive tests of the shadow rays of each pixel.
@@ -61,14 +58,12 @@ pub(super) struct WaveTimes<'a> {
     rows: Vec<Range<usize>>,
 }
 
-impl<'a> WaveTimes<'a> {
-    pub(super) fn new(clock: &'a Clock, n_samples: u32) -> Self {
+impl WaveTimes {
+    pub(super) fn new(n_samples: u32) -> Self {
         Self {
-            clock,
-            begin: clock.now(),
-            ns: ByStage::default(),
+            laps_ns: Vec::new(),
+            stages: Vec::new(),
             n_samples,
-            counts: true,
             misses: Vec::new(),
             shadow_steps: Vec::new(),
             rows: Vec::new(),
@@ -77,54 +72,46 @@ impl<'a> WaveTimes<'a> {
 
     /// Starts a tile of `n_pixels` pixels.
     pub(super) fn begin_tile(&mut self, n_pixels: usize) {
-        if self.counts {
-            self.misses.clear();
-            self.misses.resize(n_pixels, 0);
-            self.shadow_steps.clear();
-            self.shadow_steps.resize(n_pixels, 0);
-        }
+        self.misses.clear();
+        self.misses.resize(n_pixels, 0);
+        self.shadow_steps.clear();
+        self.shadow_steps.resize(n_pixels, 0);
     }
 
     /// Starts a group of a tile.
     pub(super) fn begin(&mut self, tile: &Tile, group: &Tile) {
         self.rows.clear();
         self.rows.extend(tile.rows_of(group));
-        self.ns = ByStage::default();
-        self.begin = self.clock.now();
+        self.laps_ns.clear();
+        self.stages.clear();
     }
 
-    /// Ends a stage, and starts the next one.
-    pub(super) fn lap(&mut self, stage: WaveStage) {
-        let end = self.clock.now();
-        self.ns[stage as usize] += self.clock.elapsed_ns(self.begin, end);
-        self.begin = end;
+    /// Ends a step of a stage, and starts the next one.
+    pub(super) fn lap(&mut self, stage: WaveStage, stopwatch: &mut Stopwatch) {
+        self.laps_ns.push(stopwatch.lap());
+        self.stages.push(stage);
     }
 
-    /// Returns the nanoseconds of each stage of the group.
-    pub(super) fn ns(&self) -> ByStage {
-        self.ns
-    }
-
-    /// Starts or ends the rendering of pixels that do not count.
-    pub(super) fn set_counting(&mut self, counts: bool) {
-        self.counts = counts;
+    /// Ends the group. Returns the nanoseconds of its stages, without waits for a CPU.
+    pub(super) fn end(&mut self, stopwatch: &mut Stopwatch) -> ByStage {
+        stopwatch.take_waits_off(&mut self.laps_ns);
+        let mut ns = ByStage::default();
+        for (stage, lap_ns) in self.stages.iter().zip(&self.laps_ns) {
+            ns[*stage as usize] += lap_ns;
+        }
+        ns
     }
 
     /// Counts the rays of the wave's pixels that hit nothing.
     pub(super) fn count_misses(&mut self, pixels: &[u32], missed: &[u32]) {
-        if self.counts {
-            for &ray in missed {
-                self.misses[pixels[ray as usize] as usize] += 1;
-            }
+        for &ray in missed {
+            self.misses[pixels[ray as usize] as usize] += 1;
         }
     }
 
     /// Counts the steps of shadow rays, which are traced between two calls: one before them and one
     /// after them.
     pub(super) fn count_shadow_steps(&mut self, counters: &Counters) {
-        if !self.counts {
-            return;
-        }
         for row in &self.rows {
             let steps = STEPS.map(|counter| &counters.get(counter)[row.clone()]);
             let shadow_steps = &mut self.shadow_steps[row.clone()];
@@ -137,7 +124,7 @@ impl<'a> WaveTimes<'a> {
 
 /// Writes the counts of each stage for the pixels of a tile and for its groups.
 pub(super) struct CountStages<'a> {
-    pub(super) times: &'a WaveTimes<'a>,
+    pub(super) times: &'a WaveTimes,
     pub(super) counters: &'a Counters,
     pub(super) tile: &'a Tile,
     pub(super) groups: &'a [Tile],

@@ -15,7 +15,7 @@ use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
 use base::stop;
-use tracer::cost::{Counters, CpuWait, Meter, NoProbe};
+use tracer::cost::{Counters, Meter, NoProbe};
 use tracer::trace::Tracer;
 
 /// Greatest number of bytes of tiles in a message: more would keep rank 0 from the other workers.
@@ -92,10 +92,9 @@ fn render_some(
     dealt: &DealtTiles,
     to_rank_0: &Sender<TileRecord<'static>>,
 ) {
-    let mut wait = CpuWait::of_this_thread();
     while let Some((rendering, number)) = dealt.next() {
         let tile = plan.grid.tile(number);
-        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch, &mut wait);
+        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
         let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);
         // A tile that was stopped is not whole.

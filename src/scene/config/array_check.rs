@@ -53,13 +53,9 @@ impl PixelArray {
             Self::Instance if config.has_instances() => None,
             Self::Instance => lacks("instances", "only scenes with `instances` have it"),
             Self::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
-            Self::TimeMadNs | Self::NRejected if !cost.has_time() => {
-                Some(of_mode(CostMode::Time, cost))
-            }
-            Self::TimeMadNs | Self::NRejected if config.repeats.has_spread() => None,
-            Self::TimeMadNs | Self::NRejected => {
-                lacks("repeats", "use `repeats: auto` or `--repeats 10`")
-            }
+            Self::TimeMadNs if !cost.has_time() => Some(of_mode(CostMode::Time, cost)),
+            Self::TimeMadNs if config.repeats.has_spread() => None,
+            Self::TimeMadNs => lacks("repeats", "use `repeats: auto` or `--repeats 10`"),
             Self::Samples if cost.has_counters() && config.image.adaptive.is_none() => lacks(
                 "adaptive sampling",
                 "only scenes with `image.adaptive` have it: all pixels have as many samples",

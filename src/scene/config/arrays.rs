@@ -40,8 +40,6 @@ pub enum PixelArray {
     TimeNs,
     /// The spread of repeated times
     TimeMadNs,
-    /// The number of rejected times
-    NRejected,
     /// The visited nodes of the hierarchy
     NodeVisits,
     /// The tests of primitives
@@ -132,9 +130,7 @@ impl PixelArray {
             | RefractionRays | DiffuseRays | Depth | Samples | BoxTests | BoxHits
             | PrimitiveHits | InstanceVisits => true,
             Rgb | Normals | Distance | Footprint | Object | Material | Instance | Pixel
-            | Horizon | TimeMadNs | NRejected | Tile | Thread | Radiance | RaysByBounce | Group => {
-                false
-            }
+            | Horizon | TimeMadNs | Tile | Thread | Radiance | RaysByBounce | Group => false,
         }
     }
 

@@ -36,7 +36,7 @@ impl Repeats {
     /// Maximum number of renderings of [`Repeats::Auto`].
     pub const MAX_OF_AUTO: u8 = 5;
 
-    /// Returns true if timed pixels have a spread and a number of rejected samples. Always true for
+    /// Returns true if timed pixels have a spread. Always true for
     /// [`Repeats::Auto`], so that the files of a scene always have the same arrays.
     pub fn has_spread(self) -> bool {
         self != Self::ONCE

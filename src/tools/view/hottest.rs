@@ -69,15 +69,11 @@ fn by_time(name: &str, summary: &Summary, frame: &FrameFile) -> Result<Vec<HotPi
                 Ok(None)
             }
         };
-        let [ns, mad_ns, n_rejected] = [name, "time_mad_ns", "n_rejected"].map(read);
-        let (ns, mad_ns, n_rejected) = (ns?, mad_ns?, n_rejected?);
+        let [ns, mad_ns] = [name, "time_mad_ns"].map(read);
+        let (ns, mad_ns) = (ns?, mad_ns?);
         let times = Times {
             ns: rows_of_f32(ns.as_ref(), width),
             mad_ns: rows_of_f32(mad_ns.as_ref(), width),
-            n_rejected: match &n_rejected {
-                Some(ArrayValues::U8(all)) => all.chunks_exact(width).collect(),
-                _ => Vec::new(),
-            },
             n_repeats: n_repeats.try_into().unwrap_or(u8::MAX),
         };
         Ok(times.hottest(MAX_PIXELS_LISTED))

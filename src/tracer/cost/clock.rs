@@ -3,13 +3,11 @@
 //! On x86-64 with an invariant time stamp counter (Intel SDM vol. 3, 19.17.1) it reads that
 //! counter, calibrated once against the operating system's clock; elsewhere it reads the operating
 //! system's clock.
-//!
-//! A reading also holds the CPU of the thread: a time during which the thread migrated to another
-//! CPU includes the migration and its cache misses.
 
-use std::time::Instant as OsInstant;
+use std::time::{Duration, Instant as OsInstant};
 
-use super::cpu;
+use cpu_time::ThreadTime;
+
 #[cfg(target_arch = "x86_64")]
 use super::tsc;
 use math::statistics::median;
@@ -17,12 +15,17 @@ use math::statistics::median;
 /// Back-to-back readings whose median is the overhead of the clock.
 const N_READINGS: usize = 1001;
 
+/// A clock of CPU time is too coarse for pixels if it makes fewer steps in so many readings.
+const N_CPU_READINGS: usize = 100;
+const LEAST_STEPS: usize = 3;
+
 /// A calibrated clock.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
     source: ClockSource,
     /// Cost of one reading.
     overhead_ns: f64,
+    has_cpu_time: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -38,29 +41,6 @@ enum ClockSource {
 #[derive(Debug, Clone, Copy)]
 pub struct Instant {
     ticks: u64,
-    /// The CPU that the thread ran on; always 0 where the system does not report it.
-    cpu: u32,
-}
-
-impl Instant {
-    /// Returns true if both readings were made on the same CPU, or if the system does not report
-    /// CPUs.
-    #[inline]
-    pub fn is_on_cpu_of(self, other: Self) -> bool {
-        self.cpu == other.cpu
-    }
-}
-
-impl Instant {
-    /// Returns a reading of a simulated clock.
-    pub fn from_ticks(ticks: u64) -> Self {
-        Self { ticks, cpu: 0 }
-    }
-
-    /// Returns the ticks since the clock's start.
-    pub fn ticks(self) -> u64 {
-        self.ticks
-    }
 }
 
 impl Clock {
@@ -68,10 +48,21 @@ impl Clock {
     pub fn calibrated() -> Self {
         let mut clock = Self {
             source: ClockSource::best(),
-            overhead_ns: 0.0,
+            ..Self::of_system()
         };
         clock.overhead_ns = clock.measured_overhead_ns();
         clock
+    }
+
+    /// Returns the operating system's clock, which needs no calibration.
+    pub fn of_system() -> Self {
+        Self {
+            source: ClockSource::Os {
+                start: OsInstant::now(),
+            },
+            overhead_ns: 0.0,
+            has_cpu_time: has_cpu_time(),
+        }
     }
 
     /// Reads the clock.
@@ -79,13 +70,9 @@ impl Clock {
     pub fn now(&self) -> Instant {
         match self.source {
             #[cfg(target_arch = "x86_64")]
-            ClockSource::Tsc { .. } => {
-                let (ticks, cpu) = tsc::read();
-                Instant { ticks, cpu }
-            }
+            ClockSource::Tsc { .. } => Instant { ticks: tsc::read() },
             ClockSource::Os { start } => Instant {
                 ticks: start.elapsed().as_nanos() as u64,
-                cpu: cpu::current(),
             },
         }
     }
@@ -95,6 +82,12 @@ impl Clock {
     #[inline]
     pub fn elapsed_ns(&self, from: Instant, to: Instant) -> f32 {
         (self.raw_ns(from, to) - self.overhead_ns).max(1.0) as f32
+    }
+
+    /// Returns true if the system has a clock of a thread's CPU time that is fine enough to take
+    /// waits for a CPU off times.
+    pub fn has_cpu_time(&self) -> bool {
+        self.has_cpu_time
     }
 
     /// Returns the cost of one reading in nanoseconds.
@@ -111,7 +104,9 @@ impl Clock {
         }
     }
 
-    fn raw_ns(&self, from: Instant, to: Instant) -> f64 {
+    /// Returns the nanoseconds from one reading to a later one.
+    #[inline]
+    pub(super) fn raw_ns(&self, from: Instant, to: Instant) -> f64 {
         let ticks = to.ticks.saturating_sub(from.ticks) as f64;
         match self.source {
             #[cfg(target_arch = "x86_64")]
@@ -153,6 +148,16 @@ impl ClockSource {
     }
 }
 
+/// Returns true if the system's clock of this thread's CPU time advances within few readings.
+fn has_cpu_time() -> bool {
+    let mut last = ThreadTime::now();
+    let steps = (0..N_CPU_READINGS).filter(|_| {
+        let before = std::mem::replace(&mut last, ThreadTime::now());
+        last.duration_since(before) > Duration::ZERO
+    });
+    steps.take(LEAST_STEPS).count() == LEAST_STEPS
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
@@ -182,19 +187,8 @@ mod tests {
         let before = os_ns();
         let now = clock.now();
         let after = os_ns();
-        let zero = Instant { ticks: 0, ..now };
+        let zero = Instant { ticks: 0 };
         [before, clock.raw_ns(zero, now), after]
-    }
-
-    #[test]
-    fn readings_hold_the_cpu() {
-        let clock = Clock::calibrated();
-        // The thread may migrate in between, but not ten times in a row.
-        let stays = || clock.now().is_on_cpu_of(clock.now());
-        assert!((0..10).any(|_| stays()));
-        let here = Instant { ticks: 1, cpu: 0 };
-        let there = Instant { ticks: 2, cpu: 1 };
-        assert!(here.is_on_cpu_of(here) && !here.is_on_cpu_of(there));
     }
 
     #[test]

@@ -7,27 +7,24 @@ mod bounces;
 mod clock;
 mod counter;
 mod counters;
-mod cpu;
-mod interruption;
-mod cpu_wait;
 mod meter;
 mod metric;
 mod probe;
 mod step_counts;
+mod stopwatch;
 #[cfg(target_arch = "x86_64")]
 mod tsc;
 mod traversals;
 
 pub use bounces::{BounceCounts, N_BOUNCES, RaysByBounce};
-pub use clock::{Clock, Instant};
+pub use clock::Clock;
 pub use counter::Counter;
 pub use counters::Counters;
-pub use cpu_wait::CpuWait;
-pub use interruption::Interruptions;
 pub use meter::Meter;
 pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
 pub use step_counts::{StepCounter, StepCounts};
+pub use stopwatch::Stopwatch;
 pub use traversals::Traversals;
 
 /// The purpose of a ray.

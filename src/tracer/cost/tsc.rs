@@ -20,27 +20,25 @@ pub(super) fn is_usable() -> bool {
     has(0x8000_0007, 8) && has(0x8000_0001, 27)
 }
 
-/// Reads the counter and IA32_TSC_AUX, which on Linux, macOS and Windows identifies the CPU.
+/// Reads the counter.
 ///
 /// RDTSCP waits for all earlier instructions, so that no load of a pixel adds to the time of the
 /// next one. This takes a few nanoseconds more than RDTSC (`cargo bench --bench clock`).
 #[inline]
 #[expect(unsafe_code, reason = "the instruction has no safe wrapper")]
-pub(super) fn read() -> (u64, u32) {
-    let mut cpu = 0;
-    // SAFETY: `is_usable` has found RDTSCP, which only writes to `cpu`.
-    let ticks = unsafe { __rdtscp(&mut cpu) };
-    (ticks, cpu)
+pub(super) fn read() -> u64 {
+    let mut aux = 0;
+    // SAFETY: `is_usable` has found RDTSCP, which only writes to `aux`.
+    unsafe { __rdtscp(&mut aux) }
 }
 
 /// Measures the counter's period in nanoseconds; takes about 0.5 ms.
 pub(super) fn ns_per_tick() -> f64 {
     let start = Instant::now();
-    period_ns(|| {
-        let (before, _) = read();
-        let os = start.elapsed();
-        let (after, _) = read();
-        Comparison { before, os, after }
+    period_ns(|| Comparison {
+        before: read(),
+        os: start.elapsed(),
+        after: read(),
     })
 }
 

@@ -192,7 +192,6 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("material", Field::I32(|strip| &strip.material)),
         ("time_ns", Field::F32(|strip| &strip.time_ns)),
         ("time_mad_ns", Field::F32(|strip| &strip.time_mad_ns)),
-        ("n_rejected", Field::U8(|strip| &strip.n_rejected)),
         ("node_visits", counter(Counter::NodeVisits)),
         ("primitive_tests", counter(Counter::PrimitiveTests)),
         ("rays", Field::Counts(rays(film))),
@@ -228,7 +227,6 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
 enum Field {
     Rgb(fn(&Strip) -> &Vec<[u8; 3]>),
     Vec3(fn(&Strip) -> &Vec<Vec3>),
-    U8(fn(&Strip) -> &Vec<u8>),
     F32(fn(&Strip) -> &Vec<f32>),
     I32(fn(&Strip) -> &Vec<i32>),
     Bounces,
@@ -243,7 +241,6 @@ impl Field {
         let (scalar, n_components) = match self {
             Self::Rgb(_) => ("UInt8", 3),
             Self::Vec3(_) => ("Float32", 3),
-            Self::U8(_) => ("UInt8", 1),
             Self::F32(_) => ("Float32", 1),
             Self::I32(_) => ("Int32", 1),
             Self::Counts(_) => ("UInt32", 1),
@@ -258,7 +255,6 @@ impl Field {
                     let vector = pixel.of(film, *field).to_array();
                     bytes.extend(vector.iter().flat_map(|number| number.to_ne_bytes()));
                 }
-                Self::U8(field) => bytes.push(pixel.of(film, *field)),
                 Self::F32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
                 Self::I32(field) => bytes.extend(pixel.of(film, *field).to_ne_bytes()),
                 Self::Bounces => {

@@ -12,7 +12,7 @@ use attribution::AttributionValues;
 pub(super) use rays::of_rays;
 use tiles::TileValues;
 
-use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files};
+use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files, time_notes};
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
 use base::folder::OutputFolder;
 use base::text::numbers::capitalized;
@@ -43,6 +43,9 @@ pub struct StateValues {
     /// True if tiles or renderings are missing.
     #[serde(default)]
     is_partial: bool,
+    /// The limits of the times, if these are shown.
+    #[serde(default)]
+    time_notes: Vec<String>,
     /// Maximum distance of hits that are shown.
     max_distance: f64,
     attribution: AttributionValues,
@@ -96,6 +99,10 @@ impl StateValues {
             schedule: TileValues::new(rendering.schedule, n_labels),
             has_hits: distances.median.is_some(),
             is_partial: rendering.partial.is_some(),
+            time_notes: match survey.shown[0] {
+                Some(metric) if metric.is_timed() => time_notes(rendering),
+                _ => Vec::new(),
+            },
             max_distance: distances.max_shown,
             attribution: AttributionValues::new(rendering),
         }
@@ -113,6 +120,10 @@ impl StateValues {
             schedule: self.schedule.spanning(&other.schedule),
             has_hits: self.has_hits || other.has_hits,
             is_partial: self.is_partial || other.is_partial,
+            time_notes: match &self.time_notes[..] {
+                [] => other.time_notes.clone(),
+                notes => notes.to_vec(),
+            },
             max_distance: self.max_distance.max(other.max_distance),
             attribution: self.attribution.spanning(&other.attribution),
         }
@@ -148,6 +159,10 @@ impl StateValues {
                 return Some("True colors: no ray met anything".into());
             }
             "hits.caption" if self.is_partial => return Some("True colors".into()),
+            "histogram.title" => {
+                let notes = self.time_notes.join("; ");
+                return (!notes.is_empty()).then(|| notes.into());
+            }
             _ => {}
         }
         if let Some(value) = self.camera.value(self.size, key) {

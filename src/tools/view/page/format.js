@@ -4,7 +4,6 @@
 const ARRAYS = {
   ...Object.fromEntries(about.metrics.map(({ name, ...metric }) => [name, { group: "Cost", ...metric }])),
   time_mad_ns: { group: "Cost", label: "Deviation of time", about: "median deviation of the repeats from the time" },
-  n_rejected: { group: "Cost", label: "Dropped times", about: "times of a thread that lost its CPU" },
   tile: { group: "Work", label: "Tile", about: "the tile that the pixel was rendered in" },
   thread: { group: "Work", label: "Thread", about: "the thread that rendered the pixel" },
   distance: { group: "Geometry", label: "Distance", about: "from the camera along its ray" },
