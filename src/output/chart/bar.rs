@@ -18,8 +18,8 @@ pub struct Bar {
     axis: LabeledAxis,
 }
 
-/// More digits than the ticks of the narrowest range need.
-const MAX_LABEL_DIGITS: usize = 6;
+/// Least number of digits of labels, before trailing zeros are removed.
+const MIN_LABEL_DIGITS: usize = 6;
 
 // Distances in ems, the font size of the labels.
 const THICKNESS_EM: f32 = 1.4;
@@ -51,7 +51,8 @@ impl Bar {
         let min_gap = f64::from(pitch_em * em_px / scale_px);
         let ends = [range.low, range.high];
         let ticks = range.scale.ticks(ends, min_gap);
-        let label = |value| unit.label(value, MAX_LABEL_DIGITS);
+        let n_digits = label_digits(&ticks.major);
+        let label = |value| unit.label(value, n_digits);
         Self {
             edge,
             em_px,
@@ -102,5 +103,39 @@ impl Bar {
 
     fn thickness_px(&self) -> f32 {
         px(THICKNESS_EM * self.em_px)
+    }
+}
+
+/// Returns the number of digits that distinguish ascending values, and that round steps between them
+/// need.
+fn label_digits(values: &[f64]) -> usize {
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = steps.fold(f64::INFINITY, f64::min);
+    let size = values
+        .iter()
+        .fold(0.0, |size: f64, value| size.max(value.abs()));
+    ((size / step).log10().ceil() as usize + 2).max(MIN_LABEL_DIGITS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_of_a_narrow_range_differ() {
+        for (values, n_digits) in [
+            (&[0.0, 0.5, 1.0][..], 6),
+            (&[101_325.0, 101_325.005, 101_325.01], 10),
+            (&[1.7e9, 1.7e9 + 20.0], 10),
+            (&[5.0], 6),
+            (&[], 6),
+        ] {
+            assert_eq!(label_digits(values), n_digits, "{values:?}");
+            let labels = values
+                .iter()
+                .map(|value| Unit::named("").label(*value, n_digits));
+            let distinct: std::collections::HashSet<String> = labels.collect();
+            assert_eq!(distinct.len(), values.len(), "{values:?}");
+        }
     }
 }

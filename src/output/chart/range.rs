@@ -91,12 +91,12 @@ impl Range {
 
     /// Returns a range between ascending ends, positive on a logarithmic scale; `clips` is true for
     /// each end that has values beyond it.
-    pub fn between(scale: Scale, [low, high]: [f32; 2], clips: [bool; 2]) -> Self {
+    pub fn between(scale: Scale, [low, high]: [f64; 2], clips: [bool; 2]) -> Self {
         let [n_below, n_above] = clips.map(u64::from);
         Self {
             scale,
-            low: low.into(),
-            high: high.into(),
+            low,
+            high,
             n_below,
             n_above,
             ..Self::spanning(&[])

@@ -31,7 +31,7 @@ pub struct Isosurface {
     component: Option<u32>,
     /// The value, or a list with one per surface.
     #[serde(deserialize_with = "values")]
-    value: Vec<f32>,
+    value: Vec<f64>,
 }
 
 impl Isosurface {
@@ -49,7 +49,7 @@ impl Isosurface {
     }
 }
 
-fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f32>, D::Error> {
+fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f64>, D::Error> {
     match yaml::coordinate_or_list(d, "a value, or a list of values")? {
         OneOrList::One(value) => Ok(vec![value]),
         OneOrList::List(values) => Ok(values),

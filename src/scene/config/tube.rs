@@ -55,7 +55,7 @@ impl TryFrom<TubeKeys> for Tube {
         let spheres = points.into_iter().zip(radii);
         let spheres = spheres.map(|(LinePoint(center), radius)| Sphere {
             center: (center - origin).as_vec3(),
-            radius,
+            radius: radius as f32,
         });
         Tubes::of_line(spheres)
             .map(|tubes| Self(tubes.at(origin)))

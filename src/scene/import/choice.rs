@@ -40,7 +40,7 @@ pub struct IsosurfaceChoice {
     /// The array of points.
     pub array: ArrayChoice,
     /// The value on each surface.
-    pub values: Vec<f32>,
+    pub values: Vec<f64>,
 }
 
 /// The radii of spheres, or of tubes at their points.

@@ -24,10 +24,10 @@ pub struct Mesh {
     /// 0) is the lower left corner of a picture, (1, 1) the upper right one.
     pub uvs: Option<CornerValues<Vec2>>,
     /// The numbers of an array at the corners, if one was read; NaN for missing ones.
-    pub scalars: Option<CornerValues<f32>>,
+    pub scalars: Option<CornerValues<f64>>,
     /// The least, the least positive and the greatest number of the array in the whole data set,
     /// with points and cells that are not on the surface; empty if there is none.
-    pub scalar_ends: Vec<f32>,
+    pub scalar_ends: Vec<f64>,
     /// The colors at the corners, if the file has them for all vertices: linear light, from
     /// 0 to 1.
     pub colors: Option<CornerValues<Vec3>>,
@@ -214,6 +214,16 @@ pub(super) fn finite<const N: usize, T: From<[f32; N]>>(numbers: [f32; N]) -> Re
             format!("a coordinate is {number}"),
             "finite numbers",
         )),
+    }
+}
+
+/// Returns a number of an array, infinite beyond the range of 32 bits: such numbers stand for missing
+/// ones.
+pub(super) fn limited(number: f64) -> f64 {
+    if number.abs() > f32::MAX.into() {
+        f64::INFINITY.copysign(number)
+    } else {
+        number
     }
 }
 

@@ -23,7 +23,7 @@ pub struct InstancePlace {
     /// The direction of the mesh's x axis, of any length; 0 for a mesh that is not rotated.
     pub direction: Vec3,
     /// The number of an array; NaN without one.
-    pub scalar: f32,
+    pub scalar: f64,
 }
 
 /// The arrays at the points of a VTK file that describe the placements of instances.
@@ -136,7 +136,7 @@ impl PlaceColumns {
             position: point(self.numbers(row, 0, 0.0)?)?,
             scale,
             direction: finite(self.numbers(row, 7, 0.0)?)?,
-            scalar: f32::NAN,
+            scalar: f64::NAN,
         })
     }
 

@@ -9,7 +9,7 @@ use csv::{ByteRecord, Position, ReaderBuilder, Trim};
 
 use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
 use super::fault::cut;
-use super::mesh::point;
+use super::mesh::{limited, point};
 use super::table::{missing_column, named_twice, number, of_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
 use crate::geometry::{Located, Sphere, located_points};
@@ -26,7 +26,7 @@ pub struct Spheres {
     /// The color of each sphere: linear light, from 0 to 1; `None` if the file has no colors.
     pub colors: Option<Vec<Vec3>>,
     /// The number of an array for each sphere, if one was read; NaN for missing ones.
-    pub scalars: Option<Vec<f32>>,
+    pub scalars: Option<Vec<f64>>,
 }
 
 impl Spheres {
@@ -166,12 +166,12 @@ impl Columns {
 
     /// Parses the number of a row in the column of numbers: NaN if it is empty, or if there is no
     /// such column.
-    pub(super) fn number(&self, row: &ByteRecord) -> Result<f32> {
+    pub(super) fn number(&self, row: &ByteRecord) -> Result<f64> {
         let word = self.number.map_or("", |column| word(row, column));
         if word.is_empty() {
-            Ok(f32::NAN)
+            Ok(f64::NAN)
         } else {
-            number(word)
+            number(word).map(limited)
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct Tubes {
     segments: Vec<[u32; 2]>,
     /// The numbers of an array at the two ends of each segment, if one was read; NaN for
     /// missing ones.
-    pub scalars: Option<Vec<[f32; 2]>>,
+    pub scalars: Option<Vec<[f64; 2]>>,
     /// The names of the arrays of the file that may give colors, point arrays first.
     pub arrays: Vec<String>,
 }
@@ -47,10 +47,10 @@ impl Tubes {
 
     /// Adds the tube through points with a number each. Leaves out points that are equal to the one
     /// before.
-    pub(super) fn add_line(&mut self, points: impl Iterator<Item = (Sphere, f32)>) -> Result<()> {
-        let mut before: Option<(Sphere, f32)> = None;
+    pub(super) fn add_line(&mut self, points: impl Iterator<Item = (Sphere, f64)>) -> Result<()> {
+        let mut before: Option<(Sphere, f64)> = None;
         for (point, number) in points {
-            let is_same = |(before, _): &(Sphere, f32)| before.center == point.center;
+            let is_same = |(before, _): &(Sphere, f64)| before.center == point.center;
             if before.as_ref().is_some_and(is_same) {
                 continue;
             }
@@ -123,7 +123,7 @@ pub(super) fn read(
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     // For each row: the index of the first point of its line, the center, the radius and the
     // number.
-    let mut points: Vec<(usize, DVec3, f32, f32)> = Vec::new();
+    let mut points: Vec<(usize, DVec3, f32, f64)> = Vec::new();
     let (mut line, mut name) = (0, Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {

@@ -133,7 +133,7 @@ pub enum ArrayRange {
     /// The 1 % and the 99 % quantiles of these numbers, so that a few do not hide the others.
     Quantiles,
     /// Given numbers, ascending.
-    Given([f32; 2]),
+    Given([f64; 2]),
 }
 
 /// How numbers become positions in a color map.
@@ -207,7 +207,7 @@ impl ArrayTexture {
 
     /// Builds the table of colors for the numbers on all surfaces of the material; `transfer` is
     /// the picture's, so that a surface in white light has the colors of the map.
-    pub fn prepare(&mut self, numbers: &[f32], transfer: Transfer) {
+    pub fn prepare(&mut self, numbers: &[f64], transfer: Transfer) {
         let [low, high] = self.ends(numbers);
         let (n_categories, n_bands) = (self.map.n_categories(), self.map.n_bands());
         let n = n_categories.or(n_bands).unwrap_or(N_COLORS);
@@ -228,6 +228,8 @@ impl ArrayTexture {
         };
         self.table = Arc::new(ColorTable {
             ends: [low, high],
+            offset: self.offset([low, high]),
+            is_cyclic: n_categories.is_some() && high - low >= N_EXACT,
             clips: [
                 numbers.iter().any(|number| *number < low),
                 numbers.iter().any(|number| *number > high),
@@ -243,8 +245,19 @@ impl ArrayTexture {
         });
     }
 
+    /// Returns the number that surfaces store as 0, given the ends of the colors: 0 itself where 32 bits
+    /// are precise enough.
+    fn offset(&self, [low, high]: [f64; 2]) -> f64 {
+        let size = low.abs().max(high.abs());
+        match self.map.n_categories() {
+            Some(_) if size >= N_EXACT => low.round(),
+            None if size > MAX_SIZE * (high - low) => low,
+            _ => 0.0,
+        }
+    }
+
     /// Returns the numbers of the first and the last color, in ascending order.
-    fn ends(&self, numbers: &[f32]) -> [f32; 2] {
+    fn ends(&self, numbers: &[f64]) -> [f64; 2] {
         if let ArrayRange::Given(ends) = self.range {
             return ends;
         }
@@ -271,7 +284,7 @@ impl ArrayTexture {
     }
 
     /// Sets the range to span these ends of several lists of numbers, and returns it.
-    pub fn span(&mut self, ends: &[[f32; 2]]) -> [f32; 2] {
+    pub fn span(&mut self, ends: &[[f64; 2]]) -> [f64; 2] {
         self.range = ArrayRange::Data;
         let ends = self.ends(ends.as_flattened());
         self.range = ArrayRange::Given(ends);
@@ -280,25 +293,28 @@ impl ArrayTexture {
 
     /// Returns the least and the greatest of the numbers that have colors, or their quantiles;
     /// `None` if none has a color.
-    pub fn shown_ends(&self, numbers: &[f32]) -> Option<[f32; 2]> {
-        let is_log = self.scale == ArrayScale::Log;
-        let is_shown = |x: &f32| x.is_finite() && (!is_log || *x >= f32::MIN_POSITIVE);
-        let mut shown: Vec<f32> = numbers.iter().copied().filter(is_shown).collect();
-        shown.sort_unstable_by(f32::total_cmp);
+    pub fn shown_ends(&self, numbers: &[f64]) -> Option<[f64; 2]> {
+        let least = match self.scale {
+            ArrayScale::Linear => f64::NEG_INFINITY,
+            ArrayScale::Log => f32::MIN_POSITIVE.into(),
+        };
+        let shown = numbers.iter().copied();
+        let shown = shown.filter(|number| number.is_finite() && *number >= least);
+        if self.range != ArrayRange::Quantiles {
+            return Some([shown.clone().reduce(f64::min)?, shown.reduce(f64::max)?]);
+        }
+        let mut shown: Vec<f64> = shown.collect();
+        shown.sort_unstable_by(f64::total_cmp);
         let at = |share: f64| {
             let index = share * (shown.len().max(1) - 1) as f64;
             shown.get(index.round() as usize).copied()
         };
-        let [low, high] = match self.range {
-            ArrayRange::Quantiles => [0.01, 0.99].map(at),
-            _ => [0.0, 1.0].map(at),
-        };
-        Some([low?, high?])
+        Some([at(0.01)?, at(0.99)?])
     }
 }
 
 /// Returns the least [`MAX_LISTED`] categories among the numbers, in ascending order.
-fn categories(numbers: &[f32]) -> Vec<i64> {
+fn categories(numbers: &[f64]) -> Vec<i64> {
     let mut found = BTreeSet::new();
     for number in numbers.iter().filter(|number| number.is_finite()) {
         if found.insert(category(*number)) && found.len() > MAX_LISTED {
@@ -307,6 +323,11 @@ fn categories(numbers: &[f32]) -> Vec<i64> {
     }
     found.into_iter().collect()
 }
+
+/// Number of successive whole numbers that 32 bits store to less than a half.
+const N_EXACT: f64 = (1 << 23) as f64;
+/// The numbers, in lengths of the range of the colors, up to which 32 bits are precise enough.
+const MAX_SIZE: f64 = 16.0;
 
 /// Number of colors of a gradient: with 1024 the nearest one is within one 8-bit level.
 const N_COLORS: usize = 1024;
@@ -339,8 +360,7 @@ impl<'de> Visitor<'de> for RangeVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ArrayRange, A::Error> {
-        let [low, high] = yaml::range(SeqAccessDeserializer::new(list))?;
-        Ok(ArrayRange::Given([low as f32, high as f32]))
+        yaml::range(SeqAccessDeserializer::new(list)).map(ArrayRange::Given)
     }
 }
 
@@ -349,15 +369,15 @@ mod tests {
     use super::*;
     use math::simd::LookupTable;
 
-    fn prepared(keys: &str, numbers: &[f32]) -> ArrayTexture {
+    fn prepared(keys: &str, numbers: &[f64]) -> ArrayTexture {
         let mut texture: ArrayTexture = yaml::from_str(&format!("{{ name: a{keys} }}")).unwrap();
         texture.prepare(numbers, Transfer::Linear);
         texture
     }
 
     /// Checks that a number has the map's color at this position.
-    fn assert_shows(texture: &ArrayTexture, number: f32, position: f64) {
-        let found = texture.table.values_at([number]);
+    fn assert_shows(texture: &ArrayTexture, number: f64, position: f64) {
+        let found = texture.table.values_at([texture.table.stored(number)]);
         let expected = texture.map.at(position).map(|channel| channel as f32);
         let is_near = |(a, b): (f32, f32)| (a - b).abs() < 0.01;
         let all_near = found.into_iter().zip(expected).all(is_near);
@@ -366,7 +386,7 @@ mod tests {
 
     #[test]
     fn numbers_have_the_colors_of_their_positions() {
-        let numbers = [3.0, f32::NAN, -1.0, f32::INFINITY, 7.0];
+        let numbers = [3.0, f64::NAN, -1.0, f64::INFINITY, 7.0];
         let texture = prepared(", map: viridis, nan_color: [1, 0, 0]", &numbers);
         assert_eq!(texture.table.ends, [-1.0, 7.0]);
         for (number, position) in [
@@ -378,8 +398,8 @@ mod tests {
         ] {
             assert_shows(&texture, number, position);
         }
-        assert_shows(&texture, f32::INFINITY, 1.0);
-        assert_shows(&texture, f32::NEG_INFINITY, 0.0);
+        assert_shows(&texture, f64::INFINITY, 1.0);
+        assert_shows(&texture, f64::NEG_INFINITY, 0.0);
         assert_eq!(texture.table.values_at([f32::NAN]), [1.0, 0.0, 0.0]);
         let given = prepared(", range: [0, 4]", &numbers);
         assert_eq!(
@@ -405,7 +425,7 @@ mod tests {
 
     #[test]
     fn quantiles_leave_out_the_extremes() {
-        let mut numbers: Vec<f32> = (0..1000).map(|i| i as f32).collect();
+        let mut numbers: Vec<f64> = (0..1000).map(f64::from).collect();
         numbers.extend([1e9, -1e9]);
         let [low, high] = prepared(", range: quantiles", &numbers).table.ends;
         assert!(
@@ -443,7 +463,7 @@ mod tests {
 
     #[test]
     fn a_color_bar_lists_the_categories_of_the_data() {
-        let numbers = [3.2, -1.0, 2.7, f32::NAN, f32::INFINITY, 7.0, -0.2];
+        let numbers = [3.2, -1.0, 2.7, f64::NAN, f64::INFINITY, 7.0, -0.2];
         let texture = prepared(", map: set1, bar: rank", &numbers);
         assert_eq!(texture.table.categories, [-1, 0, 3, 7]);
         assert!(
@@ -452,7 +472,7 @@ mod tests {
                 .categories
                 .is_empty()
         );
-        let many: Vec<f32> = (0..1000).rev().map(|i| i as f32).collect();
+        let many: Vec<f64> = (0..1000).rev().map(f64::from).collect();
         let table = &prepared(", map: set1, bar: rank", &many).table;
         let listed = table.categories.iter().copied();
         assert!(listed.eq(0..MAX_LISTED as i64));
@@ -465,14 +485,87 @@ mod tests {
                 &[][..],
                 &[5.0],
                 &[5.0; 3],
-                &[f32::NAN],
+                &[f64::NAN],
                 &[-1.0],
-                &[f32::MAX; 2],
+                &[f32::MAX.into(); 2],
             ] {
                 let [low, high] = prepared(&format!(", scale: {scale}"), numbers).table.ends;
                 assert!(low < high, "{scale} {numbers:?}: {low} {high}");
             }
         }
         assert_shows(&prepared("", &[5.0]), 5.0, 0.5);
+    }
+
+    /// Pressures, seconds since 1970, Julian dates: the offset is more than a million times the range.
+    #[test]
+    fn a_large_offset_changes_no_color() {
+        let numbers: Vec<f64> = (0..=1000).map(|i| f64::from(i) / 1000.0).collect();
+        for keys in [
+            "",
+            ", range: quantiles",
+            ", scale: log",
+            ", map: { bands: [0, 0.5, 1] }",
+        ] {
+            for (offset, span) in [
+                (101_325.0, 0.02),
+                (1.7e9, 60.0),
+                (-2.4603105e6, 1.0),
+                (3e14, 1000.0),
+            ] {
+                if offset < 0.0 && keys.contains("log") {
+                    continue;
+                }
+                let far: Vec<f64> = numbers
+                    .iter()
+                    .map(|number| offset + span * number)
+                    .collect();
+                let [near_table, far_table] = [(&numbers, ", range: [0, 1]"), (&far, keys)]
+                    .map(|(numbers, keys)| prepared(keys, numbers).table);
+                if keys.is_empty() {
+                    for (near, far) in numbers.iter().zip(&far) {
+                        let near = near_table.values_at([near_table.stored(*near)]);
+                        let far = far_table.values_at([far_table.stored(*far)]);
+                        let is_near = |(a, b): (&f32, &f32)| (a - b).abs() < 0.01;
+                        assert!(near.iter().zip(&far).all(is_near), "{near:?} {far:?}");
+                    }
+                }
+                let mut colors: Vec<_> = far
+                    .iter()
+                    .map(|number| {
+                        far_table
+                            .values_at([far_table.stored(*number)])
+                            .map(f32::to_bits)
+                    })
+                    .collect();
+                colors.dedup();
+                let n = if keys.contains("bands") { 3 } else { 250 };
+                assert!(colors.len() >= n, "{keys} {offset}: {}", colors.len());
+            }
+        }
+    }
+
+    #[test]
+    fn large_identifiers_keep_their_colors() {
+        let first = 9_007_199_254_740_000.0;
+        for numbers in [
+            vec![20_000_000.0, 20_000_001.0, 20_000_003.0],
+            vec![0.0, 1.0, 20_000_001.0, 1e12 + 5.0, -7e12],
+            vec![first, first + 1.0, first + 2.0],
+        ] {
+            let table = prepared(", map: set1, bar: id", &numbers).table;
+            let n = table.colors.len() as i64;
+            for number in numbers.iter().copied() {
+                let expected = table.colors[(number as i64).rem_euclid(n) as usize];
+                assert_eq!(
+                    table.values_at([table.stored(number)]),
+                    expected,
+                    "{number}"
+                );
+            }
+            let mut sorted: Vec<i64> = numbers.iter().map(|number| *number as i64).collect();
+            sorted.sort_unstable();
+            assert_eq!(table.categories, sorted);
+            assert_eq!(table.values_at([table.stored(f64::NAN)]), table.nan_color);
+        }
     }
 }

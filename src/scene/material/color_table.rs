@@ -9,12 +9,17 @@ pub const MAX_LISTED: usize = 256;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ColorTable {
     /// The numbers of the first and the last color.
-    pub ends: [f32; 2],
+    pub ends: [f64; 2],
     /// True if there are numbers below the first, and above the last.
     pub clips: [bool; 2],
     /// The categories among the numbers in ascending order, at most 256 of them; empty unless a
     /// color bar lists them.
     pub categories: Vec<i64>,
+    /// The number that surfaces store as 0: their 32 bits then distinguish numbers that differ little.
+    pub(super) offset: f64,
+    /// True if surfaces store categories modulo the number of colors, since the offset does not
+    /// suffice.
+    pub(super) is_cyclic: bool,
     pub(super) is_log: bool,
     pub(super) choice: ColorChoice,
     /// Linear light.
@@ -41,8 +46,9 @@ impl LookupTable<1, 3> for ColorTable {
             return self.nan_color;
         }
         let n = self.colors.len();
+        let number = f64::from(number) + self.offset;
         // The casts saturate.
-        let position = || self.position(number.into());
+        let position = || self.position(number);
         let index = match self.choice {
             ColorChoice::Nearest => (position() * n.saturating_sub(1) as f64 + 0.5) as usize,
             ColorChoice::Band => (position() * n as f64) as usize,
@@ -54,15 +60,25 @@ impl LookupTable<1, 3> for ColorTable {
 }
 
 /// Returns the category of a number: the whole number nearest to it.
-pub(super) fn category(number: f32) -> i64 {
+pub(super) fn category(number: f64) -> i64 {
     // The cast saturates.
     number.round() as i64
 }
 
 impl ColorTable {
+    /// Converts a number of an array to the number that surfaces store.
+    pub fn stored(&self, number: f64) -> f32 {
+        if self.is_cyclic && !number.is_nan() {
+            let from_offset = category(number).saturating_sub(category(self.offset));
+            from_offset.rem_euclid(self.colors.len() as i64) as f32
+        } else {
+            (number - self.offset) as f32
+        }
+    }
+
     /// Returns the position of a number between the ends; from 0 to 1 if it is between them.
     fn position(&self, number: f64) -> f64 {
-        let [low, high] = self.ends.map(f64::from);
+        let [low, high] = self.ends;
         if self.is_log {
             let number = number.max(f64::MIN_POSITIVE);
             libm::log(number / low) / libm::log(high / low)

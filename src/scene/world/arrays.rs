@@ -46,7 +46,7 @@ pub(super) fn choice<'a>(
 pub(super) fn prepare<'a>(
     config: &Config,
     places: &[usize],
-    numbers_of: impl Fn(usize, &ArrayTexture) -> Option<Cow<'a, [f32]>>,
+    numbers_of: impl Fn(usize, &ArrayTexture) -> Option<Cow<'a, [f64]>>,
     materials: &mut [Material],
 ) -> Result<(), Fault> {
     let transfer = config.film.transfer(config.shading.model);

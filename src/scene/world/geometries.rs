@@ -54,7 +54,7 @@ pub(super) struct MeshInstances {
     /// The maps from the coordinates of the mesh to the object's, one per instance: at least one.
     pub(super) places: Arc<[DAffine3]>,
     /// The number of an array for each instance, if one was read; NaN for missing ones.
-    pub(super) scalars: Option<Arc<[f32]>>,
+    pub(super) scalars: Option<Arc<[f64]>>,
 }
 
 impl ObjectGeometry {
@@ -91,7 +91,7 @@ impl ObjectGeometry {
     }
 
     /// Returns the numbers of an array if one was read.
-    pub(super) fn scalars(&self) -> Option<&[f32]> {
+    pub(super) fn scalars(&self) -> Option<&[f64]> {
         match self {
             Self::Mesh(mesh) => mesh.scalars.as_ref().map(|scalars| &scalars.values[..]),
             Self::Instances(placed) => match &placed.scalars {
@@ -106,7 +106,7 @@ impl ObjectGeometry {
 
     /// Returns the numbers of an array that a texture's range comes from: those of the surface,
     /// and the ends of the whole data set for its range; `None` if no array was read.
-    pub(super) fn numbers_for(&self, texture: &ArrayTexture) -> Option<Cow<'_, [f32]>> {
+    pub(super) fn numbers_for(&self, texture: &ArrayTexture) -> Option<Cow<'_, [f64]>> {
         let numbers = self.scalars()?;
         match self {
             Self::Mesh(mesh) if texture.spans_data() && !mesh.scalar_ends.is_empty() => {
@@ -356,7 +356,7 @@ fn read_instances<F: Folders + ?Sized>(
     if scalars.is_some() {
         // Each triangle has the number of its instance.
         mesh.scalars = Some(CornerValues {
-            values: vec![f32::NAN],
+            values: vec![f64::NAN],
             triangles: vec![[0; 3]; mesh.triangles.len()],
         });
     }
@@ -368,7 +368,7 @@ fn read_instances<F: Folders + ?Sized>(
 }
 
 /// The places of instances, and the numbers of an array for them, if there is one.
-type PlacesAndScalars = (Arc<[DAffine3]>, Option<Arc<[f32]>>);
+type PlacesAndScalars = (Arc<[DAffine3]>, Option<Arc<[f64]>>);
 
 /// Reads the places of instances; `path` leads to the instances.
 fn read_places<F: Folders + ?Sized>(

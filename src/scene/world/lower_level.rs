@@ -74,7 +74,8 @@ impl LowerLevel {
             self.instances
                 .scalars
                 .resize(first_instance.0 as usize, f32::NAN);
-            self.instances.scalars.extend_from_slice(scalars);
+            let stored = scalars.iter().map(|number| placement.stored(0, *number));
+            self.instances.scalars.extend(stored);
         }
         let end = self.triangles.len() as u32;
         self.instances.meshes.push(InstancedTriangles {

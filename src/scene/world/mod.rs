@@ -211,7 +211,15 @@ impl Scene {
             };
             let first = self.primitives.len() as u32;
             let id = ObjectId(index as u32);
-            let placement = Placement::new(object, id, &materials, needs, &path, &space);
+            let placement = Placement::new(
+                object,
+                id,
+                &materials,
+                &self.materials,
+                needs,
+                &path,
+                &space,
+            );
             if let ObjectGeometry::Instances(placed) = geometry {
                 let added = lower_level.add(&placement, *placed, &mut self.n_degenerate)?;
                 self.attributes.push(added);

@@ -8,6 +8,7 @@ use super::primitive::{MaterialId, ObjectId, Primitive};
 use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
 use crate::geometry::{Located, RenderSpace, Shape, Transform, world_from_object};
 use crate::import::{CornerValues, Mesh, Spheres};
+use crate::material::Material;
 use crate::yaml::{Fault, FieldPath};
 use base::stop;
 
@@ -18,6 +19,7 @@ pub(super) struct Placement<'a> {
     id: ObjectId,
     /// The materials, at least one.
     materials: &'a [MaterialId],
+    all_materials: &'a [Material],
     needs: Needs,
     /// The map from the object to the space of its primitives.
     render_from_object: DAffine3,
@@ -39,6 +41,7 @@ impl<'a> Placement<'a> {
         object: &'a Object,
         id: ObjectId,
         materials: &'a [MaterialId],
+        all_materials: &'a [Material],
         needs: Needs,
         path: &'a FieldPath,
         space: &RenderSpace,
@@ -47,6 +50,7 @@ impl<'a> Placement<'a> {
             object,
             id,
             materials,
+            all_materials,
             needs,
             render_from_object: space.render_from_world() * world_from_object(&object.transform),
             path,
@@ -65,6 +69,13 @@ impl<'a> Placement<'a> {
             ..*self
         };
         (in_object_space, self.render_from_object)
+    }
+
+    /// Returns the number that surfaces with the material of this index store for one of an array.
+    pub(super) fn stored(&self, material: usize, number: f64) -> f32 {
+        let MaterialId(material) = self.materials[material];
+        let texture = self.all_materials[material as usize].color.array();
+        texture.map_or(number as f32, |texture| texture.table.stored(number))
     }
 
     /// Returns the transform of a geometry whose coordinates are relative to `origin`.
@@ -132,16 +143,24 @@ impl<'a> Placement<'a> {
                     self.add(Shape::Sphere(sphere), material, &transform, primitives)?;
                 }
                 let colors = colors.map(Attributes::Colors);
-                return Ok(colors
-                    .or(scalars.map(Attributes::Scalars))
-                    .unwrap_or_default());
+                let n = self.materials.len();
+                let stored = |(i, number): (usize, f64)| self.stored(i % n, number);
+                let scalars = scalars.map(|numbers| {
+                    let numbered = numbers.into_iter().enumerate();
+                    Attributes::Scalars(numbered.map(stored).collect())
+                });
+                return Ok(colors.or(scalars).unwrap_or_default());
             }
             ObjectGeometry::Tubes(tubes) => {
                 let transform = self.transform(tubes.origin)?;
                 for capsule in tubes.capsules() {
                     self.add(Shape::Capsule(capsule), 0, &transform, primitives)?;
                 }
-                return Ok(tubes.scalars.map(Attributes::Ends).unwrap_or_default());
+                let ends = tubes.scalars.map(|ends| {
+                    let stored = |ends: [f64; 2]| ends.map(|number| self.stored(0, number));
+                    Attributes::Ends(ends.into_iter().map(stored).collect())
+                });
+                return Ok(ends.unwrap_or_default());
             }
             ObjectGeometry::Mesh(mesh) => return self.add_mesh(*mesh, primitives, n_degenerate),
             // Instances are not primitives in world space: see `LowerLevel`.
@@ -192,8 +211,12 @@ impl<'a> Placement<'a> {
                 ..uvs
             }),
             scalars: scalars.map(|scalars| CornerValues {
+                values: scalars
+                    .values
+                    .into_iter()
+                    .map(|number| self.stored(0, number))
+                    .collect(),
                 triangles: kept_corners(scalars.triangles),
-                ..scalars
             }),
             colors: colors
                 .filter(|_| self.needs.colors)

@@ -18,7 +18,7 @@ pub struct Timeline {
     /// The data series by the index of their object.
     series: Vec<(usize, DataSeries)>,
     /// The range of the colors over all time steps, by the index of the material.
-    ranges: Vec<(usize, [f32; 2])>,
+    ranges: Vec<(usize, [f64; 2])>,
 }
 
 /// A frame of a scene.

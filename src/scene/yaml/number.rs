@@ -127,9 +127,9 @@ pub fn unsigned<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 #[derive(Debug, Clone, PartialEq)]
 pub enum OneOrList {
     /// A number.
-    One(f32),
+    One(f64),
     /// A list.
-    List(Vec<f32>),
+    List(Vec<f64>),
 }
 
 /// Reads a coordinate, or a list of them; the text describes both in messages.
@@ -375,7 +375,7 @@ impl<'de> Visitor<'de> for OneOrListVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<OneOrList, A::Error> {
         let mut values = Vec::new();
-        while let Some(value) = list.next_element_seed(self.0)? {
+        while let Some(value) = list.next_element_seed(Exactly(self.0))? {
             values.push(value);
         }
         if values.is_empty() {
@@ -385,8 +385,7 @@ impl<'de> Visitor<'de> for OneOrListVisitor {
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<OneOrList, E> {
-        let found = Exactly(self.0).visit_f64(found)?;
-        Ok(OneOrList::One(found as f32))
+        Exactly(self.0).visit_f64(found).map(OneOrList::One)
     }
 
     integers_as_f64!();

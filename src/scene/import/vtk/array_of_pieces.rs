@@ -18,10 +18,10 @@ impl ArrayOfPieces {
         &mut self,
         piece: &Piece,
         choice: &ArrayChoice,
-    ) -> Result<(ArrayOf, Vec<f32>)> {
+    ) -> Result<(ArrayOf, Vec<f64>)> {
         if let Err(fault) = piece.chosen(choice) {
             self.unknown.get_or_insert(fault);
-            return Ok((ArrayOf::Points, vec![f32::NAN; piece.n_points()]));
+            return Ok((ArrayOf::Points, vec![f64::NAN; piece.n_points()]));
         }
         self.is_found = true;
         piece.scalars(choice)

@@ -27,7 +27,7 @@ pub(super) fn add(
         tubes.arrays = piece.color_arrays();
     }
     // Find the radii and the numbers at the points.
-    budget.take_of::<f32>(piece.n_points())?;
+    budget.take_of::<[f64; 2]>(piece.n_points())?;
     let radii = Radii::read(piece, radius)?;
     if tubes.is_empty() {
         tubes.origin = piece.origin();

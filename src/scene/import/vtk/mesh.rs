@@ -21,7 +21,7 @@ pub(super) struct Pieces<'a> {
     has_uvs: bool,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
-    scalars: CornerValues<f32>,
+    scalars: CornerValues<f64>,
     colors: CornerValues<Vec3>,
 }
 
@@ -157,23 +157,23 @@ impl<'a> Pieces<'a> {
 
 /// Returns the least, the least positive and the greatest of the finite numbers of a piece, without
 /// those of hidden points or cells and of copies of other pieces'.
-fn shown_ends(piece: &Piece, of: ArrayOf, values: &[f32]) -> impl Iterator<Item = f32> {
+fn shown_ends(piece: &Piece, of: ArrayOf, values: &[f64]) -> impl Iterator<Item = f64> {
     let ghosts = match of {
         ArrayOf::Points => piece.point_data.get(GHOSTS),
         ArrayOf::Cells => piece.cell_data.get(GHOSTS),
     };
-    let is_shown = |(i, value): &(usize, f32)| {
+    let is_shown = |(i, value): &(usize, f64)| {
         value.is_finite() && ghosts.is_none_or(|ghosts| ghosts.at(*i) == 0.0)
     };
     let shown = || {
         let numbered = values.iter().copied().enumerate().filter(is_shown);
         numbered.map(|(_, value)| value)
     };
-    let positive = shown().filter(|value| *value >= f32::MIN_POSITIVE);
+    let positive = shown().filter(|value| *value >= f32::MIN_POSITIVE.into());
     let ends = [
-        shown().reduce(f32::min),
-        positive.reduce(f32::min),
-        shown().reduce(f32::max),
+        shown().reduce(f64::min),
+        positive.reduce(f64::min),
+        shown().reduce(f64::max),
     ];
     ends.into_iter().flatten()
 }

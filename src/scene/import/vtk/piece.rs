@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::super::fault::cut;
-use super::super::mesh::{self, light};
+use super::super::mesh::{self, light, limited};
 use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
@@ -167,20 +167,20 @@ impl Piece {
     ///
     /// # Errors
     /// The array or the component is missing.
-    pub(super) fn scalars(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<f32>)> {
+    pub(super) fn scalars(&self, choice: &ArrayChoice) -> Result<(ArrayOf, Vec<f64>)> {
         let (of, numbers) = self.chosen(choice)?;
         let n = numbers.n_components;
         let tuples = (0..numbers.len()).step_by(n);
         let magnitude = |first: usize| {
             let squares = (first..first + n).map(|i| numbers.at(i) * numbers.at(i));
-            squares.sum::<f64>().sqrt() as f32
+            limited(squares.sum::<f64>().sqrt())
         };
         Ok(match choice.component {
-            None if n == 1 => (of, tuples.map(|i| numbers.at(i) as f32).collect()),
+            None if n == 1 => (of, numbers.iter().map(limited).collect()),
             None => (of, tuples.map(magnitude).collect()),
             Some(component) if component < n => (
                 of,
-                tuples.map(|i| numbers.at(i + component) as f32).collect(),
+                tuples.map(|i| limited(numbers.at(i + component))).collect(),
             ),
             Some(component) => {
                 let problem = format!("`{}` has no component {component}", cut(&choice.name));

@@ -20,9 +20,9 @@ pub(super) fn add(
     budget: &mut Budget,
 ) -> Result<()> {
     let n = piece.n_points();
-    budget.take_of::<[f32; 40]>(n)?;
+    budget.take_of::<[f32; 48]>(n)?;
     // Find the numbers, scales and directions at the points.
-    let numbers = |array: Option<&ArrayChoice>| -> Result<Option<Vec<f32>>> {
+    let numbers = |array: Option<&ArrayChoice>| -> Result<Option<Vec<f64>>> {
         array.map(|array| of_points(piece, array)).transpose()
     };
     let (scalars, scales) = (numbers(arrays.color)?, numbers(arrays.scale)?);
@@ -40,12 +40,12 @@ pub(super) fn add(
         let position = piece.position(point);
         let direction = directions
             .as_ref()
-            .map(|of| of.each_ref().map(|of| of[point]));
+            .map(|of| of.each_ref().map(|of| of[point] as f32));
         places.push(InstancePlace {
             position: position.map_err(|fault| fault.at(at_point(point)))?,
-            scale: Vec3::splat(scales.as_ref().map_or(1.0, |scales| scales[point])),
+            scale: Vec3::splat(scales.as_ref().map_or(1.0, |scales| scales[point] as f32)),
             direction: direction.map_or(Vec3::ZERO, Vec3::from),
-            scalar: scalars.as_ref().map_or(f32::NAN, |scalars| scalars[point]),
+            scalar: scalars.as_ref().map_or(f64::NAN, |scalars| scalars[point]),
         });
     }
     Ok(())

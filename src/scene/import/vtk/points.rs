@@ -58,7 +58,7 @@ pub(super) fn add(
 
 /// The radii at the points of a piece.
 pub(super) struct Radii {
-    of_points: Option<Vec<f32>>,
+    of_points: Option<Vec<f64>>,
     factor: f32,
 }
 
@@ -85,7 +85,10 @@ impl Radii {
     /// # Errors
     /// The radius is not a number greater than 0.
     pub(super) fn at(&self, point: usize) -> Result<f32> {
-        let number = self.of_points.as_ref().map_or(1.0, |radii| radii[point]);
+        let number = self
+            .of_points
+            .as_ref()
+            .map_or(1.0, |radii| radii[point] as f32);
         let radius = self.factor * number;
         if radius.is_finite() && radius > 0.0 {
             return Ok(radius);
@@ -101,7 +104,7 @@ pub(super) fn at_point(point: usize) -> FileLocation {
 }
 
 /// Returns the numbers of an array at the points of a piece.
-pub(super) fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f32>> {
+pub(super) fn of_points(piece: &Piece, array: &ArrayChoice) -> Result<Vec<f64>> {
     piece.scalars(&at_points(array)?).map(|(_, values)| values)
 }
 

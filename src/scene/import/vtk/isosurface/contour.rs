@@ -17,10 +17,10 @@ use base::stop;
 /// The isosurface of one value in a piece.
 pub(super) struct Contour<'a, 'b> {
     pub(super) piece: &'a Piece,
-    pub(super) values: &'a [f32],
-    pub(super) level: f32,
+    pub(super) values: &'a [f64],
+    pub(super) level: f64,
     /// The numbers that give colors.
-    pub(super) colors: Option<(ArrayOf, &'a [f32])>,
+    pub(super) colors: Option<(ArrayOf, &'a [f64])>,
     /// The vertices by the ends of their edges, the lower number first; both are equal for a vertex
     /// at a point.
     pub(super) vertices: HashMap<[u32; 2], u32>,
@@ -175,11 +175,11 @@ impl Contour<'_, '_> {
         self.budget.take_of::<[f32; 32]>(1)?;
         let [a, b] = edge.map(|point| point as usize);
         let [from, to] = [self.position(edge[0])?, self.position(edge[1])?];
-        let [at_a, at_b] = [a, b].map(|point| f64::from(self.values[point]));
+        let [at_a, at_b] = [a, b].map(|point| self.values[point]);
         let t = if is_at_point {
             0.0
         } else {
-            (f64::from(self.level) - at_a) / (at_b - at_a)
+            (self.level - at_a) / (at_b - at_a)
         };
         // Interpolate the gradient, along whose descent the normal points.
         let normal = match &self.piece.topology {
@@ -202,14 +202,14 @@ impl Contour<'_, '_> {
         all.mesh.vertices.push(from_origin.as_vec3());
         all.normals.push(normal);
         if let Some((ArrayOf::Points, colors)) = self.colors {
-            let [at_a, at_b] = [a, b].map(|point| f64::from(colors[point]));
+            let [at_a, at_b] = [a, b].map(|point| colors[point]);
             // Not a sum with a weight of 0, which may multiply infinity or NaN.
             let color = if t == 0.0 {
                 at_a
             } else {
                 at_a + t * (at_b - at_a)
             };
-            all.scalars.values.push(color as f32);
+            all.scalars.values.push(color);
         }
         self.vertices.insert(edge, vertex);
         Ok(vertex)

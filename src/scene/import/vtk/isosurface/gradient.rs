@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::super::piece::{Piece, grid_index};
 
 /// Returns the gradient of values at a point of a grid, by differences between its neighbors.
-pub(super) fn gradient(piece: &Piece, values: &[f32], size: [usize; 3], point: usize) -> DVec3 {
+pub(super) fn gradient(piece: &Piece, values: &[f64], size: [usize; 3], point: usize) -> DVec3 {
     let at = grid_index(size, point);
     let strides = [1, size[0], size[0] * size[1]];
     let (mut ways, mut steps) = ([DVec3::ZERO; 3], DVec3::ZERO);
@@ -23,7 +23,7 @@ pub(super) fn gradient(piece: &Piece, values: &[f32], size: [usize; 3], point: u
         };
         let place = |point| piece.position(point).unwrap_or(DVec3::NAN);
         ways[axis] = place(behind) - place(before);
-        let [low, high] = [before, behind].map(|point| f64::from(values[point]));
+        let [low, high] = [before, behind].map(|point| values[point]);
         steps[axis] = high - low;
     }
     // The scalar products of the gradient with these vectors are the differences.

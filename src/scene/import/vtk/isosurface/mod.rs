@@ -33,11 +33,11 @@ pub(super) struct Isosurfaces<'a> {
     normals: Vec<Vec3>,
     /// True if all pieces are grids, which have gradients.
     has_normals: bool,
-    scalars: CornerValues<f32>,
+    scalars: CornerValues<f64>,
     /// The polygons in polyhedra, which need not be convex.
     polygons: Polygons,
     /// The least and the greatest number of the array.
-    range: [f32; 2],
+    range: [f64; 2],
 }
 
 impl<'a> Isosurfaces<'a> {
@@ -50,7 +50,7 @@ impl<'a> Isosurfaces<'a> {
             has_normals: true,
             scalars: CornerValues::default(),
             polygons: Polygons::default(),
-            range: [f32::INFINITY, f32::NEG_INFINITY],
+            range: [f64::INFINITY, f64::NEG_INFINITY],
         }
     }
 
@@ -60,7 +60,7 @@ impl<'a> Isosurfaces<'a> {
     /// An array is missing, positions are not finite, cells have unknown types, or there are too
     /// many triangles for the memory.
     pub(super) fn add(&mut self, piece: &Piece, budget: &mut Budget) -> Result<()> {
-        budget.take_of::<[f32; 2]>(piece.n_points() + piece.n_cells())?;
+        budget.take_of::<[f64; 2]>(piece.n_points() + piece.n_cells())?;
         let (_, values) = piece.scalars(&self.choice.array)?;
         let colors = self.array.map(|array| piece.scalars(array)).transpose()?;
         self.has_normals &= matches!(piece.topology, Topology::Grid(_));
@@ -113,14 +113,25 @@ impl<'a> Isosurfaces<'a> {
 }
 
 /// Creates the fault of values that the array does not reach within any solid cell.
-fn nowhere(choice: &IsosurfaceChoice, [low, high]: [f32; 2]) -> FileFault {
-    let values: Vec<String> = choice.values.iter().map(f32::to_string).collect();
+fn nowhere(choice: &IsosurfaceChoice, [low, high]: [f64; 2]) -> FileFault {
+    let values: Vec<String> = choice.values.iter().map(f64::to_string).collect();
     let (name, values) = (&choice.array.name, super::super::listed(&values));
     let problem = format!("`{name}` is nowhere {values} in a solid cell");
     let expected = if low < high {
+        let [low, high] = [low, high].map(shortest);
         format!("a value between {low} and {high}, in a grid or other cells with a volume")
     } else {
         "cells with a volume, and an array that varies".to_owned()
     };
     FileFault::new(problem, expected)
+}
+
+/// Formats a number with as many digits as its type needs, often 32 bits.
+fn shortest(number: f64) -> String {
+    let single = number as f32;
+    if f64::from(single) == number {
+        single.to_string()
+    } else {
+        number.to_string()
+    }
 }
