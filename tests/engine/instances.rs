@@ -364,7 +364,11 @@ fn points_of_a_vtk_file_scale_turn_and_color() {
     let numbers = |name: &str, component| {
         let array = ArrayChoice::of_points(name, component);
         let points = import::read_points(&path, &RadiusChoice::Same(1.0), Some(&array)).unwrap();
-        (points.spheres, points.scalars.unwrap())
+        let numbers = points.scalars.unwrap().into_iter();
+        (
+            points.spheres,
+            numbers.map(|number| number as f32).collect::<Vec<f32>>(),
+        )
     };
     let (points, heights) = numbers("height of it", None);
     let [x, y, z] = [0, 1, 2].map(|component| numbers("speed", Some(component)).1);

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use exr::prelude::{Image, SpecificChannels, Vec2 as Place, WritableImage};
 use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageFormat};
 use proptest::prelude::*;
@@ -84,6 +85,45 @@ fn light(number: f32) -> f32 {
     match number {
         n if n <= 0.04045 => n / 12.92,
         n => ((n + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+/// As ImageMagick and OpenCV write them.
+#[test]
+fn radiance_pictures_have_either_signature() {
+    let rgb = image::Rgb32FImage::from_raw(SIZE[0], SIZE[1], numbers(3)).unwrap();
+    let bytes = encoded(&rgb.into(), ImageFormat::Hdr);
+    let rest = bytes.strip_prefix(b"#?RADIANCE").unwrap();
+    let other = [b"#?RGBE", rest].concat();
+    assert_eq!(read(&other, None).unwrap(), read(&bytes, None).unwrap());
+}
+
+#[test]
+fn a_luminance_of_openexr_is_gray() {
+    let value = |at: Place<usize>| (at.0 as f32 + 0.25 * at.1 as f32, 0.5_f32);
+    let gray = SpecificChannels::build()
+        .with_channel("Y")
+        .with_pixel_fn(move |at| (value(at).0,));
+    let with_opacity = SpecificChannels::build()
+        .with_channel("Y")
+        .with_channel("A");
+    let with_opacity = with_opacity.with_pixel_fn(value);
+    let size = (SIZE[0] as usize, SIZE[1] as usize);
+    let mut files = [(); 2].map(|()| std::io::Cursor::new(Vec::new()));
+    Image::from_channels(size, gray)
+        .write()
+        .to_buffered(&mut files[0])
+        .unwrap();
+    Image::from_channels(size, with_opacity)
+        .write()
+        .to_buffered(&mut files[1])
+        .unwrap();
+    for (file, opacity) in files.into_iter().zip([1.0, 0.5]) {
+        let picture = read(&file.into_inner(), None).unwrap();
+        for (column, row) in [(0, 0), (6, 0), (0, 4), (3, 2)] {
+            let gray = column as f32 + 0.25 * row as f32;
+            assert_eq!(texel(&picture, column, row), [gray, gray, gray, opacity]);
+        }
     }
 }
 

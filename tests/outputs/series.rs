@@ -575,6 +575,41 @@ fn time_steps_are_frames_with_their_times_and_one_range_of_colors() {
     }
 }
 
+/// As ParaView does: files of one time together, without a time at 0, in the order of their times.
+#[test]
+fn parts_of_a_time_step_are_shown_together() {
+    let scene = series("p000.vtk");
+    let text = POINTS.replace("name: speed", "name: speed, range: [0, 4]");
+    let stills = ["p000.vtk", "p010.vtk"].map(|file| {
+        scene.write(&text.replace("SERIES", file));
+        scene.render(&["--quiet", "--out=still"]);
+        pixels(&scene.path("still"))
+    });
+    for (name, x, number) in [("a", -0.6, 0), ("b", 0.6, 0), ("c", -0.6, 1), ("d", 0.6, 4)] {
+        let part = format!(
+            "# vtk DataFile Version 3.0\npart\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n{x} 0.5 0\n\
+             POINT_DATA 1\nSCALARS speed float 1\nLOOKUP_TABLE default\n{number}\n"
+        );
+        fs::write(scene.path(&format!("{name}.vtk")), part).unwrap();
+    }
+    let list = "<VTKFile><Collection><DataSet timestep='7' part='0' file='c.vtk'/><DataSet file='a.vtk'/>\
+                <DataSet timestep='7' part='1' file='d.vtk'/><DataSet timestep='0' file='b.vtk'/>\
+                </Collection></VTKFile>";
+    fs::write(scene.path("parts.pvd"), list).unwrap();
+    scene.write(&text.replace("SERIES", "parts.pvd"));
+    scene.render(&["--quiet"]);
+    let out = scene.path("out/scene");
+    let found = [0, 1].map(|number| pixels(&frame(&out, number)));
+    assert!(found == stills);
+    // One step of them is a still.
+    scene.write(&text.replace("SERIES", "parts.pvd, step: 1"));
+    scene.render(&["--quiet", "--out=still"]);
+    assert!(pixels(&scene.path("still")) == stills[1]);
+    scene.write(&text.replace("SERIES", "parts.pvd, step: 2"));
+    let message = scene.refused(&[]);
+    assert!(message.contains("it has no time step 2"), "{message}");
+}
+
 #[test]
 #[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn broken_series_are_refused_with_file_and_place() {
@@ -623,12 +658,8 @@ fn broken_series_are_refused_with_file_and_place() {
             "nan",
         ),
         (
-            "<VTKFile><Collection><DataSet timestep=\"2\" file=\"p000.vtk\"/><DataSet timestep=\"1\" file=\"p010.vtk\"/></Collection></VTKFile>",
-            "is 1, after 2",
-        ),
-        (
-            "<VTKFile><Collection><DataSet timestep=\"2\" file=\"p000.vtk\"/><DataSet timestep=\"2\" file=\"p010.vtk\"/></Collection></VTKFile>",
-            "several parts",
+            "<VTKFile><Collection><DataSet timestep=\"2\" file=\"p000.vtk\"/><DataSet timestep=\"2\" file=\"none.vtk\"/></Collection></VTKFile>",
+            "its time step `none.vtk` is missing",
         ),
         ("<VTKFile><Collection>", "it ends early"),
         ("", "not a collection"),

@@ -36,7 +36,7 @@ fn spheres_of(path: &Path, step: Option<usize>, name: &str) -> Spheres {
 }
 
 /// The numbers of a mesh by their bits, those that are no number included.
-fn bits(mesh: &Mesh) -> (Vec<u32>, Vec<[u32; 3]>, Vec<u32>) {
+fn bits(mesh: &Mesh) -> (Vec<u32>, Vec<[u32; 3]>, Vec<u64>) {
     let positions = mesh.vertices.iter().flat_map(|vertex| vertex.to_array());
     let scalars = mesh
         .scalars
@@ -45,7 +45,7 @@ fn bits(mesh: &Mesh) -> (Vec<u32>, Vec<[u32; 3]>, Vec<u32>) {
     (
         positions.map(f32::to_bits).collect(),
         mesh.triangles.clone(),
-        scalars.map(f32::to_bits).collect(),
+        scalars.map(f64::to_bits).collect(),
     )
 }
 

@@ -112,7 +112,7 @@ pub struct MeshFile {
     /// `step_%04d.vtu`, a list of ParaView, `.pvd` or `.vtu.series`, or a VTKHDF file with
     /// several.
     pub file: PathBuf,
-    /// The time step of a VTKHDF file with several, counted from 0; all of them, as
+    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,
@@ -156,7 +156,7 @@ pub struct SpheresFile {
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file with several, counted from 0; all of them, as
+    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,
@@ -190,7 +190,7 @@ pub struct TubesFile {
     /// array of radii at the points: a column of a table.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file with several, counted from 0; all of them, as
+    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
     #[serde(default, deserialize_with = "step")]
     pub step: Option<usize>,

@@ -10,6 +10,7 @@ mod choice;
 mod lines;
 mod budget;
 mod percent;
+mod gray_exr;
 mod picture;
 mod materials;
 mod mesh;
@@ -374,9 +375,9 @@ pub fn read_places(path: &Path, arrays: PlaceArrays) -> Result<Vec<InstancePlace
     read.map_err(|fault| fault.in_file(path))
 }
 
-/// Returns true if the file's extension is one of VTK's.
+/// Returns true if the file's extension is one of VTK's, or of ParaView's lists of such files.
 pub fn is_vtk(path: &Path) -> bool {
-    vtk::EXTENSIONS.contains(&extension(path).as_str())
+    vtk::is_collection(path) || vtk::EXTENSIONS.contains(&extension(path).as_str())
 }
 
 /// Returns an upper bound of the memory needed to read a geometry file, whatever it contains, in

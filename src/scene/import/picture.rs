@@ -9,8 +9,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use image::codecs::hdr::HdrDecoder;
+use image::{
+    ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult,
+};
 
+use super::gray_exr::{GrayExr, gray_header};
 use super::{FileFault, Result, length_of, open};
 use crate::color::Transfer;
 use crate::picture::{Picture, Texels};
@@ -79,10 +83,7 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     let is_of = |format: &&Format| head.starts_with(format.signature);
     let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
     let damaged = |error| format.damaged(&error);
-    let mut reader = ImageReader::with_format(file, format.kind);
-    // The size of the picture is checked below.
-    reader.no_limits();
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let decoder = format.decoder(file).map_err(damaged)?;
     check_size(&decoder, reading.available)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
@@ -227,6 +228,24 @@ fn unknown_format() -> FileFault {
 }
 
 impl Format {
+    /// Returns the decoder of a picture, whose size is not checked yet.
+    fn decoder(&self, mut file: PictureBytes) -> ImageResult<Box<dyn ImageDecoder>> {
+        if self.signature == b"#?RGBE" {
+            // The strict decoder knows one of the two signatures.
+            return Ok(Box::new(HdrDecoder::new_nonstrict(file)?));
+        }
+        if self.kind == ImageFormat::OpenExr {
+            let header = gray_header(&mut file);
+            file.seek(SeekFrom::Start(0))?;
+            if let Some(header) = header {
+                return Ok(Box::new(GrayExr { file, header }));
+            }
+        }
+        let mut reader = ImageReader::with_format(file, self.kind);
+        reader.no_limits();
+        Ok(Box::new(reader.into_decoder()?))
+    }
+
     const fn new(
         name: &'static str,
         signature: &'static [u8],

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::fault::cut;
-use super::{DataFile, FileFault, Result, extension, vtk};
+use super::vtk::{self, ListedStep};
+use super::{DataFile, FileFault, Result, extension};
 use base::files;
 
 /// The files of a series in the order of their times, at least one.
@@ -33,11 +34,12 @@ const MAX_LIST: u64 = 64 << 20;
 /// Maximum number of digits of a number in a file's name.
 const MAX_DIGITS: usize = 15;
 
-/// Returns true if a full path stands for a series of files: a file that has the name of a pattern
-/// is only itself.
-pub fn is_series(path: &Path) -> bool {
-    Pattern::find(path).is_some_and(|_| !path.is_file())
-        || matches!(extension(path).as_str(), "pvd" | "series")
+/// Returns true if a file, given by its full path, stands for a series of files, of which no step is
+/// chosen: a file that has the name of a pattern is only itself.
+pub fn is_series<'a>(file: impl Into<DataFile<'a>>) -> bool {
+    let DataFile { path, step } = file.into();
+    let is_list = vtk::is_collection(path) && step.is_none() || extension(path) == "series";
+    is_list || Pattern::find(path).is_some_and(|_| !path.is_file())
 }
 
 /// Returns the time steps of a geometry file whose path is relative to `folder`: of a series of
@@ -48,16 +50,16 @@ pub fn is_series(path: &Path) -> bool {
 /// As [`read_series`], or a VTKHDF file cannot be read or is damaged.
 pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
     let DataFile { path, step } = file;
-    if is_series(&folder.join(path)) {
+    let full = folder.join(path);
+    if is_series(DataFile { path: &full, step }) {
         return read_series(folder, path).map(Some);
     }
     if !vtk::is_hdf(path) || step.is_some() {
         return Ok(None);
     }
-    let full = folder.join(path);
     let times = vtk::read_times(&full).and_then(|times| {
-        let named = |(step, &time): (usize, &f64)| (format!("step {step}"), time);
-        check_times(&times.iter().enumerate().map(named).collect())?;
+        let named = |(step, &time): (usize, &f64)| ListedStep::new(format!("step {step}"), time);
+        check_times(&times.iter().enumerate().map(named).collect::<Vec<_>>())?;
         Ok(times)
     });
     let times = times.map_err(|fault| fault.in_file(&full))?;
@@ -76,32 +78,42 @@ pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
 /// A list cannot be read or is damaged, a file is missing, or there is no file at all.
 pub fn read_series(folder: &Path, path: &Path) -> Result<DataSeries> {
     let full = folder.join(path);
-    let steps = match (Pattern::find(path), extension(path).as_str()) {
-        (Some(pattern), _) => pattern.steps(&full),
-        (None, "pvd") => vtk::read_collection(&read_list(&full).map_err(|f| f.in_file(&full))?),
-        (None, _) => read_list(&full).and_then(|text| read_json(&text)),
+    let steps = match Pattern::find(path) {
+        Some(pattern) => pattern.steps(&full),
+        None if vtk::is_collection(path) => {
+            read_list(&full).and_then(|text| vtk::read_collection(&text))
+        }
+        None => read_list(&full).and_then(|text| read_json(&text)),
     };
     let beside = path.parent().unwrap_or(Path::new(""));
-    let named = steps.and_then(|steps| checked(steps, &folder.join(beside)));
-    let steps = named.map_err(|fault| fault.in_file(&full))?;
-    let step = |(file, time): (String, f64)| TimeStep {
-        file: beside.join(file),
-        step: None,
-        time,
+    let steps = steps.and_then(|steps| checked(steps, &folder.join(beside)));
+    let steps = steps.map_err(|fault| fault.in_file(&full))?;
+    let step = |(number, step): (usize, ListedStep)| match &step.files[..] {
+        [file] => TimeStep {
+            file: beside.join(file),
+            step: None,
+            time: step.time,
+        },
+        // The reader puts the parts together.
+        _ => TimeStep {
+            file: path.to_owned(),
+            step: Some(number),
+            time: step.time,
+        },
     };
-    Ok(DataSeries(steps.into_iter().map(step).collect()))
+    Ok(DataSeries(
+        steps.into_iter().enumerate().map(step).collect(),
+    ))
 }
 
-/// The name and the time of each step.
-type NamedSteps = Vec<(String, f64)>;
-
 /// Returns the steps if their times ascend and their files exist.
-fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
+fn checked(steps: Vec<ListedStep>, folder: &Path) -> Result<Vec<ListedStep>> {
     if steps.is_empty() {
         return Err(FileFault::new("it has no time steps", "at least one file"));
     }
     check_times(&steps)?;
-    if let Some((file, _)) = steps.iter().find(|(file, _)| !folder.join(file).is_file()) {
+    let mut files = steps.iter().flat_map(|step| &step.files);
+    if let Some(file) = files.find(|file| !folder.join(file).is_file()) {
         let problem = format!("its time step `{file}` is missing");
         return Err(FileFault::new(problem, "the files of all time steps"));
     }
@@ -109,21 +121,22 @@ fn checked(steps: NamedSteps, folder: &Path) -> Result<NamedSteps> {
 }
 
 /// Checks that the times ascend.
-fn check_times(steps: &NamedSteps) -> Result<()> {
+fn check_times(steps: &[ListedStep]) -> Result<()> {
     if steps.len() > MAX_STEPS {
         let problem = format!("it has {} time steps", steps.len());
         return Err(FileFault::new(problem, format!("at most {MAX_STEPS}")));
     }
-    if let Some((file, time)) = steps.iter().find(|(_, time)| !time.is_finite()) {
-        let problem = format!("the time of `{}` is {time}", cut(file));
+    if let Some(step) = steps.iter().find(|step| !step.time.is_finite()) {
+        let problem = format!("the time of `{}` is {}", cut(&step.files[0]), step.time);
         return Err(FileFault::new(problem, "a number"));
     }
     for pair in steps.windows(2) {
-        let [(_, before), (file, time)] = pair else {
+        let [before, ListedStep { files, time }] = pair else {
             continue;
         };
-        if before >= time {
-            let problem = format!("the time of `{}` is {time}, after {before}", cut(file));
+        if before.time >= *time {
+            let (file, before) = (cut(&files[0]), before.time);
+            let problem = format!("the time of `{file}` is {time}, after {before}");
             return Err(FileFault::new(
                 problem,
                 "times that ascend, one file for each",
@@ -178,7 +191,7 @@ impl Pattern {
     }
 
     /// Returns the files that match, by their numbers, which are their times.
-    fn steps(&self, path: &Path) -> Result<NamedSteps> {
+    fn steps(&self, path: &Path) -> Result<Vec<ListedStep>> {
         let folder = path.parent().filter(|folder| *folder != Path::new(""));
         let mut numbers = Vec::new();
         for entry in fs::read_dir(folder.unwrap_or(Path::new(".")))? {
@@ -195,7 +208,7 @@ impl Pattern {
         }
         numbers.sort_unstable();
         self.refuse_gaps(&numbers)?;
-        let named = |number: u64| (self.name_of(number), number as f64);
+        let named = |number: u64| ListedStep::new(self.name_of(number), number as f64);
         Ok(numbers.into_iter().map(named).collect())
     }
 
@@ -230,7 +243,7 @@ struct SeriesEntry {
     time: f64,
 }
 
-fn read_json(text: &[u8]) -> Result<NamedSteps> {
+fn read_json(text: &[u8]) -> Result<Vec<ListedStep>> {
     let list: SeriesList = serde_json::from_slice(text).map_err(|error| {
         let problem = format!("it is not a list of files: {error}");
         FileFault::new(problem, r#"{ "files": [{ "name": …, "time": … }, …] }"#)
@@ -238,7 +251,7 @@ fn read_json(text: &[u8]) -> Result<NamedSteps> {
     Ok(list
         .files
         .into_iter()
-        .map(|entry| (entry.name, entry.time))
+        .map(|entry| ListedStep::new(entry.name, entry.time))
         .collect())
 }
 

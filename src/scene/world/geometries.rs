@@ -16,7 +16,8 @@ use crate::config::{
 };
 use crate::geometry::{Located, Shape, Transform, world_from_object};
 use crate::import::{
-    self, ArrayChoice, CornerValues, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes,
+    self, ArrayChoice, CornerValues, DataFile, DataSeries, FileFault, InstancePlace, Mesh, Spheres,
+    Tubes,
 };
 use crate::light::Light;
 use crate::material::ArrayTexture;
@@ -313,7 +314,11 @@ pub(super) fn read_checked(
     path: &FieldPath,
 ) -> Result<ObjectGeometry, Fault> {
     let of_series;
-    let file = if import::is_series(&folder.join(file.file())) {
+    let chosen = DataFile {
+        path: &folder.join(file.file()),
+        ..file.data_file()
+    };
+    let file = if import::is_series(chosen) {
         let series = import::read_series(folder, file.file());
         let DataSeries(steps) = series.map_err(|fault| fault.at_value(path))?;
         of_series = file.at(&steps[0]);

@@ -25,12 +25,12 @@ fn choice(name: &str) -> ArrayChoice {
 fn surface_of(name: &str, values: &[f32]) -> IsosurfaceChoice {
     IsosurfaceChoice {
         array: choice(name),
-        values: values.to_vec(),
+        values: values.iter().map(|value| f64::from(*value)).collect(),
     }
 }
 
 /// The text of an image with a field at its points.
-fn image([nx, ny, nz]: [usize; 3], field: &[f32]) -> String {
+fn image([nx, ny, nz]: [usize; 3], field: &[impl std::fmt::Display]) -> String {
     let mut values = String::new();
     for value in field {
         write!(values, "{value} ").unwrap();
@@ -323,19 +323,19 @@ fn isosurfaces_are_those_of_vtk() {
                 "{what} of {file:?}, {value}: {found} {expected}"
             );
         };
-        let ends = |values: &mut dyn Iterator<Item = f32>| {
-            values.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| {
+        let ends = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
                 [low.min(x), high.max(x)]
             })
         };
         for axis in 0..3 {
-            let [low, high] = ends(&mut mesh.vertices.iter().map(|vertex| vertex[axis]));
-            near(low.into(), &expected["low"][axis], 1e-5, "the lower end");
-            near(high.into(), &expected["high"][axis], 1e-5, "the upper end");
+            let [low, high] = ends(&mut mesh.vertices.iter().map(|vertex| vertex[axis].into()));
+            near(low, &expected["low"][axis], 1e-5, "the lower end");
+            near(high, &expected["high"][axis], 1e-5, "the upper end");
         }
         let colors = ends(&mut mesh.scalars.as_ref().unwrap().values.iter().copied());
         for (i, color) in colors.into_iter().enumerate() {
-            near(color.into(), &expected["color"][i], 1e-5, "the color");
+            near(color, &expected["color"][i], 1e-5, "the color");
         }
         let area = |triangle: &[u32; 3]| {
             let [a, b, c] = mesh.triangle(*triangle).vertices.map(|v| v.as_dvec3());
@@ -361,4 +361,33 @@ fn isosurfaces_are_those_of_vtk() {
         let found = [mesh.vertices.len(), mesh.triangles.len()].map(|n| n as u64);
         assert_eq!(found, [n_points, n_triangles], "{file:?}, {value}");
     }
+}
+
+/// Seconds since 1970: 32 bits have steps of two minutes there.
+#[test]
+fn an_offset_of_the_field_does_not_move_the_surface() {
+    let size = [4, 3, 3];
+    let field: Vec<f64> = (0..36)
+        .map(|i| f64::from(i % 4 * (i % 4) + i / 12))
+        .collect();
+    let of = |offset: f64| {
+        let far: Vec<f64> = field.iter().map(|number| number + offset).collect();
+        let choice = IsosurfaceChoice {
+            array: choice("field"),
+            values: vec![offset + 1.5],
+        };
+        let color = Some(choice.array.clone());
+        let read = |path: &Path| read_isosurface(path, &choice, color.as_ref()).unwrap();
+        reading("a.vti", image(size, &far).as_bytes(), read)
+    };
+    let [near, far] = [0.0, 1.7e9].map(of);
+    assert_eq!(near.triangles, far.triangles);
+    let pairs = near.vertices.iter().zip(&far.vertices);
+    assert!(pairs.into_iter().all(|(a, b)| a.abs_diff_eq(*b, 1e-6)));
+    let colors = far.scalars.unwrap().values;
+    assert!(
+        colors
+            .iter()
+            .all(|color| (color - 1.7e9 - 1.5).abs() < 1e-6)
+    );
 }

@@ -66,7 +66,7 @@ fn lines_of_all_kinds_of_cells_are_tubes() {
         assert!((found - expected).abs() < 3e-3, "{first:?}");
     }
     let speeds = a.scalars.unwrap()[0];
-    let second = Vec3::new(z, 0.25, 0.5).length();
+    let second = f64::from(Vec3::new(z, 0.25, 0.5).length());
     assert!((speeds[0] - 0.5).abs() < 1e-3 && (speeds[1] - second).abs() < 1e-3);
     let numbers = lines("lines_zlib.vtp", Some(&choice("number", None)));
     let of_segments = [[0.0; 2]; 8]

@@ -345,3 +345,48 @@ fn the_columns_of_a_table_of_tubes_are_arrays() {
         ", line 6: `` is not a number, expected a number"
     );
 }
+
+/// A U of area 8, whose texture coordinates are a quarter of its positions, as OBJ and as PLY with the
+/// faces before the vertices.
+#[test]
+fn concave_faces_have_their_area_and_their_attributes() {
+    let u = [
+        [0, 0],
+        [4, 0],
+        [4, 3],
+        [3, 3],
+        [3, 1],
+        [1, 1],
+        [1, 3],
+        [0, 3],
+    ];
+    let quarter = |[x, y]: [i32; 2]| [x, y].map(|number| f64::from(number) / 4.0);
+    let vertices = u.map(|[x, y]| format!("v {x} {y} 0\n")).concat();
+    let uvs = u.map(|at| quarter(at).map(|number| number.to_string()).join(" "));
+    let uvs = uvs.map(|uv| format!("vt {uv}\n")).concat();
+    let corners: String = (1..=8).map(|i| format!(" {i}/{i}")).collect();
+    let obj = format!("{vertices}{uvs}f{corners}\n");
+    let rows = u.map(|at| {
+        let [u, v] = quarter(at);
+        format!("{} {} 0 {u} {v}\n", at[0], at[1])
+    });
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n\
+         element vertex 8\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n\
+         property float v\nend_header\n8 0 1 2 3 4 5 6 7\n{}",
+        rows.concat()
+    );
+    for (name, text) in [("a.obj", obj), ("a.ply", ply)] {
+        let mesh = mesh_of(name, text.as_bytes()).unwrap_or_else(|fault| panic!("{fault}"));
+        let uvs = mesh.uvs.as_ref().unwrap();
+        let mut area = 0.0;
+        for (i, triangle) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.triangle(*triangle).vertices;
+            area += 0.5 * (b - a).cross(c - a).length();
+            for (at, uv) in [a, b, c].into_iter().zip(uvs.at(i)) {
+                assert_eq!(at.truncate() / 4.0, uv, "{name}");
+            }
+        }
+        assert_eq!((mesh.triangles.len(), area), (6, 8.0), "{name}");
+    }
+}

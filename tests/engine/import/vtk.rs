@@ -6,6 +6,7 @@ use std::process::Command;
 use glam::Vec3;
 use scene::import::{
     ArrayChoice, ArrayOf, FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points,
+    read_spheres,
 };
 
 use super::{message, reading};
@@ -38,7 +39,7 @@ fn range(path: &Path, name: &str) -> [f64; 2] {
     let scalars = mesh.scalars.unwrap();
     assert_eq!(scalars.triangles.len(), mesh.triangles.len());
     let corners = scalars.triangles.iter().flatten();
-    let values = corners.map(|&corner| f64::from(scalars.values[corner as usize]));
+    let values = corners.map(|&corner| scalars.values[corner as usize]);
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
         [low.min(x), high.max(x)]
     })
@@ -474,6 +475,154 @@ fn bits_are_numbers_of_legacy_files() {
     binary.extend([0b1011_0001, 0b1000_0000]);
     for bytes in [text.as_bytes(), &binary[..]] {
         let mesh = read("a.vtk", bytes, &choice("a")).unwrap();
-        assert_eq!(mesh.scalars.unwrap().values, bits.map(f32::from));
+        assert_eq!(mesh.scalars.unwrap().values, bits.map(f64::from));
     }
+}
+
+/// The text of an image of two by two cells, with arrays of its points and its cells.
+fn squares(of_points: &str, of_cells: &str) -> String {
+    format!(
+        "<VTKFile type='ImageData' byte_order='LittleEndian'>\
+         <ImageData WholeExtent='0 2 0 2 0 0' Origin='0 0 0' Spacing='1 1 1'><Piece Extent='0 2 0 2 0 0'>\
+         <PointData>{of_points}</PointData><CellData>{of_cells}</CellData>\
+         </Piece></ImageData></VTKFile>"
+    )
+}
+
+/// As vtkGeometryFilter does; copies of other pieces' points hide nothing.
+#[test]
+fn a_hidden_point_hides_its_cells() {
+    for (ghosts, expected) in [
+        ("0 0 0 0 0 0 0 0 0", 4.0),
+        ("2 0 0 0 0 0 0 0 0", 3.0),
+        ("0 2 0 0 0 0 0 0 0", 2.0),
+        ("1 1 1 1 1 1 1 1 1", 4.0),
+        ("0 0 0 0 0 0 0 3 0", 2.0),
+    ] {
+        let array = format!(
+            "<DataArray type='UInt8' Name='vtkGhostType' format='ascii'>{ghosts}</DataArray>"
+        );
+        let mesh = reading("a.vti", squares(&array, "").as_bytes(), read_mesh).unwrap();
+        assert!(
+            (area(&mesh) - expected).abs() < 1e-6,
+            "{ghosts}: {}",
+            area(&mesh)
+        );
+    }
+}
+
+/// Eight values a byte, the first one in the highest bit, or words.
+#[test]
+fn arrays_of_bits_are_numbers() {
+    let of_cells = |format: &str, text: &str| {
+        let array =
+            format!("<DataArray type='Bit' Name='flag' format='{format}'>{text}</DataArray>");
+        let text = squares("", &array);
+        read("a.vti", text.as_bytes(), &choice("flag")).map(|mesh| mesh.scalars.unwrap().values)
+    };
+    let pairs = |values: Vec<f64>| [0, 2, 4, 6].map(|triangle| values[triangle]);
+    assert_eq!(
+        pairs(of_cells("ascii", "1 0 1 1").unwrap()),
+        [1.0, 0.0, 1.0, 1.0]
+    );
+    // A length of one byte, and the byte.
+    assert_eq!(
+        pairs(of_cells("binary", "AQAAAA==sA==").unwrap()),
+        [1.0, 0.0, 1.0, 1.0]
+    );
+    assert!(
+        of_cells("binary", "AgAAALCw").is_err(),
+        "four cells have one byte"
+    );
+}
+
+/// Pressures, dates and identifiers: as numbers of 32 bits, they would be equal.
+#[test]
+fn numbers_keep_their_64_bits() {
+    for (numbers, kind) in [
+        (
+            [101_325.01, 101_325.015, 2_460_310.5, 1_700_000_018.25],
+            "Float64",
+        ),
+        (
+            [
+                20_000_001.0,
+                20_000_003.0,
+                16_777_217.0,
+                -9_007_199_254_740_991.0,
+            ],
+            "Int64",
+        ),
+    ] {
+        let text = numbers.map(|number| number.to_string()).join(" ");
+        let array = format!("<DataArray type='{kind}' Name='a' format='ascii'>{text}</DataArray>");
+        let mesh = read("a.vti", squares("", &array).as_bytes(), &choice("a")).unwrap();
+        let values = mesh.scalars.unwrap().values;
+        assert_eq!([0, 2, 4, 6].map(|triangle| values[triangle]), numbers);
+        let rows = numbers.map(|number| format!("0,0,{number},{number}"));
+        let table = format!("x,y,z,a\n{}\n", rows.join("\n"));
+        let read_table = |path: &Path| {
+            read_spheres(
+                path,
+                Some(&RadiusChoice::Same(1.0)),
+                Some(&ArrayChoice::of_points("a", None)),
+            )
+        };
+        let spheres = reading("a.csv", table.as_bytes(), read_table).unwrap();
+        assert_eq!(spheres.scalars.unwrap(), numbers);
+    }
+}
+
+/// A U of area 8: as a fan its triangles would cover 14.
+#[test]
+fn concave_faces_of_cells_have_their_area() {
+    let u = [
+        [0, 0],
+        [4, 0],
+        [4, 3],
+        [3, 3],
+        [3, 1],
+        [1, 1],
+        [1, 3],
+        [0, 3],
+    ];
+    let points = |z: i32| u.map(|[x, y]| format!("{x} {y} {z} ")).concat();
+    let array = |kind: &str, name: &str, n: usize, text: &str| {
+        format!(
+            "<DataArray type='{kind}' Name='{name}' NumberOfComponents='{n}' format='ascii'>{text}</DataArray>"
+        )
+    };
+    let polygon = format!(
+        "<VTKFile type='PolyData'><PolyData><Piece NumberOfPoints='8' NumberOfPolys='1'><Points>{}</Points><Polys>{}{}</Polys></Piece></PolyData></VTKFile>",
+        array("Float32", "Points", 3, &points(0)),
+        array("Int64", "connectivity", 1, "0 1 2 3 4 5 6 7"),
+        array("Int64", "offsets", 1, "8"),
+    );
+    let mesh = reading("a.vtp", polygon.as_bytes(), read_mesh).unwrap();
+    assert!((area(&mesh) - 8.0).abs() < 1e-5);
+    let sides: String = (0..8)
+        .map(|i| format!("4 {i} {} {} {} ", (i + 1) % 8, (i + 1) % 8 + 8, i + 8))
+        .collect();
+    let prism = format!(
+        "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece NumberOfPoints='16' NumberOfCells='1'><Points>{}</Points><Cells>{}{}{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>",
+        array("Float32", "Points", 3, &(points(0) + &points(1))),
+        array(
+            "Int64",
+            "connectivity",
+            1,
+            "0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15"
+        ),
+        array("Int64", "offsets", 1, "16"),
+        array("UInt8", "types", 1, "42"),
+        array(
+            "Int64",
+            "faces",
+            1,
+            &format!("10 8 7 6 5 4 3 2 1 0 8 8 9 10 11 12 13 14 15 {sides}")
+        ),
+        array("Int64", "faceoffsets", 1, "59"),
+    );
+    let mesh = reading("a.vtu", prism.as_bytes(), read_mesh).unwrap();
+    // Two faces, and a height of 1 along a border of 18.
+    assert!((area(&mesh) - 34.0).abs() < 1e-4, "{}", area(&mesh));
 }

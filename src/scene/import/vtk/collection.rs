@@ -3,8 +3,25 @@
 use super::super::{FileFault, Result};
 use super::document::parse;
 
-/// Returns the name and the time of each file of a `.pvd`.
-pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<(String, f64)>> {
+/// The files of a time step: its parts.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::import) struct ListedStep {
+    /// Paths relative to the list's folder, at least one.
+    pub(in crate::import) files: Vec<String>,
+    pub(in crate::import) time: f64,
+}
+
+impl ListedStep {
+    /// Creates a time step of one file.
+    pub(in crate::import) fn new(file: String, time: f64) -> Self {
+        let files = vec![file];
+        Self { files, time }
+    }
+}
+
+/// Returns the time steps of a `.pvd` in the order of their times, as ParaView does: files of the
+/// same time are its parts, and files without a time are of time 0.
+pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<ListedStep>> {
     let (root, _) = parse(bytes)?;
     let collection = root.child("Collection").ok_or_else(|| {
         FileFault::new(
@@ -12,19 +29,26 @@ pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<(String, f64)>> {
             "a `.pvd` as ParaView writes it",
         )
     })?;
-    let mut steps: Vec<(String, f64)> = Vec::new();
     let entries = collection.children.iter();
-    for entry in entries.filter(|entry| entry.name == "DataSet") {
-        let file = entry.required("file")?.to_owned();
-        let [time] = entry.numbers("timestep")?;
-        if steps.last().is_some_and(|(_, before)| *before == time) {
-            let problem = format!("time {time} has several parts");
-            return Err(FileFault::new(
-                problem,
-                "one file for each time, such as a `.vtm`",
-            ));
+    let entries = entries.filter(|entry| entry.name == "DataSet");
+    let step = entries.map(|entry| {
+        let time = match entry.attribute("timestep") {
+            None => 0.0,
+            Some(_) => {
+                let [time] = entry.numbers("timestep")?;
+                time
+            }
+        };
+        Ok(ListedStep::new(entry.required("file")?.to_owned(), time))
+    });
+    let mut parts = step.collect::<Result<Vec<ListedStep>>>()?;
+    parts.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let mut steps: Vec<ListedStep> = Vec::new();
+    for part in parts {
+        match steps.last_mut().filter(|step| step.time == part.time) {
+            Some(step) => step.files.extend(part.files),
+            None => steps.push(part),
         }
-        steps.push((file, time));
     }
     Ok(steps)
 }

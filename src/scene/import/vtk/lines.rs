@@ -44,6 +44,10 @@ pub(super) fn add(
         if ghosts.is_some_and(|ghosts| ghosts.at(cell) != 0.0) {
             continue;
         }
+        let points: Vec<u32> = points.collect();
+        if piece.has_hidden(&points) {
+            continue;
+        }
         budget.take_of::<[f32; 16]>(points.len())?;
         let number = |point: usize| match &scalars {
             None => 0.0,

@@ -31,7 +31,7 @@ use super::spheres::Spheres;
 use super::tubes::Tubes;
 use super::{DataFile, FileFault, Result, extension, max_bytes, open, read_whole};
 use array_of_pieces::ArrayOfPieces;
-pub(super) use collection::read as read_collection;
+pub(super) use collection::{ListedStep, read as read_collection};
 pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
 use xml::Contents;
@@ -52,6 +52,11 @@ pub(super) const EXTENSIONS: [&str; 13] = [
     "vtm",
     hdf::EXTENSION,
 ];
+
+/// Returns true if a file lists files over time.
+pub(super) fn is_collection(path: &Path) -> bool {
+    extension(path) == "pvd"
+}
 
 /// Reads the surface of a data set, with the numbers of an array.
 pub(super) fn read_mesh(file: DataFile, array: Option<&ArrayChoice>) -> Result<Mesh> {
@@ -155,11 +160,39 @@ type Visit<'a> = dyn FnMut(&Piece, &mut Budget) -> Result<()> + 'a;
 fn for_each_piece(file: DataFile, wanted: &Wanted, visit: &mut Visit) -> Result<()> {
     let budget = &mut Budget::new();
     let path = file.path;
+    let step = file.step.unwrap_or(0);
     if is_hdf(path) {
-        let pieces = hdf::read(path, file.step.unwrap_or(0), wanted, budget)?;
+        let pieces = hdf::read(path, step, wanted, budget)?;
         return pieces.iter().try_for_each(|piece| visit(piece, budget));
     }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if is_collection(path) {
+        let mut steps = read_collection(&read_whole(open(path)?, budget)?)?;
+        if step >= steps.len() {
+            let problem = format!("it has no time step {step}");
+            return Err(FileFault::new(
+                problem,
+                format!("less than its {}", steps.len()),
+            ));
+        }
+        let parts = steps.swap_remove(step).files;
+        return parts.iter().try_for_each(|part| {
+            let path = folder.join(part);
+            let read = for_each_piece_of(&path, wanted, budget, visit);
+            read.map_err(|fault| fault.in_file(&path))
+        });
+    }
     file.refuse_step()?;
+    for_each_piece_of(path, wanted, budget, visit)
+}
+
+/// Reads a file, or the files of its pieces.
+fn for_each_piece_of(
+    path: &Path,
+    wanted: &Wanted,
+    budget: &mut Budget,
+    visit: &mut Visit,
+) -> Result<()> {
     let files = match read_file(path, wanted, budget)? {
         Contents::Pieces(pieces) => {
             return pieces.iter().try_for_each(|piece| visit(piece, budget));

@@ -129,6 +129,11 @@ impl Numbers {
         }
     }
 
+    /// Removes all numbers after the first `n`.
+    pub(super) fn truncate(&mut self, n: usize) {
+        self.bytes.truncate(n.saturating_mul(self.kind.n_bytes()));
+    }
+
     /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
         self.bytes.len() / self.kind.n_bytes()

@@ -69,6 +69,8 @@ pub(super) struct PieceArrays {
 const NORMALS: &str = "Normals";
 const UVS: [&str; 3] = ["TCoords", "Texture Coordinates", "TextureCoordinates"];
 pub(super) const GHOSTS: &str = "vtkGhostType";
+/// The bit of a hidden point's ghost type.
+const HIDDEN_POINT: u8 = 2;
 
 /// The arrays to read, besides those that every mesh needs.
 pub(super) type Wanted<'a> = [&'a str];
@@ -155,6 +157,14 @@ impl Piece {
             PointPositions::Lattice(lattice) => lattice.position(point),
         };
         mesh::point(position)
+    }
+
+    /// Returns true if any of these points of a cell is hidden, and with it the cell.
+    pub(super) fn has_hidden(&self, points: &[u32]) -> bool {
+        let is_hidden =
+            |ghosts: &Numbers, point: &u32| ghosts.at(*point as usize) as u8 & HIDDEN_POINT != 0;
+        let ghosts = self.point_data.get(GHOSTS);
+        ghosts.is_some_and(|ghosts| points.iter().any(|point| is_hidden(ghosts, point)))
     }
 
     /// Returns the origin for the coordinates of the points.

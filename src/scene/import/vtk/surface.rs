@@ -28,11 +28,18 @@ impl PieceSurface {
     /// Cells have unknown types, or there are too many for the memory.
     pub(super) fn extract(piece: &Piece, budget: &mut Budget) -> Result<Self> {
         let ghosts = piece.cell_data.get(GHOSTS);
-        let ghost = |cell: usize| ghosts.map_or(0, |ghosts| ghosts.at(cell) as u8);
+        let ghost = |cell: usize, points: &[u32]| {
+            if piece.has_hidden(points) {
+                HIDDEN
+            } else {
+                ghosts.map_or(0, |ghosts| ghosts.at(cell) as u8)
+            }
+        };
+        let has_ghosts = ghosts.is_some() || piece.point_data.get(GHOSTS).is_some();
         let mut surface = Self::default();
         match &piece.topology {
             Topology::Cells(cells) => surface.add_cells(cells, ghost, budget)?,
-            Topology::Grid(size) if ghosts.is_some() => {
+            Topology::Grid(size) if has_ghosts => {
                 surface.add_cells(&cells_of_grid(*size, budget)?, ghost, budget)?;
             }
             Topology::Grid(size) => surface.add_boundary(*size, budget)?,
@@ -50,7 +57,7 @@ impl PieceSurface {
     fn add_cells(
         &mut self,
         cells: &Cells,
-        ghost: impl Fn(usize) -> u8,
+        ghost: impl Fn(usize, &[u32]) -> u8,
         budget: &mut Budget,
     ) -> Result<()> {
         // Triangulate the flat cells, and collect the faces of the solid ones.
@@ -59,8 +66,8 @@ impl PieceSurface {
             if cell.is_multiple_of(1 << 16) {
                 stop::check().map_err(std::io::Error::other)?;
             }
-            let ghost = ghost(cell);
             let (shape, corners) = cells.get(cell)?;
+            let ghost = ghost(cell, corners);
             if ghost & HIDDEN != 0 {
                 continue;
             }

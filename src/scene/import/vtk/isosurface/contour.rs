@@ -72,7 +72,7 @@ impl Contour<'_, '_> {
     /// Adds the polygons in a solid cell, unless it is hidden or a copy of another piece's cell, or
     /// a value is missing.
     fn add_cell(&mut self, cell: usize, faces: &[&[u8]], corners: &[u32]) -> Result<()> {
-        if !self.is_crossed(cell, corners.iter()) {
+        if !self.is_crossed(cell, corners) {
             return Ok(());
         }
         let is_inside = |corner: &u32| self.is_inside(*corner);
@@ -95,11 +95,11 @@ impl Contour<'_, '_> {
     /// Adds the polygons in a polyhedron, as [`add_cell`](Self::add_cell) does.
     fn add_polyhedron(&mut self, cell: usize, cells: &Cells) -> Result<()> {
         let faces = || cells.polyhedra.faces(cell);
-        if !self.is_crossed(cell, faces().flatten()) {
+        let corners: Vec<u32> = faces().flatten().copied().collect();
+        if !self.is_crossed(cell, &corners) {
             return Ok(());
         }
-        let n_corners = faces().map(<[u32]>::len).sum();
-        self.budget.take_of::<[u32; 32]>(n_corners)?;
+        self.budget.take_of::<[u32; 32]>(corners.len())?;
         let found = polyhedron::polygons(faces(), |point| self.is_inside(point));
         for polygon in found.ok_or_else(|| cells.open_polyhedron(cell))? {
             let mut vertices: Vec<u32> = Vec::with_capacity(polygon.len());
@@ -128,7 +128,7 @@ impl Contour<'_, '_> {
 
     /// Returns true if some of a cell's points are inside and some are not, all have a value, and
     /// the cell is neither hidden nor a copy.
-    fn is_crossed<'c>(&self, cell: usize, points: impl Iterator<Item = &'c u32>) -> bool {
+    fn is_crossed(&self, cell: usize, points: &[u32]) -> bool {
         let (mut all, mut any, mut finite) = (true, false, true);
         for &point in points {
             let is_inside = self.is_inside(point);
@@ -136,7 +136,8 @@ impl Contour<'_, '_> {
             finite &= self.values[point as usize].is_finite();
         }
         let ghosts = self.piece.cell_data.get(GHOSTS);
-        any && !all && finite && ghosts.is_none_or(|ghosts| ghosts.at(cell) == 0.0)
+        let is_ghost = || ghosts.is_some_and(|ghosts| ghosts.at(cell) != 0.0);
+        any && !all && finite && !is_ghost() && !self.piece.has_hidden(points)
     }
 
     /// Adds the polygon of these vertices, whose neighbors are distinct except for the last and the

@@ -42,6 +42,22 @@ impl<'a> XmlArrays<'a> {
         self.numbers(name, array.ok_or_else(missing)?, budget)
     }
 
+    /// Returns the array of this many tuples; one of bits ends with unused ones.
+    pub(super) fn tuples(
+        &self,
+        name: &str,
+        array: &Element,
+        n_tuples: usize,
+        budget: &mut Budget,
+    ) -> Result<Numbers> {
+        let mut numbers = self.numbers(name, array, budget)?;
+        let n = n_tuples.saturating_mul(numbers.n_components);
+        if is_of_bits(array) && numbers.len() < n.saturating_add(8) {
+            numbers.truncate(n);
+        }
+        Ok(numbers)
+    }
+
     /// Returns the numbers of an array.
     pub(super) fn numbers(
         &self,
@@ -58,7 +74,8 @@ impl<'a> XmlArrays<'a> {
             Some(_) => array.number("NumberOfComponents")?,
             None => 1,
         };
-        if n_components == 0 || !decoded.len().is_multiple_of(n_components) {
+        let is_whole = is_of_bits(array) || decoded.len().is_multiple_of(n_components.max(1));
+        if n_components == 0 || !is_whole {
             let problem = format!("the array `{}` has {} numbers", cut(name), decoded.len());
             let expected = format!("a multiple of its {n_components} components");
             return Err(FileFault::new(problem, expected));
@@ -68,7 +85,9 @@ impl<'a> XmlArrays<'a> {
 
     fn decode(&self, array: &Element, budget: &mut Budget) -> Result<Numbers> {
         let kind = array.required("type")?;
-        let kind = NumberType::named(kind).ok_or_else(|| {
+        let has_bits = is_of_bits(array);
+        let named = if has_bits { "UInt8" } else { kind };
+        let kind = NumberType::named(named).ok_or_else(|| {
             let problem = format!("it has values of the type `{}`", cut(kind));
             FileFault::new(problem, "numbers of 8 to 64 bits")
         })?;
@@ -87,6 +106,13 @@ impl<'a> XmlArrays<'a> {
                 return Err(FileFault::new(problem, "ascii, binary or appended"));
             }
         };
+        if has_bits {
+            budget.take_of::<[u8; 8]>(bytes.len())?;
+            let bits = bytes
+                .iter()
+                .flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
+            return Ok(Numbers::new(kind, self.storage.order, bits.collect()));
+        }
         if !bytes.len().is_multiple_of(kind.n_bytes()) {
             let problem = format!("it has {} bytes", bytes.len());
             let expected = format!("a multiple of {}", kind.n_bytes());
@@ -94,6 +120,11 @@ impl<'a> XmlArrays<'a> {
         }
         Ok(Numbers::new(kind, self.storage.order, bytes))
     }
+}
+
+/// Returns true if eight values of an array share a byte, the first one in the highest bit.
+fn is_of_bits(array: &Element) -> bool {
+    array.attribute("type") == Some("Bit")
 }
 
 fn storage(root: &Element) -> Result<ArrayEncoding> {

@@ -102,14 +102,17 @@ impl XmlReader<'_> {
                 return Err(FileFault::new(problem, expected));
             }
         };
-        let piece = Piece {
+        let mut found = Piece {
             points,
             topology,
-            point_data: self.attributes(piece.child("PointData"), budget)?,
-            cell_data: self.attributes(piece.child("CellData"), budget)?,
+            point_data: PieceArrays::default(),
+            cell_data: PieceArrays::default(),
         };
-        piece.check()?;
-        Ok(piece)
+        let (n_points, n_cells) = (found.n_points(), found.n_cells());
+        found.point_data = self.attributes(piece.child("PointData"), n_points, budget)?;
+        found.cell_data = self.attributes(piece.child("CellData"), n_cells, budget)?;
+        found.check()?;
+        Ok(found)
     }
 
     fn points(&self, piece: &Element, budget: &mut Budget) -> Result<PointPositions> {
@@ -234,7 +237,12 @@ impl XmlReader<'_> {
     }
 
     /// Reads the wanted arrays of `PointData` or `CellData`.
-    fn attributes(&self, element: Option<&Element>, budget: &mut Budget) -> Result<PieceArrays> {
+    fn attributes(
+        &self,
+        element: Option<&Element>,
+        n_tuples: usize,
+        budget: &mut Budget,
+    ) -> Result<PieceArrays> {
         let mut attributes = PieceArrays::default();
         let Some(element) = element else {
             return Ok(attributes);
@@ -249,7 +257,7 @@ impl XmlReader<'_> {
             let name = array.attribute("Name").unwrap_or_default().to_owned();
             let is_active = [&attributes.normals, &attributes.uvs].contains(&&Some(name.clone()));
             if is_active || is_wanted(&name, self.wanted) {
-                let numbers = self.arrays.numbers(&name, array, budget)?;
+                let numbers = self.arrays.tuples(&name, array, n_tuples, budget)?;
                 attributes.arrays.push((name.clone(), numbers));
             }
             attributes.names.push(name);
