@@ -120,7 +120,7 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
         ErrorKind::InvalidSubcommand => {
             let file = Path::new(arguments.get(1)?);
             let extension = file.extension()?;
-            if !import::is_mesh(file) && extension != "yaml" && extension != "yml" {
+            if !import::is_geometry(file) && extension != "yaml" && extension != "yml" {
                 return None;
             }
             let message = format!("`{}` is not a command", shown(file));

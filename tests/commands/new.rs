@@ -243,10 +243,120 @@ objects:
 ";
     fs::write(folder.path().join("cloud.yaml"), camera).unwrap();
     assert_success(&run(folder.path(), &["render", "cloud.yaml", "--out", "b"]));
-    let no_surface = run(folder.path(), &["render", "a/hits.vtu"]);
-    assert_eq!(no_surface.status.code(), Some(2));
-    let said = text(&no_surface.stderr);
-    assert!(said.contains("no triangle in the file"), "{said}");
+    let small = ["--width", "40", "--height", "30", "--spp", "1"];
+    let points = [&["render", "a/hits.vtu"], &small[..]].concat();
+    assert_success(&run(folder.path(), &points));
+}
+
+#[test]
+fn tables_series_and_points_are_rendered_by_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    let step = |x: f32| {
+        format!(
+            "# vtk DataFile Version 3.0\nstep\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n\
+             {x} 0 0 {x} 1 0 {x} 0 1\nPOLYGONS 1 4\n3 0 1 2\n"
+        )
+    };
+    let list = "<VTKFile type='Collection'><Collection><DataSet timestep='0' file='0.vtk'/>\
+                <DataSet timestep='1' file='1.vtk'/></Collection></VTKFile>";
+    let cloud = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                 property float z\nend_header\n0 0 0\n1 2 3\n";
+    for (name, text) in [("0.vtk", step(0.0)), ("1.vtk", step(9.0))] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    for (name, text, geometry) in [
+        (
+            "points.csv",
+            "X;Y;Z;heat\n0;0;0;1\n1;2;3;4\n",
+            "spheres: { file: \"points.csv\", radius: ",
+        ),
+        (
+            "balls.csv",
+            "x,y,z,r\n0,0,0,1\n1,2,3,2\n",
+            "spheres: { file: \"balls.csv\" }",
+        ),
+        (
+            "lines.csv",
+            "x,y,z,line\n0,0,0,a\n1,2,3,a\n",
+            "tubes: { file: \"lines.csv\", radius: ",
+        ),
+        ("steps.pvd", list, "mesh: { file: \"steps.pvd\", "),
+        (
+            "cloud.ply",
+            cloud,
+            "spheres: { file: \"cloud.ply\", radius: ",
+        ),
+    ] {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        let scene = tools::starter::scene_beside(&path).unwrap();
+        assert!(scene.text().contains(geometry), "{}", scene.text());
+        // The camera sees all time steps.
+        let looks_at_the_middle = scene.text().contains("target: [4.5, 0.5, 0.5]");
+        assert_eq!(looks_at_the_middle, name == "steps.pvd", "{}", scene.text());
+        let small = ["--width", "40", "--height", "30", "--spp", "1", "--no-cost"];
+        assert_success(&run(
+            folder.path(),
+            &[&["render", name], &small[..]].concat(),
+        ));
+    }
+}
+
+#[test]
+fn files_that_cannot_be_shown_are_named_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let lfs = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
+    let far = "v 0 0 0\nv 1e19 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (name, text, message, help) in [
+        (
+            "a.msh",
+            "",
+            "raycost does not read Gmsh files: `a.msh`",
+            "meshio convert",
+        ),
+        (
+            "a.xdmf",
+            "",
+            "raycost does not read XDMF files: `a.xdmf`",
+            "ParaView",
+        ),
+        (
+            "a.nii",
+            "",
+            "raycost does not read NIfTI files: `a.nii`",
+            ".vti",
+        ),
+        (
+            "a.off",
+            "",
+            "raycost does not read OFF files: `a.off`",
+            "PLY",
+        ),
+        (
+            "a.obj",
+            lfs,
+            "`a.obj`: it is a pointer of Git LFS",
+            "git lfs pull",
+        ),
+        (
+            "a.csv",
+            "a;b\n",
+            "`a.csv`, line 1: there is no column `x`",
+            "not `a,b`",
+        ),
+        (
+            "far.obj",
+            far,
+            "`far.obj` has coordinates up to 1e19",
+            "a larger unit",
+        ),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+        let refused = run(folder.path(), &["render", name]);
+        assert_eq!(refused.status.code(), Some(2));
+        let said = self::text(&refused.stderr);
+        assert!(said.contains(message) && said.contains(help), "{said}");
+    }
 }
 
 /// Names may have characters that YAML does not have, or that stand for a series of files.

@@ -13,7 +13,7 @@ use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
     RatioMetrics, Repeats, Structure, TileOrder, Tiling,
 };
-use scene::import;
+use scene::import::{self, ForeignFormat};
 use scene::yaml::{self, Document, Fault, Source};
 use tools::starter;
 use vtk::Codec;
@@ -194,7 +194,7 @@ impl SceneArguments {
 
     /// Returns the command that writes the scene of a mesh as a file; `None` for another scene.
     pub(in crate::cli) fn command_to_keep(&self) -> Option<String> {
-        let mesh = import::is_mesh(&self.scene).then(|| shell_word(&self.scene))?;
+        let mesh = import::is_geometry(&self.scene).then(|| shell_word(&self.scene))?;
         let stem = self.scene.file_stem().unwrap_or_default();
         let file = Path::new(stem).with_extension("yaml");
         Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
@@ -207,14 +207,12 @@ impl SceneArguments {
     pub(in crate::cli) fn source(&self) -> Result<Source, Diagnostic> {
         if self.is_standard_input() {
             Source::read_standard_input()
-        } else if import::is_mesh(&self.scene) {
+        } else if import::is_geometry(&self.scene) {
             starter::scene_beside(&self.scene)
-        } else if let Some(format) = import::foreign_format(&self.scene) {
-            let message = format!(
-                "`{}` is a {format} file, which raycost does not read",
-                shown(&self.scene)
-            );
-            Err(Diagnostic::new(message).with_help(import::EXPORT))
+        } else if let Some(format) = ForeignFormat::of(&self.scene) {
+            let (name, file) = (format.name, shown(&self.scene));
+            let message = format!("raycost does not read {name} files: `{file}`");
+            Err(Diagnostic::new(message).with_help(format.advice))
         } else {
             Source::read(&self.scene)
         }

@@ -130,8 +130,8 @@ pub struct MeshFile {
 
 /// A table of spheres: comma-separated values below a header with the columns
 /// `x`, `y` and `z`, and optionally `r` (radius), `color` (`#rrggbb`,
-/// replaces the material's) and others, which are arrays. Or a VTK file: a sphere for each of
-/// its points.
+/// replaces the material's) and others, which are arrays. Or a VTK file or a mesh: a sphere for
+/// each of its points or vertices.
 ///
 /// ```
 /// # use scene::config::SpheresFile;
@@ -240,7 +240,7 @@ impl SpheresFile {
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
         let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
         let file = DataFile { path, step };
-        if import::is_vtk(path) {
+        if import::is_mesh(path) {
             let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
             return import::read_points(file, &radius, array);
         }

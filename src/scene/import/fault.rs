@@ -42,7 +42,7 @@ pub(super) fn cut(word: &str) -> Cow<'_, str> {
 }
 
 /// The expectation for a file that the system does not open.
-const READABLE: &str = "a file that can be read";
+pub(super) const READABLE: &str = "a file that can be read";
 
 impl FileFault {
     /// Creates a fault of the file as a whole.

@@ -9,7 +9,7 @@ use memchr::memchr2;
 use super::{GeometryFileReader, Result};
 
 /// The byte-order mark that some editors write before UTF-8 text.
-const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+pub(super) const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// Reads a text line by line into one buffer.
 #[derive(Debug)]
@@ -52,11 +52,11 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// Returns the next line without its end, joined with the following line
+    /// Returns the next line and its number, without its end, joined with the following line
     /// after a backslash; `None` at the end of the text. A line ends with a line
     /// feed, a carriage return or both. Bytes that are not UTF-8, such as in an
     /// old comment, become U+FFFD.
-    pub(super) fn next(&mut self) -> Result<Option<Cow<'_, str>>> {
+    pub(super) fn next(&mut self) -> Result<Option<(u64, Cow<'_, str>)>> {
         self.line.clear();
         while self.append_line()? {
             self.number += 1;
@@ -67,11 +67,11 @@ impl<R: BufRead> Lines<R> {
             self.line.truncate(n);
             match self.line.pop_if(|byte| *byte == b'\\') {
                 Some(_) => self.line.push(b' '),
-                None => return Ok(Some(String::from_utf8_lossy(&self.line))),
+                None => return Ok(Some((self.number, String::from_utf8_lossy(&self.line)))),
             }
         }
         let joined_to_the_end = !self.line.is_empty();
-        Ok(joined_to_the_end.then(|| String::from_utf8_lossy(&self.line)))
+        Ok(joined_to_the_end.then(|| (self.number, String::from_utf8_lossy(&self.line))))
     }
 
     /// Reads up to the end of a line, which is omitted; returns false if there is no further line.
@@ -117,9 +117,8 @@ mod tests {
     fn lines(text: &[u8], capacity: usize) -> Vec<(u64, String)> {
         let mut lines = Lines::new(BufReader::with_capacity(capacity, text));
         let mut found = Vec::new();
-        while let Some(line) = lines.next().unwrap() {
-            let line = line.into_owned();
-            found.push((lines.number(), line));
+        while let Some((number, line)) = lines.next().unwrap() {
+            found.push((number, line.into_owned()));
         }
         found
     }

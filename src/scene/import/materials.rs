@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::fault::READABLE;
 use super::picture::{PictureBytes, Reading, read_picture_of};
 use super::{FileFault, Result};
 use crate::color::Transfer;
@@ -97,8 +98,23 @@ pub struct MeshPicture {
     pub picture: Arc<Picture>,
     /// The filtering of lookups.
     pub sampling: Sampling,
-    /// Width and height in texture coordinates.
+    /// Width and height in texture coordinates, negative for a mirrored picture.
     pub size: [f32; 2],
+    /// The coordinates of the picture at texture coordinates of 0.
+    pub offset: [f32; 2],
+}
+
+impl MeshPicture {
+    /// Creates a picture that fills the texture coordinates from 0 to 1.
+    pub(super) fn new(name: PathBuf, picture: Arc<Picture>) -> Self {
+        Self {
+            name,
+            picture,
+            sampling: Sampling::default(),
+            size: [1.0; 2],
+            offset: [0.0; 2],
+        }
+    }
 }
 
 impl MeshMaterial {
@@ -239,10 +255,10 @@ impl PictureShelf {
 
 /// Returns a note on a file that a mesh names and that cannot be read.
 pub(super) fn missing_note(fault: &FileFault) -> String {
-    format!(
-        "shown without {}, expected {}",
-        fault.problem, fault.expected
-    )
+    match &*fault.expected {
+        READABLE => format!("shown without {}", fault.problem),
+        expected => format!("shown without {}, expected {expected}", fault.problem),
+    }
 }
 
 /// Moves a fault in a referenced file to the place of the reference.
@@ -251,8 +267,38 @@ pub(super) fn of_reference(name: &Path, fault: FileFault) -> FileFault {
     FileFault::new(problem, fault.expected)
 }
 
-/// Returns the path of a file that another file names.
+/// Returns the path of a file that another file names: in any case of its letters, or else in the
+/// folder itself.
 pub(super) fn path_in(folder: &Path, name: &str) -> PathBuf {
-    // Files from Windows use its separators.
-    folder.join(name.replace('\\', "/"))
+    // Files from Windows use its separators, and its names may differ in case.
+    let name = name.replace('\\', "/");
+    let path = folder.join(&name);
+    if path.is_file() {
+        return path;
+    }
+    let last = name.rsplit('/').next().unwrap_or_default();
+    let known = in_any_case(folder, &name).or_else(|| in_any_case(folder, last));
+    known.unwrap_or(path)
+}
+
+/// Returns the path of a file whose name may differ in case; `None` if there is none.
+fn in_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
+    let mut found = folder.to_owned();
+    for step in Path::new(name).components() {
+        let step = step.as_os_str();
+        if found.join(step).exists() {
+            found.push(step);
+            continue;
+        }
+        let names = Path::new(".")
+            .join(&found)
+            .read_dir()
+            .ok()?
+            .flatten()
+            .map(|entry| entry.file_name());
+        let wanted = step.to_string_lossy().to_lowercase();
+        let same = names.filter(|name| name.to_string_lossy().to_lowercase() == wanted);
+        found.push(same.min()?);
+    }
+    found.is_file().then_some(found)
 }

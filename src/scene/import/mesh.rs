@@ -2,10 +2,11 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::left_out::LeftOut;
 use super::materials::{MeshMaterial, picture_bytes};
-use super::{FileFault, Result};
+use super::{FileFault, FileLocation, Result};
 use crate::color::Transfer;
-use crate::geometry::{Aabb, Located, Triangle, located_points};
+use crate::geometry::{Aabb, Triangle, origin_near};
 use crate::light::Light;
 
 /// The triangle mesh of a file. Triangles may be degenerate.
@@ -41,6 +42,8 @@ pub struct Mesh {
     pub material_of: Vec<u32>,
     /// Sentences about what the file may have meant otherwise, or what is left out of it.
     pub notes: Vec<String>,
+    /// The parts of the file that its reader leaves out.
+    pub left_out: LeftOut,
     /// The lights of the file, if its materials were read.
     pub lights: Vec<Light>,
 }
@@ -101,12 +104,40 @@ impl Mesh {
         own as u64 + normals + uvs + scalars + colors + opacities + materials
     }
 
-    /// Stores the vertices of a file relative to an origin near them.
+    /// Stores the vertices of a file relative to an origin near them, and leaves out triangles with
+    /// a vertex that is not finite.
     pub(super) fn take_vertices(&mut self, vertices: Vec<DVec3>) {
-        Located {
-            origin: self.origin,
-            geometry: self.vertices,
-        } = located_points(&vertices);
+        let finite = vertices
+            .iter()
+            .filter(|vertex| vertex.as_vec3().is_finite());
+        self.origin = origin_near(finite.copied());
+        let near = vertices
+            .iter()
+            .map(|vertex| (vertex - self.origin).as_vec3());
+        self.vertices = near.collect();
+        if !self.triangles.is_empty() && !self.vertices.iter().all(|vertex| vertex.is_finite()) {
+            self.leave_out_unusable();
+        }
+    }
+
+    /// Takes their area from the triangles with a vertex that is not finite, and gives all such
+    /// vertices the place of another one.
+    fn leave_out_unusable(&mut self) {
+        let is_usable = |vertex: &Vec3| vertex.is_finite();
+        let usable = self.vertices.iter().position(is_usable).unwrap_or(0);
+        for (i, triangle) in self.triangles.iter_mut().enumerate() {
+            let corners = triangle.map(|corner| self.vertices[corner as usize]);
+            if !corners.iter().all(is_usable) {
+                let place = FileLocation::Element("triangle".to_owned(), i as u64);
+                self.left_out
+                    .add("triangles with a corner that is not finite", place);
+                *triangle = [usable as u32; 3];
+            }
+        }
+        let place = Some(self.vertices[usable]).filter(is_usable);
+        for vertex in self.vertices.iter_mut().filter(|vertex| !is_usable(vertex)) {
+            *vertex = place.unwrap_or_default();
+        }
     }
 
     /// Stores the normals of a file. If only some triangles have normals, the others get their

@@ -6,6 +6,7 @@
 //! and its line in `FORMATS`.
 
 mod fault;
+mod left_out;
 mod choice;
 mod lines;
 mod budget;
@@ -41,6 +42,7 @@ use base::stop;
 use budget::Budget;
 pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
 pub use fault::{FileFault, FileLocation};
+pub use left_out::LeftOut;
 pub use materials::{Finish, MeshMaterial, MeshOpacity, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
 pub use picture::read_picture;
@@ -139,47 +141,110 @@ type MeshReader = fn(GeometryFileReader, &Surroundings) -> Result<Mesh>;
 /// The mesh formats by file extension, in lower case, apart from VTK's.
 const FORMATS: &[(&str, MeshReader)] = &[
     ("obj", obj::read),
-    ("ply", |file, _| ply::read(file)),
-    ("stl", |file, _| stl::read(file)),
+    ("ply", ply::read),
+    ("stl", stl::read),
     ("gltf", gltf::read),
     ("glb", gltf::read),
 ];
 
-/// The formats of other programs by file extension, in lower case.
-const FOREIGN: &[(&str, &str)] = &[
-    ("3ds", "3D Studio"),
-    ("3mf", "3MF"),
-    ("abc", "Alembic"),
-    ("blend", "Blender"),
-    ("c4d", "Cinema 4D"),
-    ("dae", "COLLADA"),
-    ("fbx", "FBX"),
-    ("iges", "IGES"),
-    ("igs", "IGES"),
-    ("ma", "Maya"),
-    ("max", "3ds Max"),
-    ("mb", "Maya"),
-    ("skp", "SketchUp"),
-    ("step", "STEP"),
-    ("stp", "STEP"),
-    ("usd", "USD"),
-    ("usda", "USD"),
-    ("usdc", "USD"),
-    ("usdz", "USD"),
-    ("x3d", "X3D"),
-];
+/// The extensions of tables, in lower case.
+const TABLES: [&str; 2] = ["csv", "tsv"];
 
-/// Returns the name of another program's format that raycost does not read, by the file's
-/// extension.
-pub fn foreign_format(path: &Path) -> Option<&'static str> {
-    let extension = extension(path);
-    let found = FOREIGN.iter().find(|(known, _)| *known == extension);
-    found.map(|(_, name)| *name)
+/// A format of other programs that raycost does not read.
+#[derive(Debug, Clone, Copy)]
+pub struct ForeignFormat {
+    /// The name.
+    pub name: &'static str,
+    /// The extensions of its files, in lower case.
+    extensions: &'static [&'static str],
+    /// Advice to convert a file to a readable format.
+    pub advice: &'static str,
 }
 
-/// Advice to convert another program's file to a readable format.
-pub const EXPORT: &str =
-    "export glTF (.glb) or OBJ from the program that wrote it, or from Blender";
+/// Advice for the scenes and meshes of modeling programs.
+const EXPORT: &str = "export glTF (.glb) or OBJ from the program that wrote it, or from Blender";
+/// Advice for the data of simulations.
+const PARAVIEW: &str = "open it in ParaView, and save the data as VTK (.vtu, .vtp or .vtm)";
+/// Advice for the meshes of simulations.
+const MESHIO: &str = "convert it by meshio: `pip install meshio`, `meshio convert FILE FILE.vtu`";
+/// Advice for the meshes and points of scanners.
+const MESHLAB: &str = "open it in MeshLab or CloudCompare, and export PLY";
+/// Advice for volumes.
+const VOLUME: &str = "open it in ParaView or 3D Slicer, and save it as VTK (.vti)";
+
+const FOREIGN: &[ForeignFormat] = &[
+    ForeignFormat::new("3D Studio", &["3ds"], EXPORT),
+    ForeignFormat::new("3MF", &["3mf"], EXPORT),
+    ForeignFormat::new("Alembic", &["abc"], EXPORT),
+    ForeignFormat::new("Blender", &["blend"], EXPORT),
+    ForeignFormat::new("Cinema 4D", &["c4d"], EXPORT),
+    ForeignFormat::new("COLLADA", &["dae"], EXPORT),
+    ForeignFormat::new("FBX", &["fbx"], EXPORT),
+    ForeignFormat::new("IGES", &["iges", "igs"], EXPORT),
+    ForeignFormat::new("Maya", &["ma", "mb"], EXPORT),
+    ForeignFormat::new("3ds Max", &["max"], EXPORT),
+    ForeignFormat::new("SketchUp", &["skp"], EXPORT),
+    ForeignFormat::new("STEP", &["step", "stp"], EXPORT),
+    ForeignFormat::new("USD", &["usd", "usda", "usdc", "usdz"], EXPORT),
+    ForeignFormat::new("X3D", &["x3d"], EXPORT),
+    ForeignFormat::new("Abaqus", &["inp"], MESHIO),
+    ForeignFormat::new("Gmsh", &["msh"], MESHIO),
+    ForeignFormat::new("Nastran", &["bdf", "nas"], MESHIO),
+    ForeignFormat::new("CGNS", &["cgns"], PARAVIEW),
+    ForeignFormat::new("EnSight", &["case", "encas"], PARAVIEW),
+    ForeignFormat::new("Exodus", &["e", "ex2", "exo", "exii"], PARAVIEW),
+    ForeignFormat::new("OpenFOAM", &["foam"], PARAVIEW),
+    ForeignFormat::new("XDMF", &["xdmf", "xmf"], PARAVIEW),
+    ForeignFormat::new("LAS", &["las", "laz"], MESHLAB),
+    ForeignFormat::new("OFF", &["off"], MESHLAB),
+    ForeignFormat::new("PCD", &["pcd"], MESHLAB),
+    ForeignFormat::new("DICOM", &["dcm"], VOLUME),
+    ForeignFormat::new("MetaImage", &["mha", "mhd"], VOLUME),
+    ForeignFormat::new("NIfTI", &["nii"], VOLUME),
+    ForeignFormat::new("NRRD", &["nhdr", "nrrd"], VOLUME),
+    ForeignFormat::new("gzip", &["gz"], "unpack it by `gunzip`"),
+    ForeignFormat::new("ZIP", &["zip"], "unpack it by `unzip`"),
+];
+
+impl ForeignFormat {
+    const fn new(
+        name: &'static str,
+        extensions: &'static [&'static str],
+        advice: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            extensions,
+            advice,
+        }
+    }
+
+    /// Returns the format of a file, by its extension.
+    pub fn of(path: &Path) -> Option<&'static Self> {
+        let extension = extension(path);
+        let mut known = FOREIGN.iter();
+        known.find(|format| format.extensions.contains(&&*extension))
+    }
+}
+
+/// Returns true if the file's extension belongs to a table.
+pub fn is_table(path: &Path) -> bool {
+    TABLES.contains(&&*extension(path))
+}
+
+/// Returns true if a table has a column of lines.
+///
+/// # Errors
+/// The file cannot be read, or is damaged.
+pub fn has_lines(path: &Path) -> Result<bool> {
+    let found = open(path).and_then(|file| table::has_column(file, tubes::LINE));
+    found.map_err(|fault| fault.in_file(path))
+}
+
+/// Returns true if a path names geometry: a mesh, a table or a series of them.
+pub fn is_geometry(path: &Path) -> bool {
+    is_mesh(path) || is_table(path) || series::is_list(path)
+}
 
 /// Returns true if the file's extension belongs to a mesh format.
 pub fn is_mesh(path: &Path) -> bool {
@@ -234,14 +299,19 @@ pub fn read_mesh_with_materials<'a>(file: impl Into<DataFile<'a>>, available: u6
 
 /// Refuses a mesh without triangles.
 fn with_triangles(read: Result<Mesh>, path: &Path) -> Result<Mesh> {
-    let read = read.and_then(|mesh| {
+    let read = read.and_then(|mut mesh| {
+        mesh.notes.extend(mesh.left_out.note());
         if mesh.triangles.is_empty() {
+            let problem = ["no triangle in the file"].into_iter();
+            let problem: Vec<&str> = problem
+                .chain(mesh.notes.iter().map(String::as_str))
+                .collect();
             let expected = if is_vtk(path) {
                 "faces of cells; points are for `spheres`, lines for `tubes`"
             } else {
                 "faces"
             };
-            Err(FileFault::new("no triangle in the file", expected))
+            Err(FileFault::new(problem.join("; "), expected))
         } else {
             Ok(mesh)
         }
@@ -260,12 +330,17 @@ fn read_any_mesh(file: DataFile, array: Option<&ArrayChoice>, memory: Option<u64
     let known = FORMATS.iter().find(|(known, _)| *known == extension);
     let (_, read) = known.ok_or_else(|| unknown_format(path))?;
     if let Some(array) = array {
-        let problem = format!("it cannot have an array `{}`", array.name);
-        let expected = "a VTK file, such as one that ends in .vtp or .vtu";
-        return Err(FileFault::new(problem, expected));
+        return Err(without_arrays(array));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     read(open(path)?, &Surroundings { folder, memory })
+}
+
+/// Creates the fault of a file that is not a VTK file, and whose array is wanted.
+fn without_arrays(array: &ArrayChoice) -> FileFault {
+    let problem = format!("it cannot have an array `{}`", array.name);
+    let expected = "a VTK file, such as one that ends in .vtp or .vtu";
+    FileFault::new(problem, expected)
 }
 
 /// Reads isosurfaces of an array of a VTK file, with the numbers of another array.
@@ -307,7 +382,8 @@ pub fn read_spheres<'a>(
     read.map_err(|fault| fault.in_file(file.path))
 }
 
-/// Reads the points of a VTK file as spheres, with the numbers of an array.
+/// Reads the points of a VTK file as spheres, with the numbers of an array, or the vertices of
+/// another mesh, with their colors.
 ///
 /// # Errors
 /// The file cannot be read, is damaged, or lacks the array or any point.
@@ -317,7 +393,12 @@ pub fn read_points<'a>(
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
     let file = file.into();
-    let read = vtk::read_spheres(file, radius, array).and_then(|spheres| {
+    let read = if is_vtk(file.path) {
+        vtk::read_spheres(file, radius, array)
+    } else {
+        read_vertices(file, radius, array)
+    };
+    let read = read.and_then(|spheres| {
         if spheres.spheres.is_empty() {
             Err(FileFault::new(
                 "no point in the file",
@@ -328,6 +409,19 @@ pub fn read_points<'a>(
         }
     });
     read.map_err(|fault| fault.in_file(file.path))
+}
+
+/// Reads the vertices of a mesh that is not a VTK file as spheres.
+fn read_vertices(
+    file: DataFile,
+    radius: &RadiusChoice,
+    array: Option<&ArrayChoice>,
+) -> Result<Spheres> {
+    let mesh = read_any_mesh(file, array, None)?;
+    match radius {
+        RadiusChoice::Same(radius) => Ok(Spheres::at_vertices(mesh, *radius)),
+        RadiusChoice::Array { array, .. } => Err(without_arrays(array)),
+    }
 }
 
 /// Reads tubes from a table of comma-separated values, with the numbers of a column. `radius` is
@@ -402,8 +496,22 @@ fn length_of(path: &Path) -> Result<u64> {
     }
 }
 
+/// The first bytes of the text that Git LFS keeps in the place of a file.
+const GIT_LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 fn open(path: &Path) -> Result<GeometryFileReader> {
-    let file = Stoppable(files::open(path)?);
+    let mut file = Stoppable(files::open(path)?);
+    let mut start = Vec::new();
+    let length = GIT_LFS.len() as u64;
+    file.by_ref().take(length).read_to_end(&mut start)?;
+    if start == GIT_LFS {
+        let problem = "it is a pointer of Git LFS, not the file itself";
+        return Err(FileFault::new(
+            problem,
+            "the file that `git lfs pull` fetches",
+        ));
+    }
+    file.seek(SeekFrom::Start(0))?;
     Ok(BufReader::with_capacity(1 << 18, file))
 }
 
@@ -434,9 +542,11 @@ fn listed(words: &[String]) -> String {
 fn unknown_format(path: &Path) -> FileFault {
     let extension = extension(path);
     let known: Vec<String> = extensions().map(|known| format!(".{known}")).collect();
-    let problem = match (&*extension, foreign_format(path)) {
+    let problem = match (&*extension, ForeignFormat::of(path)) {
         ("", _) => "its name has no extension".to_owned(),
-        (_, Some(format)) => format!("raycost does not read {format} files; {EXPORT}"),
+        (_, Some(ForeignFormat { name, advice, .. })) => {
+            format!("raycost does not read {name} files; {advice}")
+        }
         _ => format!("unknown mesh format `.{extension}`"),
     };
     FileFault::new(problem, format!("a file that ends in {}", listed(&known)))

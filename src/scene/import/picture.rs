@@ -81,7 +81,8 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     head.extend_from_slice(&start[..start.len().min(MAX_SIGNATURE)]);
     file.seek(SeekFrom::Start(0))?;
     let is_of = |format: &&Format| head.starts_with(format.signature);
-    let format = FORMATS.iter().find(is_of).ok_or_else(unknown_format)?;
+    let format = FORMATS.iter().find(is_of);
+    let format = format.ok_or_else(|| unknown_format(&head))?;
     let damaged = |error| format.damaged(&error);
     let decoder = format.decoder(file).map_err(damaged)?;
     check_size(&decoder, reading.available)?;
@@ -131,8 +132,20 @@ const FORMATS: [Format; 5] = [
     ),
 ];
 
-/// Length of the longest signature in bytes.
-const MAX_SIGNATURE: usize = 10;
+/// Formats that are not read, with the first bytes of their files.
+const UNREAD: [(&str, &[u8]); 8] = [
+    ("BMP", b"BM"),
+    ("DDS", b"DDS "),
+    ("GIF", b"GIF8"),
+    ("KTX", b"\xabKTX"),
+    ("Photoshop", b"8BPS"),
+    ("TIFF", b"II*\0"),
+    ("TIFF", b"MM\0*"),
+    ("WebP", b"RIFF"),
+];
+
+/// Length of the longest signature in bytes: the header of TGA, which has none.
+const MAX_SIGNATURE: usize = 18;
 
 /// Upper bound of the memory to read one-byte channels, in bytes per channel of a texel: the
 /// decoded byte and the smaller copies, two of which are temporarily 32-bit numbers.
@@ -220,11 +233,29 @@ fn wrong_size([width, height]: [u32; 2]) -> FileFault {
     )
 }
 
-fn unknown_format() -> FileFault {
-    FileFault::new(
-        "it is not a picture of a known format",
-        "a PNG, JPEG, Radiance HDR or OpenEXR picture",
-    )
+/// Creates the fault of a file that begins with these bytes.
+fn unknown_format(head: &[u8]) -> FileFault {
+    let expected = "a PNG, JPEG, Radiance HDR or OpenEXR picture";
+    let unread = UNREAD
+        .iter()
+        .find(|(_, signature)| head.starts_with(signature));
+    let name = unread.map(|(name, _)| *name);
+    match name.or_else(|| is_tga(head).then_some("TGA")) {
+        None => FileFault::new("it is not a picture of a known format", expected),
+        Some(name) => FileFault::new(
+            format!("raycost does not read {name} pictures"),
+            format!("{expected}: ImageMagick's `magick FILE FILE.png` converts it"),
+        ),
+    }
+}
+
+/// Returns true if a file begins as TGA does: the kind of its color map, its own kind, and its bits
+/// per pixel are known ones.
+fn is_tga(head: &[u8]) -> bool {
+    match head {
+        [_, 0 | 1, 1..=3 | 9..=11, .., 8 | 15 | 16 | 24 | 32, _] => head.len() == MAX_SIGNATURE,
+        _ => false,
+    }
 }
 
 impl Format {

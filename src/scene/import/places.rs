@@ -4,12 +4,12 @@
 use std::ops::Range;
 use std::str::FromStr;
 
-use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+use csv::{ByteRecord, Position};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::fault::cut;
 use super::mesh::{finite, point};
-use super::table::{missing_column, named_twice, number, of_table, word};
+use super::table::{missing_column, named_twice, number, of_table, open_table, word};
 use super::{ArrayChoice, FileFault, FileLocation, GeometryFileReader, Result};
 use base::text::did_you_mean;
 
@@ -64,7 +64,7 @@ impl InstancePlace {
 
 /// Reads a table.
 pub(super) fn read(file: GeometryFileReader) -> Result<Vec<InstancePlace>> {
-    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let mut table = open_table(file)?;
     let columns = PlaceColumns::from_header(table.byte_headers().map_err(of_table)?)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     let mut places = Vec::new();
@@ -116,7 +116,7 @@ impl PlaceColumns {
         };
         let missing = lacks(0..3).or(lacks(4..7)).or(lacks(7..10));
         if let Some(missing) = missing {
-            return Err(missing_column(NAMES[missing], "x,y,z,scale"));
+            return Err(missing_column(NAMES[missing], header, "x,y,z,scale"));
         }
         Ok(Self(columns))
     }

@@ -38,8 +38,13 @@ const MAX_DIGITS: usize = 15;
 /// chosen: a file that has the name of a pattern is only itself.
 pub fn is_series<'a>(file: impl Into<DataFile<'a>>) -> bool {
     let DataFile { path, step } = file.into();
-    let is_list = vtk::is_collection(path) && step.is_none() || extension(path) == "series";
+    let is_list = is_list(path) && !(vtk::is_collection(path) && step.is_some());
     is_list || Pattern::find(path).is_some_and(|_| !path.is_file())
+}
+
+/// Returns true if the file's extension belongs to a list of the files of a series.
+pub(super) fn is_list(path: &Path) -> bool {
+    vtk::is_collection(path) || extension(path) == "series"
 }
 
 /// Returns the time steps of a geometry file whose path is relative to `folder`: of a series of

@@ -5,12 +5,12 @@ use std::collections::HashSet;
 
 use glam::{DVec3, Vec3};
 
-use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+use csv::{ByteRecord, Position};
 
 use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
 use super::fault::cut;
-use super::mesh::{limited, point};
-use super::table::{missing_column, named_twice, number, of_table, word};
+use super::mesh::{Mesh, limited, point};
+use super::table::{columns, missing_column, named_twice, number, of_table, open_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
 use crate::geometry::{Located, Sphere, located_points};
 use crate::yaml::hex_color;
@@ -27,9 +27,45 @@ pub struct Spheres {
     pub colors: Option<Vec<Vec3>>,
     /// The number of an array for each sphere, if one was read; NaN for missing ones.
     pub scalars: Option<Vec<f64>>,
+    /// The names of the arrays of the file that may give colors.
+    pub arrays: Vec<String>,
+    /// Sentences about what is left out of the file.
+    pub notes: Vec<String>,
 }
 
 impl Spheres {
+    /// Creates spheres of this radius at the vertices of a mesh, with their colors.
+    pub(super) fn at_vertices(mesh: Mesh, radius: f32) -> Self {
+        let Mesh {
+            origin,
+            vertices,
+            mut left_out,
+            mut notes,
+            ..
+        } = mesh;
+        let colors = mesh.colors.map(|colors| colors.values);
+        let mut colors = colors.filter(|colors| colors.len() == vertices.len());
+        let is_finite: Vec<bool> = vertices.iter().map(|vertex| vertex.is_finite()).collect();
+        if let Some(first) = is_finite.iter().position(|is_finite| !is_finite) {
+            let place = FileLocation::Element("point".to_owned(), first as u64);
+            let n_others = is_finite.iter().filter(|is_finite| !**is_finite).count();
+            (0..n_others).for_each(|_| left_out.add("points that are not finite", &place));
+        }
+        notes.extend(left_out.note());
+        if let Some(colors) = &mut colors {
+            let mut is_kept = is_finite.iter();
+            colors.retain(|_| is_kept.next() == Some(&true));
+        }
+        let centers = vertices.into_iter().filter(|vertex| vertex.is_finite());
+        Self {
+            origin,
+            spheres: centers.map(|center| Sphere { center, radius }).collect(),
+            colors,
+            notes,
+            ..Self::default()
+        }
+    }
+
     /// Returns the memory in bytes.
     pub fn n_bytes(&self) -> u64 {
         let n_color_bytes = self
@@ -51,9 +87,9 @@ pub(super) fn read(
     radius: Option<&RadiusChoice>,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
-    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
-    let header = table.byte_headers().map_err(of_table)?;
-    let columns = Columns::from_header(header, "color", radius, array)
+    let mut table = open_table(file)?;
+    let header = table.byte_headers().map_err(of_table)?.clone();
+    let columns = Columns::from_header(&header, "color", radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
     // An array's colors replace the table's.
     let color_column = columns.extra.filter(|_| array.is_none());
@@ -65,6 +101,9 @@ pub(super) fn read(
     let (mut centers, mut radii) = (Vec::new(), Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
+        if centers.is_empty() {
+            found.arrays = columns.arrays(&header, &row);
+        }
         let line = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line));
         let (center, radius) = columns.sphere(&row).map_err(at_line)?;
@@ -122,15 +161,21 @@ impl Columns {
         }
         let find = |name: &str| names.iter().position(|known| known == name);
         let column = |name: &str| {
-            find(name).ok_or_else(|| missing_column(name, &format!("x,y,z,r,{extra}")))
+            find(name).ok_or_else(|| missing_column(name, header, &format!("x,y,z,r,{extra}")))
         };
-        let center = [column("x")?, column("y")?, column("z")?];
+        let upper = ["X", "Y", "Z"].map(find);
+        let of_paraview = ["Points:0", "Points:1", "Points:2"].map(find);
+        let center = match (upper, of_paraview) {
+            _ if find("x").is_some() => [column("x")?, column("y")?, column("z")?],
+            ([Some(x), Some(y), Some(z)], _) | (_, [Some(x), Some(y), Some(z)]) => [x, y, z],
+            _ => [column("x")?; 3],
+        };
         let extra_column = find(extra);
         if extra_column.is_none() {
             let misspelled = names.iter().find(|name| is_nearly(name, extra));
             misspelled.map_or(Ok(()), |name| Err(unknown_column(name, extra)))?;
         }
-        let chosen = |array: &ArrayChoice| chosen_column(array, &names);
+        let chosen = |array: &ArrayChoice| chosen_column(array, &names, header);
         let radius = match (radius, find("r")) {
             (Some(RadiusChoice::Array { array, factor }), _) => {
                 Radius::Column(chosen(array)?, *factor)
@@ -148,6 +193,17 @@ impl Columns {
             extra: extra_column,
             number: array.map(chosen).transpose()?,
         })
+    }
+
+    /// Returns the names of the other columns that have a number in this row.
+    pub(super) fn arrays(&self, header: &ByteRecord, row: &ByteRecord) -> Vec<String> {
+        let is_other = |i: usize| !self.center.contains(&i) && self.extra != Some(i);
+        let is_number = |i: usize| word(row, i).parse::<f64>().is_ok();
+        let names = header.iter().enumerate();
+        let arrays = names.filter(|&(i, name)| name != b"r" && is_other(i) && is_number(i));
+        arrays
+            .map(|(_, name)| String::from_utf8_lossy(name).into_owned())
+            .collect()
     }
 
     /// Parses the point of a row and its radius.
@@ -177,7 +233,7 @@ impl Columns {
 }
 
 /// Returns the column of an array.
-fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
+fn chosen_column(array: &ArrayChoice, names: &[Cow<str>], header: &ByteRecord) -> Result<usize> {
     let name = cut(&array.name);
     if array.is_color || array.of == Some(ArrayOf::Cells) || array.component > Some(0) {
         let problem = format!("`{name}` can only be a column of a table");
@@ -189,17 +245,14 @@ fn chosen_column(array: &ArrayChoice, names: &[Cow<str>]) -> Result<usize> {
         if let Some(suggestion) = did_you_mean(&array.name, names.iter().map(|name| &**name)) {
             problem += &format!(", {suggestion}");
         }
-        let known = names.iter().take(MAX_LISTED);
-        let known: Vec<String> = known.map(|name| format!("`{}`", cut(name))).collect();
-        FileFault::new(
-            problem,
-            format!("one of its columns, such as {}", listed(&known)),
-        )
+        let known: Vec<String> = columns(header)
+            .iter()
+            .map(|name| format!("`{name}`"))
+            .collect();
+        let expected = format!("one of its columns, such as {}", listed(&known));
+        FileFault::new(problem, expected)
     })
 }
-
-/// Maximum number of names of columns in a message.
-const MAX_LISTED: usize = 8;
 
 /// Returns true if two names differ only by one missing or extra letter, or in case.
 fn is_nearly(name: &str, other: &str) -> bool {

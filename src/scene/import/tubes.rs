@@ -1,14 +1,17 @@
 //! Tubes: lines through points with a radius at each.
 
-use csv::{ByteRecord, Position, ReaderBuilder, Trim};
+use csv::{ByteRecord, Position};
 use glam::DVec3;
 
 use super::choice::{ArrayChoice, RadiusChoice};
 use super::mesh::count;
 use super::spheres::Columns;
-use super::table::of_table;
+use super::table::{of_table, open_table};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use crate::geometry::{Aabb, Capsule, Sphere, origin_near};
+
+/// The column of a table that names the line of each point.
+pub(super) const LINE: &str = "line";
 
 /// The tubes of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -117,16 +120,19 @@ pub(super) fn read(
     radius: Option<&RadiusChoice>,
     array: Option<&ArrayChoice>,
 ) -> Result<Tubes> {
-    let mut table = ReaderBuilder::new().trim(Trim::All).from_reader(file);
+    let mut table = open_table(file)?;
     let header = table.byte_headers().map_err(of_table)?;
-    let columns = Columns::from_header(header, "line", radius, array)
+    let columns = Columns::from_header(header, LINE, radius, array)
         .map_err(|fault| fault.at(FileLocation::Line(1)))?;
+    let header = header.clone();
+    let mut arrays = None;
     // For each row: the index of the first point of its line, the center, the radius and the
     // number.
     let mut points: Vec<(usize, DVec3, f32, f64)> = Vec::new();
     let (mut line, mut name) = (0, Vec::new());
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
+        arrays.get_or_insert_with(|| columns.arrays(&header, &row));
         let line_number = row.position().map_or(0, Position::line);
         let at_line = |fault: FileFault| fault.at(FileLocation::Line(line_number));
         let (center, radius) = columns.sphere(&row).map_err(at_line)?;
@@ -140,6 +146,7 @@ pub(super) fn read(
     }
     let origin = origin_near(points.iter().map(|(_, center, ..)| *center));
     let mut tubes = Tubes::with_scalars(array.is_some()).at(origin);
+    tubes.arrays = arrays.unwrap_or_default();
     for line in points.chunk_by(|(a, ..), (b, ..)| a == b) {
         tubes.add_line(line.iter().map(|&(_, center, radius, number)| {
             let center = (center - origin).as_vec3();

@@ -168,6 +168,7 @@ fn image(of: &MeshPicture) -> ImageTexture {
         wrap: of.sampling.wrap,
         filter: of.sampling.filter,
         transfer: None,
+        offset: of.offset,
         picture: of.picture.clone(),
     }
 }

@@ -78,6 +78,16 @@ impl ObjectGeometry {
         }
     }
 
+    /// Returns the notes on its file.
+    fn notes(&self) -> &[String] {
+        match self {
+            Self::Mesh(mesh) => &mesh.notes,
+            Self::Instances(placed) => &placed.mesh.notes,
+            Self::Spheres(spheres) => &spheres.notes,
+            Self::Shape(_) | Self::Generator(_) | Self::Tubes(_) => &[],
+        }
+    }
+
     /// Returns the memory of the contents of its files in bytes.
     fn n_bytes(&self) -> u64 {
         match self {
@@ -176,11 +186,11 @@ impl Geometries {
         let objects = std::mem::take(&mut config.objects);
         let mut names = NewNames::default();
         for (place, (object, geometry)) in objects.into_iter().zip(self.objects).enumerate() {
+            found.add_notes(&object.geometry, geometry.notes());
             let parts = match geometry {
                 ObjectGeometry::Mesh(mesh) if object.material.0.is_empty() => {
                     found.own_picture_bytes += import::picture_bytes(&mesh.materials);
                     config.lights.extend(own_lights(&object, &mesh));
-                    found.add_notes(&object.geometry, &mesh);
                     let parts = own_materials::parts(config, &mut names, object, *mesh).into_iter();
                     parts
                         .map(|(part, mesh)| (part, ObjectGeometry::Mesh(Box::new(mesh))))
@@ -193,7 +203,6 @@ impl Geometries {
                         places,
                         scalars,
                     } = *placed;
-                    found.add_notes(&object.geometry, &mesh);
                     let parts = own_materials::parts(config, &mut names, object, mesh).into_iter();
                     let instances = |mesh| MeshInstances {
                         mesh,
@@ -217,10 +226,10 @@ impl Geometries {
         found
     }
 
-    /// Adds the notes of a mesh, each of which is said once.
-    fn add_notes(&mut self, geometry: &Geometry, mesh: &Mesh) {
+    /// Adds the notes on the file of a geometry, each of which is said once.
+    fn add_notes(&mut self, geometry: &Geometry, notes: &[String]) {
         let file = own_materials::file_word(geometry);
-        for note in &mesh.notes {
+        for note in notes {
             let note = format!("{file}: {note}");
             if !self.notes.contains(&note) {
                 self.notes.push(note);

@@ -136,6 +136,8 @@ impl<'a> Placement<'a> {
                 spheres,
                 colors,
                 scalars,
+                arrays: _,
+                notes: _,
             }) => {
                 let transform = self.transform(origin)?;
                 for (i, sphere) in spheres.into_iter().enumerate() {

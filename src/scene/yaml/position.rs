@@ -71,10 +71,10 @@ impl Location {
         &text[self.value.clone()]
     }
 
-    /// Returns true if a comment follows on the same line.
-    pub fn is_before_comment(&self, text: &str) -> bool {
+    /// Returns true if the value is missing, and a comment follows on the same line.
+    pub fn is_hidden_by_comment(&self, text: &str) -> bool {
         let rest = &text[self.value.end..];
-        rest.trim_start_matches([' ', ':']).starts_with('#')
+        self.is_empty && rest.trim_start_matches([' ', ':']).starts_with('#')
     }
 }
 

@@ -120,8 +120,14 @@ fn unknown_choice(text: &LocatedText, path: FieldPath, word: &str, expected: &st
     Fault { help, ..fault }
 }
 
+/// Help for a color without quotes.
+const UNQUOTED_COLOR: &str = "`#` starts a comment: put the color in quotes";
+
 fn missing_key(text: &LocatedText, path: FieldPath, word: &str) -> Fault {
-    let help = if location_of(text, &path).is_some_and(|location| location.is_empty) {
+    let value = location_of(text, &path.clone().key(word));
+    let help = if value.is_some_and(|value| value.is_hidden_by_comment(text.text)) {
+        UNQUOTED_COLOR.to_owned()
+    } else if location_of(text, &path).is_some_and(|location| location.is_empty) {
         format!("add `{word}: …` below it, indented deeper")
     } else {
         format!("add `{word}: …`")
@@ -155,11 +161,10 @@ fn invalid(text: &LocatedText, path: FieldPath, problem: &str, expected: &str) -
         format!("expected {}", description(expected)),
     );
     let is_type = problem.starts_with("invalid type");
-    let is_comment =
-        |location: &Location| location.is_empty && location.is_before_comment(text.text);
+    let is_comment = |location: &Location| location.is_hidden_by_comment(text.text);
     let help = match expected {
         _ if expected.contains("color") && location.as_ref().is_some_and(is_comment) => {
-            Some("`#` starts a comment: put the color in quotes".to_owned())
+            Some(UNQUOTED_COLOR.to_owned())
         }
         _ if expected.starts_with("the name") && found.starts_with('`') => {
             Some("quote a name that looks like a number or a boolean".to_owned())

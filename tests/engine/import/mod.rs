@@ -4,6 +4,7 @@
 mod far;
 mod faults;
 mod isosurfaces;
+mod left_out;
 mod lines;
 mod vtk;
 mod vtk_meshes;
@@ -260,6 +261,24 @@ fn a_table_gives_its_spheres() {
     let center = full.origin + full.spheres[0].center.as_dvec3();
     assert_eq!(center, DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(full.spheres[0].radius, 7.0);
+}
+
+/// As ParaView and programs of other countries write them.
+#[test]
+fn a_table_has_other_separators_and_names_of_coordinates() {
+    let radius = RadiusChoice::Same(0.5);
+    for text in [
+        "X,Y,Z\n1,2,3\n",
+        "x;y;z;name\n1;2;3;a\n",
+        "x\ty\tz\n1\t2\t3\n",
+        "T,Points:0,Points:1,Points:2\r0,1,2,3\r",
+        "\u{feff}x,y,z,X\n1,2,3,7\n",
+    ] {
+        let read = |path: &Path| read_spheres(path, Some(&radius), None);
+        let found = reading("a.csv", text.as_bytes(), read).unwrap();
+        let center = found.origin + found.spheres[0].center.as_dvec3();
+        assert_eq!(center, DVec3::new(1.0, 2.0, 3.0), "{text}");
+    }
 }
 
 fn column(name: &str) -> ArrayChoice {

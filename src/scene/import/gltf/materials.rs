@@ -247,10 +247,8 @@ impl Materials<'_> {
         let bytes = || bytes_of(root, image, buffers, folder, budget);
         let picture = self.shelf.picture_or_note(&name, transfer, tint, bytes)?;
         Some(MeshPicture {
-            name,
-            picture,
             sampling: sampling(root, texture),
-            size: [1.0; 2],
+            ..MeshPicture::new(name, picture)
         })
     }
 }

@@ -1,18 +1,20 @@
 //! The materials that an OBJ file assigns to its faces.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::mtl;
-use crate::import::fault::cut;
-use crate::import::materials::{MAX_MATERIALS, MeshMaterial, PictureShelf, of_reference, path_in};
-use crate::import::{FileFault, FileLocation, Result, Surroundings};
-use base::text::did_you_mean;
+use crate::import::fault::{READABLE, cut};
+use crate::import::materials::{
+    MAX_MATERIALS, MeshMaterial, PictureShelf, missing_note, of_reference, path_in,
+};
+use crate::import::mesh::Mesh;
+use crate::import::{FileFault, Result, Surroundings};
 
 /// The statements about materials so far.
 #[derive(Default)]
 pub(super) struct MaterialGroups {
-    /// The names of material files, each with its line.
-    libraries: Vec<(String, u64)>,
+    /// The names of material files.
+    libraries: Vec<String>,
     /// The names of materials, each with the line of its first use.
     used: Vec<(String, u64)>,
     /// The index of the current material name.
@@ -26,9 +28,9 @@ const NONE: u32 = u32::MAX;
 
 impl MaterialGroups {
     /// Handles `mtllib`.
-    pub(super) fn library(&mut self, names: &str, line: u64) {
-        if !names.is_empty() && !self.libraries.iter().any(|(known, _)| known == names) {
-            self.libraries.push((names.to_owned(), line));
+    pub(super) fn library(&mut self, names: &str) {
+        if !names.is_empty() && !self.libraries.iter().any(|known| known == names) {
+            self.libraries.push(names.to_owned());
         }
     }
 
@@ -55,70 +57,61 @@ impl MaterialGroups {
         self.of_triangles.resize(n, self.present.unwrap_or(NONE));
     }
 
-    /// Returns the materials, and the index of each triangle's material; none if the file names no
-    /// material file.
+    /// Gives the materials to a mesh, and the index of each triangle's one; none if the file names
+    /// no material file.
     ///
     /// # Errors
-    /// A material file cannot be read, or a material is in none of them.
-    pub(super) fn materials(
+    /// There are too many materials.
+    pub(super) fn give_to(
         mut self,
+        mesh: &mut Mesh,
         around: &Surroundings,
         available: u64,
-    ) -> Result<(Vec<MeshMaterial>, Vec<u32>)> {
+    ) -> Result<()> {
         if self.libraries.is_empty() {
-            return Ok(Default::default());
+            return Ok(());
         }
         let mut known = Vec::new();
         let mut shelf = PictureShelf::new(available);
-        for (names, line) in &self.libraries {
-            let read = read_library(around.folder, names, &mut shelf, &mut known);
-            read.map_err(|fault| fault.at(FileLocation::Line(*line)))?;
+        for names in &self.libraries {
+            for file in files_of(around.folder, names) {
+                let read = mtl::read(&file, &mut shelf, &mut known, &mut mesh.left_out);
+                match read {
+                    Err(fault) if fault.expected == READABLE => {
+                        let fault = of_reference(&file, fault);
+                        shelf.notes.push(missing_note(&fault));
+                    }
+                    read => read.map_err(|fault| fault.in_file(&file))?,
+                }
+            }
         }
-        let of_name = |(name, line): &(String, u64)| {
+        for (name, line) in &self.used {
             let found = known.iter().find(|material| material.name == *name);
-            found.cloned().ok_or_else(|| unknown(name, *line, &known))
-        };
-        let mut materials = self.used.iter().map(of_name).collect::<Result<Vec<_>>>()?;
+            if found.is_none() && !known.is_empty() {
+                let place = format_args!("`{}` in line {line}", cut(name));
+                mesh.left_out.add("materials that no `mtllib` has", place);
+            }
+            let missing = || MeshMaterial::new(name, MeshMaterial::default().color);
+            mesh.materials.push(found.cloned().unwrap_or_else(missing));
+        }
         if self.of_triangles.contains(&NONE) {
             for index in self.of_triangles.iter_mut().filter(|index| **index == NONE) {
-                *index = materials.len() as u32;
+                *index = mesh.materials.len() as u32;
             }
-            materials.push(MeshMaterial::default());
+            mesh.materials.push(MeshMaterial::default());
         }
-        Ok((materials, self.of_triangles))
+        mesh.material_of = self.of_triangles;
+        mesh.notes.append(&mut shelf.notes);
+        Ok(())
     }
 }
 
-/// Reads one material file, whose name may contain blanks, or several.
-fn read_library(
-    folder: &Path,
-    names: &str,
-    shelf: &mut PictureShelf,
-    found: &mut Vec<MeshMaterial>,
-) -> Result<()> {
+/// Returns the path of one material file, whose name may contain blanks, or of several.
+fn files_of(folder: &Path, names: &str) -> Vec<PathBuf> {
     let whole = path_in(folder, names);
-    let files = if whole.is_file() {
-        vec![whole]
-    } else {
-        let names = names.split_ascii_whitespace();
-        names.map(|name| path_in(folder, name)).collect()
-    };
-    for file in files {
-        if !file.is_file() {
-            let fault = FileFault::new("there is no such file", "the file of materials");
-            return Err(of_reference(&file, fault));
-        }
-        mtl::read(&file, shelf, found).map_err(|fault| fault.in_file(&file))?;
+    if whole.is_file() {
+        return vec![whole];
     }
-    Ok(())
-}
-
-fn unknown(name: &str, line: u64, known: &[MeshMaterial]) -> FileFault {
-    let names = known.iter().map(|material| material.name.as_str());
-    let problem = format!("there is no material `{}`", cut(name));
-    let expected = match did_you_mean(name, names) {
-        Some(suggestion) => format!("one of those in `mtllib`: {suggestion}"),
-        None => "one of those in `mtllib`".to_owned(),
-    };
-    FileFault::new(problem, expected).at(FileLocation::Line(line))
+    let names = names.split_ascii_whitespace();
+    names.map(|name| path_in(folder, name)).collect()
 }

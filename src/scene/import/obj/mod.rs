@@ -8,6 +8,8 @@ mod mtl;
 mod groups;
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::iter::{self, Peekable};
 use std::str::FromStr;
 
 use arrayvec::ArrayVec;
@@ -16,17 +18,13 @@ use glam::{DVec3, Vec2, Vec3};
 use super::fault::cut;
 use super::lines::Lines;
 use super::materials::MeshMaterial;
-use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light, point};
+use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
 use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use groups::MaterialGroups;
 
-/// Statements that are ignored: other elements, groups and display
-/// attributes.
+/// Statements that are ignored: groups and display attributes.
 const IGNORED: &[&str] = &[
-    "vp",
-    "p",
-    "l",
     "g",
     "o",
     "s",
@@ -48,29 +46,22 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
     let mut lines = Lines::of_file(file)?;
     let mut reader = Reader::default();
     let mut groups = around.memory.map(|_| MaterialGroups::default());
-    while let Some(line) = lines.next()? {
+    while let Some((number, line)) = lines.next()? {
         let read = match &mut groups {
-            None => reader.statement(&line),
-            Some(groups) => {
-                let (line, number) = (line.into_owned(), lines.number());
-                reader.statement_with_materials(&line, number, groups)
-            }
+            None => reader.statement(&line, number),
+            Some(groups) => reader.statement_with_materials(&line, number, groups),
         };
-        read.map_err(|fault| fault.at(FileLocation::Line(lines.number())))?;
+        read.map_err(|fault| fault.at(FileLocation::Line(number)))?;
     }
-    let Some((groups, available)) = groups.zip(around.memory) else {
-        return Ok(reader.finish());
-    };
-    let (materials, material_of) = groups.materials(around, available)?;
-    if materials.iter().any(MeshMaterial::has_pictures) {
-        reader.complete_uvs();
+    if let Some((groups, available)) = groups.zip(around.memory) {
+        let mesh = &mut reader.mesh;
+        groups.give_to(mesh, around, available)?;
+        mesh.notes.extend(doubts(&mesh.materials));
+        if mesh.materials.iter().any(MeshMaterial::has_pictures) {
+            reader.complete_uvs();
+        }
     }
-    Ok(Mesh {
-        notes: doubts(&materials),
-        materials,
-        material_of,
-        ..reader.finish()
-    })
+    Ok(reader.finish())
 }
 
 /// Returns a sentence about each kind of doubtful statement in the materials.
@@ -110,86 +101,116 @@ struct Reader {
 }
 
 impl Reader {
-    /// Parses one line.
-    fn statement(&mut self, line: &str) -> Result<()> {
+    /// Parses one line. Leaves out what no polygon needs.
+    fn statement(&mut self, line: &str, number: u64) -> Result<()> {
+        let place = FileLocation::Line(number);
         let words = line.split_ascii_whitespace();
-        let mut words = words.take_while(|word| !word.starts_with('#'));
+        let mut words = words.take_while(|word| !word.starts_with('#')).peekable();
         let Some(keyword) = words.next() else {
             return Ok(());
         };
         match keyword {
             "v" => {
                 count(self.vertices.len() + 1)?;
-                self.vertices.push(point(vector(&mut words)?)?);
-                self.colors.extend(weight_or_color(words)?);
+                self.vertices.push(vector(&mut words)?.into());
+                self.colors.extend(color(&mut words));
             }
             "vn" => {
                 count(self.normals.values.len() + 1)?;
-                self.normals.values.push(finite(vector(&mut words)?)?);
-                if let Some(word) = words.next() {
-                    let problem = format!("`{}` follows a normal", cut(word));
-                    return Err(FileFault::new(problem, "three coordinates alone"));
+                let normal = vector(&mut words).and_then(finite);
+                if normal.is_err() {
+                    self.leave_out("normals that are not three finite numbers", &place);
                 }
+                self.normals.values.push(normal.unwrap_or_default());
             }
             "vt" => {
                 count(self.uvs.values.len() + 1)?;
-                self.uvs.values.push(texture_coordinates(words)?);
+                let uv = texture_coordinates(&mut words);
+                if uv.is_err() {
+                    self.leave_out("texture coordinates that are not finite numbers", &place);
+                }
+                self.uvs.values.push(uv.unwrap_or_default());
             }
-            "f" | "fo" => return self.face(words),
-            "mtllib" | "usemtl" => {}
+            "f" | "fo" => return self.face(words, &place),
+            "mtllib" | "usemtl" => return Ok(()),
             // Old programs start comments with a dollar sign.
-            _ if IGNORED.contains(&keyword) || keyword.starts_with('$') => {}
-            _ => return Err(unknown_statement(keyword)),
+            _ if IGNORED.contains(&keyword) || keyword.starts_with('$') => return Ok(()),
+            _ => {
+                let place = format_args!("`{}` in {place}", cut(keyword));
+                self.leave_out("statements other than polygons", place);
+                return Ok(());
+            }
+        }
+        if words.next().is_some() {
+            self.leave_out("ends of lines after the numbers", place);
         }
         Ok(())
     }
 
-    fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<()> {
+    fn leave_out(&mut self, kind: &'static str, place: impl Display) {
+        self.mesh.left_out.add(kind, place);
+    }
+
+    fn face<'a>(
+        &mut self,
+        words: impl Iterator<Item = &'a str>,
+        place: &FileLocation,
+    ) -> Result<()> {
         // Parse the corners.
         self.face.clear();
         self.face_normals.clear();
         self.face_uvs.clear();
+        let (mut has_normals, mut has_uvs) = (false, false);
         for word in words {
             let mut indices = word.split('/');
             let mut next = || indices.next().unwrap_or_default();
             let (vertex, texture, normal) = (next(), next(), next());
-            let is_texture = texture.is_empty() || texture.parse::<i64>().is_ok();
-            if indices.next().is_some() || !is_texture {
+            if indices.next().is_some() {
                 return Err(no_corner(word));
             }
-            self.face
-                .push(index(vertex, "vertex", self.vertices.len())?);
+            let vertex = index(vertex, self.vertices.len())?;
+            self.face.push(vertex.ok_or_else(|| self.no_vertex(word))?);
             if !normal.is_empty() {
-                let n = self.normals.values.len();
-                self.face_normals.push(index(normal, "normal", n)?);
+                has_normals = true;
+                self.face_normals
+                    .extend(index(normal, self.normals.values.len())?);
             }
             // Some programs index texture coordinates that they do not write.
             if !texture.is_empty() && !self.uvs.values.is_empty() {
-                let n = self.uvs.values.len();
-                self.face_uvs.push(index(texture, "texture coordinate", n)?);
+                has_uvs = true;
+                self.face_uvs.extend(index(texture, self.uvs.values.len())?);
             }
         }
         // Check that all corners have the same attributes, and triangulate them.
-        let (n, n_normals) = (self.face.len(), self.face_normals.len());
+        let (n, n_before) = (self.face.len(), self.mesh.triangles.len());
         if n < 3 {
-            let problem = format!("a face has {n} corners");
-            return Err(FileFault::new(problem, "at least 3"));
+            self.leave_out("faces of fewer than three corners", place);
+            return Ok(());
         }
-        let n_before = self.mesh.triangles.len();
-        if n_normals == n {
+        if self.face_normals.len() == n {
             self.normals.triangles.resize(n_before, MISSING);
             self.normals.triangles.extend(fan(&self.face_normals));
-        } else if n_normals > 0 {
-            let problem = format!("{n_normals} of {n} corners have a normal");
-            return Err(FileFault::new(problem, "normals at all corners or at none"));
+        } else if has_normals {
+            self.leave_out("normals that not all corners of a face have", place);
         }
         if self.face_uvs.len() == n {
             self.uvs.triangles.resize(n_before, MISSING);
             self.uvs.triangles.extend(fan(&self.face_uvs));
+        } else if has_uvs {
+            let kind = "texture coordinates that not all corners of a face have";
+            self.leave_out(kind, place);
         }
         self.mesh.triangles.extend(fan(&self.face));
         self.polygons.add(n_before..self.mesh.triangles.len());
         Ok(())
+    }
+
+    fn no_vertex(&self, word: &str) -> FileFault {
+        let (vertex, _) = word.split_once('/').unwrap_or((word, ""));
+        FileFault::new(
+            format!("there is no vertex {}", cut(vertex)),
+            format!("one of the {} above", self.vertices.len()),
+        )
     }
 
     /// Parses one line, including statements about materials.
@@ -202,10 +223,10 @@ impl Reader {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match keyword {
-            "mtllib" => groups.library(rest.trim(), number),
+            "mtllib" => groups.library(rest.trim()),
             "usemtl" => groups.use_material(rest.trim(), number)?,
             _ => {
-                self.statement(line)?;
+                self.statement(line, number)?;
                 groups.triangles(self.mesh.triangles.len());
             }
         }
@@ -244,47 +265,39 @@ impl Reader {
 
 /// Parses the optional values after a vertex: a weight, or a color of three numbers with an
 /// optional weight or opacity. Returns the linear light of a color of three numbers from 0 to 1.
-fn weight_or_color<'a>(words: impl Iterator<Item = &'a str>) -> Result<Option<Vec3>> {
-    const EXPECTED: &str = "three coordinates, then a weight or a color of three or four numbers";
-    let mut numbers = ArrayVec::<f32, 4>::new();
-    for word in words {
-        let number = word.parse().ok().filter(|number: &f32| number.is_finite());
-        if number.is_none_or(|number| numbers.try_push(number).is_err()) {
-            let problem = format!("`{}` follows a vertex", cut(word));
-            return Err(FileFault::new(problem, EXPECTED));
-        }
-    }
+fn color<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Option<Vec3> {
+    let is_number = |word: &&str| word.parse::<f32>().is_ok();
+    let numbers = iter::from_fn(|| words.next_if(is_number)?.parse().ok());
+    let numbers: ArrayVec<f32, 4> = numbers.take(4).collect();
     // Programs disagree on which of four numbers are the color.
-    let color = <[f32; 3]>::try_from(numbers.as_slice()).ok();
-    Ok(color.and_then(|color| light(color).ok()))
+    light(<[f32; 3]>::try_from(numbers.as_slice()).ok()?).ok()
 }
 
 /// Parses one to three numbers: the first two are the texture coordinates, the second one 0 if it
 /// is missing.
-fn texture_coordinates<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec2> {
-    let mut numbers = [0.0; 3];
-    let mut n = 0;
-    for word in words {
-        let place = numbers.get_mut(n).ok_or_else(|| {
-            let problem = format!("`{}` follows a texture coordinate", cut(word));
-            FileFault::new(problem, "one to three numbers")
-        })?;
-        *place = number(word)?;
-        n += 1;
-    }
-    if n == 0 {
-        return Err(FileFault::new("no texture coordinate", "two: u and v"));
-    }
-    finite([numbers[0], numbers[1]])
+fn texture_coordinates<'a>(words: &mut impl Iterator<Item = &'a str>) -> Result<Vec2> {
+    let u = number(words.next().unwrap_or_default())?;
+    let v = words.next().map_or(Ok(0.0), number)?;
+    words.next();
+    finite([u, v])
 }
 
-fn number<T: FromStr>(word: &str) -> Result<T> {
-    word.parse()
-        .map_err(|_| FileFault::new(format!("`{}` is not a number", cut(word)), "a coordinate"))
+/// Parses a number; NaN and infinity as C writes them, too.
+fn number<T: FromStr + From<f32>>(word: &str) -> Result<T> {
+    word.parse().or_else(|_| {
+        let (start, _) = word.split_once(['#', '(']).unwrap_or((word, ""));
+        match start.trim_start_matches(['-', '+']) {
+            "1." | "nan" if start.len() < word.len() => Ok(f32::NAN.into()),
+            _ => Err(FileFault::new(
+                format!("`{}` is not a number", cut(word)),
+                "a coordinate",
+            )),
+        }
+    })
 }
 
 /// Parses the first three words as numbers.
-pub(super) fn vector<'a, T: FromStr + Default>(
+pub(super) fn vector<'a, T: FromStr + From<f32> + Default>(
     words: &mut impl Iterator<Item = &'a str>,
 ) -> Result<[T; 3]> {
     let mut numbers = <[T; 3]>::default();
@@ -298,31 +311,18 @@ pub(super) fn vector<'a, T: FromStr + Default>(
 }
 
 /// Converts an index of `n` elements that counts from 1, or from -1 backward, to one that counts
-/// from 0.
-fn index(word: &str, kind: &str, n: usize) -> Result<u32> {
+/// from 0; `None` if there is no such element.
+fn index(word: &str, n: usize) -> Result<Option<u32>> {
     let n = n as i64;
-    let found = word.parse::<i64>().ok();
-    let index = found.map(|found| if found < 0 { n + found } else { found - 1 });
-    match index {
-        Some(index) if (0..n).contains(&index) => Ok(index as u32),
-        Some(_) => Err(FileFault::new(
-            format!("there is no {kind} {}", cut(word)),
-            format!("one of the {n} above"),
-        )),
-        None => Err(FileFault::new(
-            format!("`{}` is no {kind}", cut(word)),
-            CORNER,
-        )),
-    }
+    let found: i64 = word.parse().map_err(|_| no_corner(word))?;
+    let index = if found < 0 {
+        n.saturating_add(found)
+    } else {
+        found - 1
+    };
+    Ok((0..n).contains(&index).then_some(index as u32))
 }
 
 fn no_corner(word: &str) -> FileFault {
     FileFault::new(format!("`{}` is not a corner", cut(word)), CORNER)
-}
-
-fn unknown_statement(keyword: &str) -> FileFault {
-    FileFault::new(
-        format!("unknown statement `{}`", cut(keyword)),
-        "an OBJ file of polygons: `v`, `vn` and `f`",
-    )
 }

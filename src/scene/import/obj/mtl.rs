@@ -5,10 +5,11 @@
 
 use std::path::Path;
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use crate::color::Transfer;
-use crate::import::fault::cut;
+use crate::import::left_out::LeftOut;
 use crate::import::lines::Lines;
 use crate::import::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
@@ -35,18 +36,20 @@ const OPTIONS: [(&str, usize); 13] = [
 ];
 
 /// Reads the materials of a file, whose pictures are in its folder, and appends them to `found`.
+/// Leaves out statements that are damaged.
 ///
 /// # Errors
-/// The file cannot be read, or is damaged in this line.
+/// The file cannot be read, or has too many materials.
 pub(super) fn read(
     path: &Path,
     shelf: &mut PictureShelf,
     found: &mut Vec<MeshMaterial>,
+    left_out: &mut LeftOut,
 ) -> Result<()> {
     let mut lines = Lines::of_file(open(path)?)?;
     let mut statements: Option<Statements> = None;
     let mut close = |statements: Option<Statements>, line: u64| {
-        let made = statements.map(|of| of.material(path, shelf)).transpose()?;
+        let made = statements.map(|of| of.material(path, shelf));
         if found.len() >= MAX_MATERIALS {
             let expected = format!("at most {MAX_MATERIALS}");
             let fault = FileFault::new("too many materials", expected);
@@ -55,20 +58,22 @@ pub(super) fn read(
         found.extend(made);
         Ok(())
     };
-    while let Some(line) = lines.next()? {
-        let line = line.trim().to_owned();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
-        let number = lines.number();
-        let read = match (keyword, &mut statements) {
-            ("newmtl", _) => close(statements.replace(Statements::new(rest.trim())), number),
-            (_, Some(statements)) => statements.add(keyword, rest.trim(), number),
-            (word, None) if word.is_empty() || word.starts_with(['#', '$']) => Ok(()),
-            (word, None) => {
-                let problem = format!("`{}` belongs to no material", cut(word));
-                Err(FileFault::new(problem, "`newmtl` before it"))
+    while let Some((number, line)) = lines.next()? {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let is_read = match (keyword, &mut statements) {
+            ("newmtl", _) => {
+                close(statements.replace(Statements::new(rest.trim())), number)?;
+                true
             }
+            (_, Some(statements)) => statements.add(keyword, rest.trim()).is_some(),
+            (word, None) => word.is_empty() || word.starts_with(['#', '$']),
         };
-        read.map_err(|fault| fault.at(FileLocation::Line(number)))?;
+        if !is_read {
+            let file = path.file_name().unwrap_or_default().display();
+            let place = format_args!("line {number} of `{file}`");
+            left_out.add("damaged statements of materials", place);
+        }
     }
     close(statements, lines.number())
 }
@@ -97,10 +102,10 @@ struct Statements {
 
 /// A statement that names a picture.
 struct MapStatement {
-    line: u64,
     file: String,
     wrap: Wrap,
     size: [f32; 2],
+    offset: [f32; 2],
 }
 
 impl Statements {
@@ -111,8 +116,8 @@ impl Statements {
         }
     }
 
-    /// Adds a statement; unsupported ones are ignored.
-    fn add(&mut self, keyword: &str, rest: &str, line: u64) -> Result<()> {
+    /// Adds a statement; unsupported ones are ignored. Returns `None` for a damaged one.
+    fn add(&mut self, keyword: &str, rest: &str) -> Option<()> {
         match keyword {
             "Kd" => self.color = Some(color(rest)?),
             "Ks" => self.specular = color(rest)?,
@@ -124,16 +129,16 @@ impl Statements {
             "Ni" => self.index = Some(number(rest)?),
             "Pr" => self.roughness = Some(number(rest)?.clamp(0.0, 1.0)),
             "Pm" => self.metallic = Some(number(rest)?.clamp(0.0, 1.0)),
-            "map_Kd" => self.picture = Some(MapStatement::new(rest, line)?),
-            "map_d" => self.opacity = Some(MapStatement::new(rest, line)?),
-            "norm" => self.normals = Some(MapStatement::new(rest, line)?),
+            "map_Kd" => self.picture = Some(MapStatement::new(rest)?),
+            "map_d" => self.opacity = Some(MapStatement::new(rest)?),
+            "norm" => self.normals = Some(MapStatement::new(rest)?),
             _ => {}
         }
-        Ok(())
+        Some(())
     }
 
     /// Returns the material, with its pictures.
-    fn material(self, path: &Path, shelf: &mut PictureShelf) -> Result<MeshMaterial> {
+    fn material(self, path: &Path, shelf: &mut PictureShelf) -> MeshMaterial {
         let mut color = self
             .color
             .unwrap_or(MeshMaterial::default().color)
@@ -143,12 +148,11 @@ impl Statements {
             color = Vec3::ONE;
         }
         let mut load = |map: Option<&MapStatement>, transfer, tint| {
-            map.map(|map| map.load(path, shelf, transfer, tint))
-                .transpose()
+            map.and_then(|map| map.load(path, shelf, transfer, tint))
         };
-        let picture = load(self.picture.as_ref(), None, color)?;
-        let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
-        let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE)?;
+        let picture = load(self.picture.as_ref(), None, color);
+        let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE);
+        let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE);
         // The opacity of the picture of the color counts only without a picture of its own.
         let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
         let opacity = MeshOpacity {
@@ -157,7 +161,7 @@ impl Statements {
             threshold: None,
         };
         let doubts = self.doubts();
-        Ok(MeshMaterial {
+        MeshMaterial {
             finish: self.finish(),
             transmission: f32::from(u8::from(self.refracts())),
             index: self.index_behind(),
@@ -167,7 +171,7 @@ impl Statements {
             picture,
             doubts,
             ..MeshMaterial::new(&self.name, color)
-        })
+        }
     }
 
     /// Returns the statements that programs write with different meanings.
@@ -247,66 +251,61 @@ impl Statements {
 }
 
 impl MapStatement {
-    /// Splits options from the name of the file, which may contain blanks.
-    fn new(value: &str, line: u64) -> Result<Self> {
-        let (mut rest, mut wrap, mut size) = (value, Wrap::Repeat, [1.0; 2]);
-        while let Some((option, behind)) = option(rest) {
-            let mut words = behind.split_ascii_whitespace();
-            let (name, most) = option;
-            let mut taken = 0;
+    /// Splits options from the name of the file, which may contain blanks; `None` without a name.
+    fn new(value: &str) -> Option<Self> {
+        let (mut rest, mut wrap) = (value, Wrap::Repeat);
+        let (mut size, mut offset) = ([1.0; 2], [0.0; 2]);
+        while let Some(((name, most), behind)) = option(rest) {
+            let words = behind.split_ascii_whitespace();
+            let mut taken = 1;
             if most == 1 {
-                wrap = match (name, words.next()) {
-                    ("-clamp", Some("on")) => Wrap::Clamp,
-                    _ => wrap,
-                };
-                taken = 1;
-            }
-            let mut factors = [1.0_f32; 3];
-            while most > 1 && taken < most {
-                let Some(Ok(factor)) = words.next().map(str::parse) else {
-                    break;
-                };
-                factors[taken] = factor;
-                taken += 1;
-            }
-            if name == "-s" && factors.iter().all(|factor| *factor > 0.0) {
-                size = [1.0 / factors[0], 1.0 / factors[1]];
+                if name == "-clamp" && words.clone().next() == Some("on") {
+                    wrap = Wrap::Clamp;
+                }
+            } else {
+                let numbers = words.map_while(|word| word.parse::<f32>().ok());
+                let numbers: ArrayVec<f32, 3> = numbers.take(most).collect();
+                taken = numbers.len();
+                let values = |default: f32| [0, 1].map(|i| *numbers.get(i).unwrap_or(&default));
+                match name {
+                    "-s" if values(1.0).iter().all(|factor| factor.is_normal()) => {
+                        size = values(1.0).map(|factor| 1.0 / factor);
+                    }
+                    "-o" if values(0.0).iter().all(|offset| offset.is_finite()) => {
+                        offset = values(0.0);
+                    }
+                    _ => {}
+                }
             }
             rest = behind_words(behind, taken);
         }
-        if rest.is_empty() {
-            return Err(FileFault::new(
-                "a map names no file",
-                "the name of a picture",
-            ));
-        }
-        Ok(Self {
-            line,
+        (!rest.is_empty()).then(|| Self {
             file: rest.to_owned(),
             wrap,
             size,
+            offset,
         })
     }
 
-    /// Reads the picture.
+    /// Reads the picture; `None` with a note on the shelf if it cannot be read.
     fn load(
         &self,
         path: &Path,
         shelf: &mut PictureShelf,
         transfer: Option<Transfer>,
         tint: Vec3,
-    ) -> Result<MeshPicture> {
+    ) -> Option<MeshPicture> {
         let name = path_in(path.parent().unwrap_or(Path::new("")), &self.file);
-        let read = shelf.picture(&name, transfer, tint, || bytes_of_file(&name));
+        let picture = shelf.picture_or_note(&name, transfer, tint, || bytes_of_file(&name))?;
         let sampling = Sampling {
             wrap: self.wrap,
             ..Sampling::default()
         };
-        Ok(MeshPicture {
-            picture: read.map_err(|fault| fault.at(FileLocation::Line(self.line)))?,
-            name,
+        Some(MeshPicture {
             sampling,
             size: self.size,
+            offset: self.offset,
+            ..MeshPicture::new(name, picture)
         })
     }
 }
@@ -328,24 +327,18 @@ fn behind_words(text: &str, n: usize) -> &str {
 }
 
 /// Parses one to three numbers; the last one fills in for missing ones.
-fn color(text: &str) -> Result<Vec3> {
+fn color(text: &str) -> Option<Vec3> {
     let mut words = text.split_ascii_whitespace();
     let first = number(words.next().unwrap_or_default())?;
     let mut color = Vec3::splat(first);
     for (channel, word) in (1..3).zip(words) {
         color[channel] = number(word)?;
     }
-    Ok(color.max(Vec3::ZERO))
+    Some(color.max(Vec3::ZERO))
 }
 
 /// Parses the first word as a finite number.
-fn number(text: &str) -> Result<f32> {
-    let word = text.split_ascii_whitespace().next().unwrap_or_default();
-    let number = word.parse().ok().filter(|number: &f32| number.is_finite());
-    number.ok_or_else(|| {
-        FileFault::new(
-            format!("`{}` is not a number", cut(word)),
-            "a finite number",
-        )
-    })
+fn number(text: &str) -> Option<f32> {
+    let word = text.split_ascii_whitespace().next()?;
+    word.parse().ok().filter(|number: &f32| number.is_finite())
 }

@@ -1,9 +1,10 @@
 //! The file that serde-ply reads, with its current position.
 
 use std::cell::Cell;
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, Chain, Read};
 
 use crate::import::GeometryFileReader;
+use crate::import::lines::BYTE_ORDER_MARK;
 
 /// The position of a [`Cursor`].
 #[derive(Debug, Default)]
@@ -18,7 +19,7 @@ pub(super) struct Position {
 /// A file that updates its [`Position`].
 #[derive(Debug)]
 pub(super) struct Cursor<'a> {
-    file: GeometryFileReader,
+    file: Chain<io::Cursor<Vec<u8>>, GeometryFileReader>,
     position: &'a Position,
 }
 
@@ -42,8 +43,17 @@ impl Position {
 }
 
 impl<'a> Cursor<'a> {
-    pub(super) fn new(file: GeometryFileReader, position: &'a Position) -> Self {
-        Self { file, position }
+    /// Starts before the first line, whatever byte-order mark is before it.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub(super) fn new(mut file: GeometryFileReader, position: &'a Position) -> io::Result<Self> {
+        if file.fill_buf()?.starts_with(BYTE_ORDER_MARK) {
+            file.consume(BYTE_ORDER_MARK.len());
+        }
+        let start = read_lines_of_returns(&mut file)?;
+        let file = io::Cursor::new(start).chain(file);
+        Ok(Self { file, position })
     }
 
     /// Returns true if only whitespace follows.
@@ -70,8 +80,9 @@ impl BufRead for Cursor<'_> {
     }
 
     fn consume(&mut self, n: usize) {
-        // Past the end of the file, only the appended newline is left.
-        let bytes = self.file.buffer();
+        // Past the end of the file, only the appended newline is left. The buffer is full: this
+        // reads nothing.
+        let bytes = self.file.fill_buf().unwrap_or_default();
         self.position.advance(&bytes[..n.min(bytes.len())]);
         self.file.consume(n);
     }
@@ -83,4 +94,22 @@ impl Read for Cursor<'_> {
         self.consume(n);
         Ok(n)
     }
+}
+
+/// Reads the lines of a file that end with carriage returns alone, as old Macs write them, with line
+/// feeds instead: all lines of a text, the header's of a binary file, and none of other files.
+fn read_lines_of_returns(file: &mut GeometryFileReader) -> io::Result<Vec<u8>> {
+    let mut lines = Vec::new();
+    let mut ends = file.fill_buf()?.windows(2);
+    let first = ends.find(|pair| matches!(pair[0], b'\n' | b'\r'));
+    if first.is_none_or(|pair| pair[0] == b'\n' || pair[1] == b'\n') {
+        return Ok(lines);
+    }
+    while !lines.ends_with(b"\rend_header\r") && file.read_until(b'\r', &mut lines)? > 0 {}
+    if lines.windows(12).any(|words| words == b"format ascii") {
+        file.read_to_end(&mut lines)?;
+    }
+    let returns = lines.iter_mut().filter(|byte| **byte == b'\r');
+    returns.for_each(|byte| *byte = b'\n');
+    Ok(lines)
 }

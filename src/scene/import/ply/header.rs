@@ -1,4 +1,4 @@
-//! The header of a mesh, checked.
+//! The header of a mesh or a point cloud, checked.
 
 use std::collections::HashSet;
 
@@ -9,77 +9,124 @@ use crate::import::mesh::count;
 use crate::import::{FileFault, Result};
 
 /// The accepted names of a face's list of vertices.
-const FACE_LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// The properties of a mesh that its header defines.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct MeshHeader {
-    pub(super) n_vertices: u32,
-    /// True if vertices have normals.
-    pub(super) has_normals: bool,
-    /// The names of the vertices' texture coordinates, if there are any.
-    pub(super) uvs: Option<UvNames>,
-    /// The greatest value of the vertices' color channels, if there are any.
-    pub(super) color_maximum: Option<f32>,
-}
+/// The names that programs give to the properties of texture coordinates.
+const UVS: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
 
-/// The names of the properties that are texture coordinates.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum UvNames {
-    /// `u` and `v`.
-    Uv,
-    /// `s` and `t`.
-    St,
-    /// `texture_u` and `texture_v`.
-    TextureUv,
-}
-
-const UV_NAMES: [(UvNames, [&str; 2]); 3] = [
-    (UvNames::Uv, ["u", "v"]),
-    (UvNames::St, ["s", "t"]),
-    (UvNames::TextureUv, ["texture_u", "texture_v"]),
+/// The names that programs give to the properties of colors.
+const COLORS: [[&str; 3]; 3] = [
+    ["red", "green", "blue"],
+    ["r", "g", "b"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue"],
 ];
 
+/// The beginning of a comment that names a picture, as MeshLab and others write it.
+const PICTURE: &str = "TextureFile ";
+
+/// The properties of a mesh, as indices of their element's properties.
+#[derive(Debug, Clone, Default)]
+pub(super) struct MeshHeader {
+    pub(super) n_vertices: u32,
+    pub(super) position: [usize; 3],
+    pub(super) normal: Option<[usize; 3]>,
+    pub(super) uv: Option<[usize; 2]>,
+    pub(super) color: Option<ColorProperties>,
+    pub(super) face: FaceProperties,
+    /// The list of vertices of `tristrips`.
+    pub(super) strip: usize,
+    /// The names of pictures.
+    pub(super) pictures: Vec<String>,
+}
+
+/// The properties of a face.
+#[derive(Debug, Clone, Default)]
+pub(super) struct FaceProperties {
+    /// The list of vertices.
+    pub(super) corners: usize,
+    /// The list of the texture coordinates of its corners.
+    pub(super) uvs: Option<usize>,
+    pub(super) color: Option<ColorProperties>,
+    /// The number of its picture.
+    pub(super) picture: Option<usize>,
+}
+
+/// The properties of a color.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ColorProperties {
+    pub(super) channels: [usize; 3],
+    /// The value of a channel at full light.
+    pub(super) maximum: f32,
+}
+
 impl MeshHeader {
-    /// Checks that a header defines vertices and faces, each element and property
-    /// once.
+    /// Checks that a header defines vertices, each element and property once, and finds the
+    /// properties of vertices and faces.
     pub(super) fn new(header: &PlyHeader) -> Result<Self> {
         let mut names = HashSet::new();
         for element in &header.elem_defs {
             expect_new(&mut names, &element.name, "element")?;
             check(element)?;
         }
-        let vertex = find(header, "vertex")?;
-        for name in ["x", "y", "z"] {
-            expect_scalar(vertex, name)?;
-        }
-        let has_normals = vertex.has_property("nx");
-        if has_normals {
-            expect_scalar(vertex, "nx")?;
-            expect_scalar(vertex, "ny")?;
-            expect_scalar(vertex, "nz")?;
-        }
-        let mut uvs = UV_NAMES.into_iter();
-        let uvs = uvs.find(|(_, names)| names.iter().all(|name| is_scalar(vertex, name)));
-        let color_maximum = color_maximum(vertex);
-        let [faces, strips] = ["face", "tristrips"].map(|name| header.get_element(name));
-        match (faces, strips) {
-            (Some(faces), _) => expect_list(faces)?,
-            (None, Some(_)) => {}
-            (None, None) => {
-                find(header, "face")?;
-            }
-        }
-        if let Some(strips) = strips {
-            expect_list(strips)?;
-        }
-        Ok(Self {
+        let vertex = header.get_element("vertex").ok_or_else(|| {
+            FileFault::new(
+                "the header has no element `vertex`",
+                "elements `vertex` and `face`",
+            )
+        })?;
+        let mut found = Self {
             n_vertices: count(vertex.count)?,
-            has_normals,
-            uvs: uvs.map(|(names, _)| names),
-            color_maximum,
-        })
+            position: expect_numbers(vertex, ["x", "y", "z"])?,
+            uv: UVS.iter().find_map(|names| numbers(vertex, names)),
+            color: ColorProperties::of(vertex),
+            pictures: pictures(header),
+            ..Self::default()
+        };
+        if vertex.has_property("nx") {
+            found.normal = Some(expect_numbers(vertex, ["nx", "ny", "nz"])?);
+        }
+        if let Some(face) = header.get_element("face") {
+            let list = |name| position(face, name, |of| matches!(of, PropertyType::List { .. }));
+            found.face = FaceProperties {
+                corners: expect_corners(face)?,
+                uvs: list("texcoord"),
+                color: ColorProperties::of(face),
+                picture: position(face, "texnumber", is_number),
+            };
+        }
+        if let Some(strips) = header.get_element("tristrips") {
+            found.strip = expect_corners(strips)?;
+        }
+        Ok(found)
     }
+}
+
+impl ColorProperties {
+    /// Finds the color of an element.
+    fn of(element: &ElementDef) -> Option<Self> {
+        let channels = COLORS.iter().find_map(|names| numbers(element, names))?;
+        let kinds = channels.map(|channel| match element.properties[channel].property_type {
+            PropertyType::Scalar(kind) => Some(kind),
+            PropertyType::List { .. } => None,
+        });
+        let maximum = match kinds {
+            [Some(red), Some(green), Some(blue)] if red == green && green == blue => match red {
+                ScalarType::U8 => 255.0,
+                ScalarType::U16 => 65_535.0,
+                ScalarType::F32 | ScalarType::F64 => 1.0,
+                _ => return None,
+            },
+            _ => return None,
+        };
+        Some(Self { channels, maximum })
+    }
+}
+
+/// Returns the names of pictures in the comments.
+fn pictures(header: &PlyHeader) -> Vec<String> {
+    let names = header.comments.iter();
+    let names = names.filter_map(|comment| comment.strip_prefix(PICTURE));
+    names.map(str::to_owned).collect()
 }
 
 /// Checks that the element's rows are not empty, so that reading them ends, and that its properties
@@ -111,62 +158,59 @@ fn expect_new<'a>(names: &mut HashSet<&'a str>, name: &'a str, kind: &str) -> Re
     }
 }
 
-fn find<'a>(header: &'a PlyHeader, name: &str) -> Result<&'a ElementDef> {
-    header.get_element(name).ok_or_else(|| {
+/// Returns the index of a property of this name and a type that `is_right` accepts.
+fn position(
+    element: &ElementDef,
+    name: &str,
+    is_right: impl Fn(&PropertyType) -> bool,
+) -> Option<usize> {
+    let mut properties = element.properties.iter();
+    properties.position(|property| property.name == name && is_right(&property.property_type))
+}
+
+fn is_number(kind: &PropertyType) -> bool {
+    matches!(kind, PropertyType::Scalar(_))
+}
+
+/// Returns the indices of numbers with these names, if there are all of them.
+fn numbers<const N: usize>(element: &ElementDef, names: &[&str; N]) -> Option<[usize; N]> {
+    let found = names.map(|name| position(element, name, is_number));
+    let is_whole = found.iter().all(Option::is_some);
+    is_whole.then(|| found.map(Option::unwrap_or_default))
+}
+
+/// Returns the indices of numbers of the vertices.
+fn expect_numbers<const N: usize>(vertex: &ElementDef, names: [&str; N]) -> Result<[usize; N]> {
+    let mut missing = names
+        .iter()
+        .filter(|name| position(vertex, name, is_number).is_none());
+    numbers(vertex, &names).ok_or_else(|| {
+        let name = missing.next().unwrap_or(&"x");
         FileFault::new(
-            format!("the header has no element `{name}`"),
-            "elements `vertex` and `face`",
+            format!("element `vertex` has no number `{name}`"),
+            format!("`property float {name}` in the header"),
         )
     })
 }
 
-fn expect_scalar(vertex: &ElementDef, name: &str) -> Result<()> {
-    if is_scalar(vertex, name) {
-        return Ok(());
-    }
-    Err(FileFault::new(
-        format!("element `vertex` has no number `{name}`"),
-        format!("`property float {name}` in the header"),
-    ))
-}
-
-fn is_scalar(vertex: &ElementDef, name: &str) -> bool {
-    let property = vertex.get_property(name);
-    let kind = property.map(|property| &property.property_type);
-    matches!(kind, Some(PropertyType::Scalar(_)))
-}
-
-/// Returns the value of a channel at full light, if vertices have colors.
-fn color_maximum(vertex: &ElementDef) -> Option<f32> {
-    let kind = |name| match vertex.get_property(name)?.property_type {
-        PropertyType::Scalar(kind) => Some(kind),
-        PropertyType::List { .. } => None,
-    };
-    let [red, green, blue] = ["red", "green", "blue"].map(kind);
-    let kind = red.filter(|_| red == green && green == blue)?;
-    match kind {
-        ScalarType::U8 => Some(255.0),
-        ScalarType::U16 => Some(65_535.0),
-        ScalarType::F32 | ScalarType::F64 => Some(1.0),
-        _ => None,
-    }
-}
-
-fn expect_list(face: &ElementDef) -> Result<()> {
-    let name = &face.name;
+/// Returns the index of the list of vertices of an element.
+fn expect_corners(element: &ElementDef) -> Result<usize> {
     let is_whole = |kind: &ScalarType| !matches!(kind, ScalarType::F32 | ScalarType::F64);
-    let lists = FACE_LISTS.map(|name| face.get_property(name));
-    let mut lists = lists.iter().flatten().map(|list| &list.property_type);
-    match (lists.next(), lists.next()) {
-        (
-            Some(PropertyType::List {
-                count_type,
-                data_type,
-            }),
-            None,
-        ) if is_whole(count_type) && is_whole(data_type) => Ok(()),
+    let is_list = |kind: &PropertyType| match kind {
+        PropertyType::List {
+            count_type,
+            data_type,
+        } => is_whole(count_type) && is_whole(data_type),
+        PropertyType::Scalar(_) => false,
+    };
+    match CORNERS.map(|name| {
+        element
+            .has_property(name)
+            .then(|| position(element, name, is_list))
+    }) {
+        [Some(Some(list)), None] | [None, Some(Some(list))] => Ok(list),
         _ => Err(FileFault::new(
-            format!("element `{name}` has no list of vertices"),
+            format!("element `{}` has no list of vertices", element.name),
             "`property list uchar int vertex_indices` in the header",
         )),
     }

@@ -1,35 +1,114 @@
 //! The rows of an element, one at a time.
 
 use std::fmt;
-use std::marker::PhantomData;
 
-use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use crate::import::{FileFault, Result};
 
-/// Calls `each` with each row `T` of an element.
-pub(super) struct Rows<'a, T, F> {
-    each: F,
-    /// Number of rows begun.
-    n_rows: &'a mut u64,
-    /// The fault that `each` returned.
-    fault: &'a mut Option<FileFault>,
-    row: PhantomData<T>,
+/// The values of a row's properties, by their indices.
+#[derive(Debug, Default)]
+pub(super) struct Row {
+    /// The numbers; 0 for lists.
+    pub(super) numbers: Vec<f64>,
+    /// The lists; empty for numbers.
+    pub(super) lists: Vec<Vec<f64>>,
 }
 
-impl<'a, T, F: FnMut(T) -> Result<()>> Rows<'a, T, F> {
-    pub(super) fn new(each: F, n_rows: &'a mut u64, fault: &'a mut Option<FileFault>) -> Self {
-        Self {
-            each,
-            n_rows,
-            fault,
-            row: PhantomData,
-        }
+impl Row {
+    /// Returns the numbers of some properties.
+    pub(super) fn numbers<const N: usize>(&self, properties: [usize; N]) -> [f64; N] {
+        properties.map(|property| self.numbers[property])
     }
 }
 
-impl<'de, T: Deserialize<'de>, F: FnMut(T) -> Result<()>> DeserializeSeed<'de> for Rows<'_, T, F> {
+impl<'de> DeserializeSeed<'de> for &mut Row {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> std::result::Result<(), D::Error> {
+        d.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for &mut Row {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a row")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
+        let mut i = 0;
+        while map.next_key::<IgnoredAny>()?.is_some() {
+            if i == self.numbers.len() {
+                self.numbers.push(0.0);
+                self.lists.push(Vec::new());
+            }
+            map.next_value_seed(Property {
+                number: &mut self.numbers[i],
+                list: &mut self.lists[i],
+            })?;
+            i += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Reads the value of one property into its place.
+struct Property<'a> {
+    number: &'a mut f64,
+    list: &'a mut Vec<f64>,
+}
+
+impl<'de> DeserializeSeed<'de> for Property<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> std::result::Result<(), D::Error> {
+        d.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Property<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number or a list of numbers")
+    }
+
+    fn visit_i64<E: Error>(self, number: i64) -> std::result::Result<(), E> {
+        *self.number = number as f64;
+        Ok(())
+    }
+
+    fn visit_u64<E: Error>(self, number: u64) -> std::result::Result<(), E> {
+        *self.number = number as f64;
+        Ok(())
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> std::result::Result<(), E> {
+        *self.number = number;
+        Ok(())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<(), A::Error> {
+        self.list.clear();
+        while let Some(number) = list.next_element()? {
+            self.list.push(number);
+        }
+        Ok(())
+    }
+}
+
+/// Calls `each` with each row of an element.
+pub(super) struct Rows<'a, F> {
+    pub(super) each: F,
+    /// Number of rows begun.
+    pub(super) n_rows: &'a mut u64,
+    /// The fault that `each` returned.
+    pub(super) fault: &'a mut Option<FileFault>,
+}
+
+impl<'de, F: FnMut(&Row, u64) -> Result<()>> DeserializeSeed<'de> for Rows<'_, F> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> std::result::Result<(), D::Error> {
@@ -37,7 +116,7 @@ impl<'de, T: Deserialize<'de>, F: FnMut(T) -> Result<()>> DeserializeSeed<'de> f
     }
 }
 
-impl<'de, T: Deserialize<'de>, F: FnMut(T) -> Result<()>> Visitor<'de> for Rows<'_, T, F> {
+impl<'de, F: FnMut(&Row, u64) -> Result<()>> Visitor<'de> for Rows<'_, F> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -45,12 +124,13 @@ impl<'de, T: Deserialize<'de>, F: FnMut(T) -> Result<()>> Visitor<'de> for Rows<
     }
 
     fn visit_seq<A: SeqAccess<'de>>(mut self, mut rows: A) -> std::result::Result<(), A::Error> {
+        let mut row = Row::default();
         loop {
             *self.n_rows += 1;
-            let Some(row) = rows.next_element()? else {
+            if rows.next_element_seed(&mut row)?.is_none() {
                 return Ok(());
-            };
-            (self.each)(row).map_err(|fault| {
+            }
+            (self.each)(&row, *self.n_rows - 1).map_err(|fault| {
                 // serde-ply's error cannot carry the fault.
                 *self.fault = Some(fault);
                 A::Error::custom("")

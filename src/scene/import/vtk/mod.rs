@@ -96,6 +96,9 @@ pub(super) fn read_spheres(
     };
     let mut numbers = ArrayOfPieces::default();
     for_each_piece(file, &wanted, &mut |piece, budget| {
+        if spheres.arrays.is_empty() {
+            spheres.arrays = piece.color_arrays();
+        }
         points::add(piece, radius, (array, &mut numbers), &mut spheres, budget)
     })?;
     numbers.check().map(|()| spheres)

@@ -61,6 +61,9 @@ pub struct ImageTexture {
     /// The transfer function of the file's numbers; by default the usual one of its format.
     #[serde(default)]
     pub transfer: Option<Transfer>,
+    /// The coordinates of the picture at the origin of the mapping, in mesh files.
+    #[serde(skip)]
+    pub offset: [f32; 2],
     /// The picture: white until the file is read.
     #[serde(skip)]
     pub picture: Arc<Picture>,
@@ -121,7 +124,10 @@ impl ImageTexture {
                 sum
             }
             Mapping::Uv => {
-                from_tangent_space(self.values_at(point), point.uv_axes, normal, strength)
+                let [right, up] = point.uv_axes;
+                let [across, along] = self.size.map(|side| point.width.splat(side.signum()));
+                let axes = [right * across, up * along];
+                from_tangent_space(self.values_at(point), axes, normal, strength)
             }
             Mapping::Planar(plane) => {
                 let axes = plane.axes(normal.x);
@@ -152,12 +158,13 @@ impl ImageTexture {
     /// there.
     #[inline(always)]
     fn look_up<R: Real>(&self, [u, v]: [R; 2], footprint: R) -> [R; 4] {
-        let [width, height] = self.size;
-        let side = footprint.splat((width * height).sqrt());
-        R::look_up(
-            self,
-            [u / u.splat(width), v / v.splat(height), footprint / side],
-        )
+        let ([width, height], [x, y]) = (self.size, self.offset);
+        let side = footprint.splat((width * height).abs().sqrt());
+        let place = [
+            u / u.splat(width) + u.splat(x),
+            v / v.splat(height) + v.splat(y),
+        ];
+        R::look_up(self, [place[0], place[1], footprint / side])
     }
 }
 
