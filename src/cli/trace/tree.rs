@@ -172,11 +172,7 @@ impl<'a> Trees<'a> {
     }
 
     fn object(&self, id: u32) -> String {
-        let object = &self.config.objects[id as usize];
-        match &object.name {
-            Some(name) => short(name),
-            None => format!("{} {id}", object.geometry),
-        }
+        short(&self.config.objects[id as usize].label(id as usize))
     }
 
     fn material(&self, id: u32) -> String {

@@ -4,6 +4,7 @@ use super::Survey;
 use crate::paraview::ViewCamera;
 use base::provenance::{self, RunId};
 use scene::camera::{ImagePlane, Projection};
+use scene::config::Config;
 use vtk::Field;
 
 /// VTK's name for the time of a data set.
@@ -41,6 +42,14 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
         vector("camera_up", up),
         extent,
         Field::integers("resolution", plane.size.map(|n| n as i32)),
+    ]
+}
+
+/// Returns the names that the numbers in the arrays `object` and `material` stand for.
+pub(super) fn of_names(config: &Config) -> [Field; 2] {
+    [
+        Field::texts("object_names", config.object_labels()),
+        Field::texts("material_names", config.materials.keys().cloned()),
     ]
 }
 

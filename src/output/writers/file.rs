@@ -138,6 +138,7 @@ impl Job<'_> {
     /// Returns the encoding of VTK files that hold the pixels.
     pub(super) fn encoding_of_pixels(&self) -> Encoding {
         let mut encoding = self.encoding();
+        (encoding.fields).extend(fields::of_names(self.rendering.config));
         (encoding.fields).extend(fields::of_cost(self.rendering.survey));
         encoding
     }

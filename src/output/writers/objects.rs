@@ -45,12 +45,8 @@ impl<'a> Group<'a> {
     /// Returns the objects, then the materials.
     pub fn all(rendering: &RenderingView, attribution: &'a CostAttribution) -> [Self; 2] {
         let config = rendering.config;
-        let object = |(id, object): (usize, &scene::config::Object)| match &object.name {
-            Some(name) => name.clone(),
-            None => format!("{} {id}", object.geometry),
-        };
         let nothing = || std::iter::once(NOTHING.to_owned());
-        let objects = config.objects.iter().enumerate().map(object);
+        let objects = config.object_labels();
         let materials = config.materials.keys().cloned();
         [
             Self {

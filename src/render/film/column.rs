@@ -24,6 +24,8 @@ pub struct Column {
 /// Source of the numbers of a column.
 #[derive(Debug, Clone, Copy)]
 enum Origin {
+    /// The column (0) or the row (1) of the pixel, row 0 on top.
+    Coordinate(usize),
     /// A field of [`Strip`].
     Stored(fn(&Strip) -> &[u8]),
     /// The positions in world space.
@@ -69,7 +71,15 @@ const fn computed(name: &'static str, scalar: ScalarType, origin: Origin) -> Col
     }
 }
 
-const GEOMETRY: [Column; 6] = [
+// In the order in which ParaView lists the arrays of a pixel under the mouse.
+const GEOMETRY: [Column; 8] = [
+    // Column and row of the pixel, as `raycost trace --pixel` takes them.
+    computed("pixel_x", ScalarType::U16, Origin::Coordinate(0)),
+    computed("pixel_y", ScalarType::U16, Origin::Coordinate(1)),
+    // Index into the file's `objects`; -1 without a hit.
+    column!("object", object, I32 x 1),
+    // Index into the file's `materials`; -1 without a hit.
+    column!("material", material, I32 x 1),
     // The color in the picture, 8 bits per channel.
     column!("RGB", rgb, U8 x 3),
     // Shading normal, a unit vector on the visible side; NaN without a hit.
@@ -78,10 +88,6 @@ const GEOMETRY: [Column; 6] = [
     column!("distance", distance, F32 x 1 in LENGTH_UNIT),
     // Size of a pixel at that distance in world units; NaN without a hit.
     column!("footprint", footprint, F32 x 1 in LENGTH_UNIT),
-    // Index into the file's `objects`; -1 without a hit.
-    column!("object", object, I32 x 1),
-    // Index into the file's `materials`; -1 without a hit.
-    column!("material", material, I32 x 1),
 ];
 
 // Thread time without the overhead of the clock, at least 1: the pixel's time, or its share of the
@@ -204,6 +210,7 @@ impl Column {
     pub fn stride(&self) -> usize {
         let scalar = match self.scalar {
             ScalarType::U8 => 1,
+            ScalarType::U16 => 2,
             ScalarType::F64 => 8,
             _ => 4,
         };
@@ -215,9 +222,8 @@ impl Column {
         match self.origin {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
-            Origin::Position | Origin::Ratio(_) | Origin::Tile | Origin::Thread | Origin::Group => {
-                false
-            }
+            Origin::Coordinate(_) | Origin::Position | Origin::Ratio(_) => false,
+            Origin::Tile | Origin::Thread | Origin::Group => false,
         }
     }
 
@@ -231,6 +237,7 @@ impl Column {
     pub fn bytes<'a>(&self, film: &Film, strip: &'a Strip, buffer: &'a mut Vec<u32>) -> &'a [u8] {
         match self.origin {
             Origin::Stored(bytes) => return bytes(strip),
+            Origin::Coordinate(axis) => film.pixel_coordinates(strip, axis, buffer),
             Origin::Position => film.world_positions(strip, self.scalar, buffer),
             Origin::Counted(metric) => film.counts(strip, metric, buffer),
             Origin::Tile => film.tile_numbers(strip, buffer),
@@ -243,7 +250,8 @@ impl Column {
                 buffer.extend(ratios.iter().map(|ratio| ratio.to_bits()));
             }
         }
-        bytemuck::cast_slice(buffer)
+        let n_pixels = (strip.n_rows * film.grid.width) as usize;
+        &bytemuck::cast_slice(buffer)[..n_pixels * self.stride()]
     }
 }
 
@@ -322,6 +330,8 @@ mod tests {
             "footprint",
             "object",
             "material",
+            "pixel_x",
+            "pixel_y",
             "tile",
             "thread",
         ];

@@ -195,6 +195,17 @@ impl Film {
         kept_columns(self.cost, self.repeats, self.counts_samples(), self.extra)
     }
 
+    /// Overwrites `words` with the columns or the rows (`axis` 1) of a strip's pixels, as numbers of
+    /// 16 bits.
+    fn pixel_coordinates(&self, strip: &Strip, axis: usize, words: &mut Vec<u32>) {
+        let rows = strip.first_row..strip.first_row + strip.n_rows;
+        let pixels = rows.flat_map(|y| (0..self.grid.width).map(move |x| [x, y]));
+        let numbers: Vec<u16> = pixels.map(|pixel| pixel[axis] as u16).collect();
+        words.clear();
+        words.resize(numbers.len().div_ceil(2), 0);
+        bytemuck::cast_slice_mut(words)[..numbers.len()].copy_from_slice(&numbers);
+    }
+
     /// Overwrites `words` with the positions of a strip's hits in world space, as numbers of 64
     /// bits or of 32.
     fn world_positions(&self, strip: &Strip, scalar: ScalarType, words: &mut Vec<u32>) {

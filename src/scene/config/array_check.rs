@@ -49,7 +49,8 @@ impl PixelArray {
         };
         match self {
             Self::Rgb | Self::Normals | Self::Distance | Self::Footprint => None,
-            Self::Object | Self::Material | Self::Pixel | Self::Horizon => None,
+            Self::PixelX | Self::PixelY | Self::Pixel | Self::Horizon => None,
+            Self::Object | Self::Material => None,
             Self::Instance if config.has_instances() => None,
             Self::Instance => lacks("instances", "only scenes with `instances` have it"),
             Self::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),

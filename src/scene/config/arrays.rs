@@ -16,6 +16,10 @@ use base::text::keyword_name;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum PixelArray {
+    /// The column of the pixel, from 0
+    PixelX,
+    /// The row of the pixel, from 0 on top
+    PixelY,
     /// The color in the picture
     #[value(name = "RGB")]
     Rgb,
@@ -129,8 +133,9 @@ impl PixelArray {
             TimeNs | NodeVisits | PrimitiveTests | Rays | ShadowRays | ReflectionRays
             | RefractionRays | DiffuseRays | Depth | Samples | BoxTests | BoxHits
             | PrimitiveHits | InstanceVisits => true,
-            Rgb | Normals | Distance | Footprint | Object | Material | Instance | Pixel
-            | Horizon | TimeMadNs | Tile | Thread | Radiance | RaysByBounce | Group => false,
+            PixelX | PixelY | Rgb | Normals | Distance | Footprint | Object | Material
+            | Instance | Pixel | Horizon | TimeMadNs | Tile | Thread | Radiance | RaysByBounce
+            | Group => false,
         }
     }
 

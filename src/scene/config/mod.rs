@@ -167,6 +167,12 @@ impl Config {
         }
     }
 
+    /// Returns the label of each object.
+    pub fn object_labels(&self) -> impl Iterator<Item = String> {
+        let objects = self.objects.iter().enumerate();
+        objects.map(|(index, object)| object.label(index))
+    }
+
     /// Returns true if there are instanced meshes.
     pub fn has_instances(&self) -> bool {
         let is_placed = |object: &Object| matches!(object.geometry, Geometry::Instances(_));

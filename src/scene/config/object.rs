@@ -73,6 +73,16 @@ impl fmt::Display for Geometry {
     }
 }
 
+impl Object {
+    /// Returns the name, or the kind and the position in the list.
+    pub fn label(&self, index: usize) -> String {
+        match &self.name {
+            Some(name) => name.clone(),
+            None => format!("{} {index}", self.geometry),
+        }
+    }
+}
+
 /// The keys that all objects share.
 const COMMON: [&str; 3] = ["material", "name", "transform"];
 

@@ -82,6 +82,7 @@ impl PayloadEncoder {
 pub(super) fn type_name(values: &ArrayValues) -> &'static str {
     match values {
         ArrayValues::U8(_) => "u8",
+        ArrayValues::U16(_) => "u16",
         ArrayValues::I32(_) => "i32",
         ArrayValues::U32(_) => "u32",
         ArrayValues::I64(_) => "i64",

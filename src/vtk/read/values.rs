@@ -100,6 +100,7 @@ macro_rules! values {
 
 values! {
     U8(u8) is "UInt8",
+    U16(u16) is "UInt16",
     I32(i32) is "Int32",
     U32(u32) is "UInt32",
     I64(i64) is "Int64",

@@ -184,12 +184,14 @@ fn horizon(film: &Film, hits: &[Pixel]) -> Array {
 fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     let counter = |counter| Field::Counts(counts(film, counter));
     let fields = [
+        ("pixel_x", Field::Coordinate(|pixel| pixel.x)),
+        ("pixel_y", Field::Coordinate(|pixel| pixel.y)),
+        ("object", Field::I32(|strip| &strip.object)),
+        ("material", Field::I32(|strip| &strip.material)),
         ("RGB", Field::Rgb(|strip| &strip.rgb)),
         ("Normals", Field::Vec3(|strip| &strip.normal)),
         ("distance", Field::F32(|strip| &strip.distance)),
         ("footprint", Field::F32(|strip| &strip.footprint)),
-        ("object", Field::I32(|strip| &strip.object)),
-        ("material", Field::I32(|strip| &strip.material)),
         ("time_ns", Field::F32(|strip| &strip.time_ns)),
         ("time_mad_ns", Field::F32(|strip| &strip.time_mad_ns)),
         ("node_visits", counter(Counter::NodeVisits)),
@@ -204,7 +206,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
         ("thread", Field::Tile(|_, tile| tile.thread)),
     ];
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
-    let (geometry, cost) = fields.split_at(6);
+    let (geometry, cost) = fields.split_at(8);
     let (time, counters) = cost.split_at(3);
     let (time, counters) = match (film.cost, film.repeats) {
         (CostMode::None, _) => (&[][..], &[][..]),
@@ -225,6 +227,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
 
 /// The accessor of an array of the film, by its type.
 enum Field {
+    Coordinate(fn(&Pixel) -> u32),
     Rgb(fn(&Strip) -> &Vec<[u8; 3]>),
     Vec3(fn(&Strip) -> &Vec<Vec3>),
     F32(fn(&Strip) -> &Vec<f32>),
@@ -239,6 +242,7 @@ enum Field {
 impl Field {
     fn array(&self, name: &str, film: &Film, pixels: &[Pixel]) -> Array {
         let (scalar, n_components) = match self {
+            Self::Coordinate(_) => ("UInt16", 1),
             Self::Rgb(_) => ("UInt8", 3),
             Self::Vec3(_) => ("Float32", 3),
             Self::F32(_) => ("Float32", 1),
@@ -250,6 +254,7 @@ impl Field {
         let mut bytes = Vec::new();
         for pixel in pixels {
             match self {
+                Self::Coordinate(of) => bytes.extend((of(pixel) as u16).to_ne_bytes()),
                 Self::Rgb(field) => bytes.extend(pixel.of(film, *field)),
                 Self::Vec3(field) => {
                     let vector = pixel.of(film, *field).to_array();

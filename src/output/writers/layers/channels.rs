@@ -57,8 +57,8 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels.extend(vector("P.", SPACE, Column::POSITION));
     for column in film.kept_columns() {
         match column.name {
-            // Skip the 8-bit picture, and arrays that are channels already.
-            "RGB" | "radiance" => {}
+            // Skip the 8-bit picture, arrays that are channels already, and the places of pixels.
+            "RGB" | "radiance" | "pixel_x" | "pixel_y" => {}
             "Normals" => channels.extend(vector("N.", SPACE, column)),
             _ => channels.extend((0..column.n_components).map(|i| number(column, i))),
         }

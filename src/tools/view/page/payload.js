@@ -4,6 +4,7 @@ const about = JSON.parse(document.getElementById("about").textContent);
 
 const TYPES = {
   u8: Uint8Array,
+  u16: Uint16Array,
   i32: Int32Array,
   u32: Uint32Array,
   i64: BigInt64Array,
