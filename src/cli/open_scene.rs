@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::scene::SceneArguments;
+use super::study;
 use crate::session::{Frames, Input, scene_files};
 use base::text::Diagnostic;
 use output::memory::Memory;
@@ -33,6 +34,7 @@ impl<'a> OpenScene<'a> {
     /// # Errors
     /// The errors of [`read`](Self::read).
     pub(super) fn parse(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
+        study::refuse_study(&source)?;
         let document = arguments.document(source)?;
         let config: Config = document.parse()?;
         Ok(Self {

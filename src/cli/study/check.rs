@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{Failure, Study};
+use crate::cli::shell_word;
 use base::text::numbers::{count, counted};
 use base::text::{Diagnostic, one_line};
 use scene::yaml::Source;
@@ -13,9 +14,42 @@ use tools::study::{LeftOutStep, StudyPlan};
 /// A key that every study has, and no scene.
 const SCENES: &str = "scenes";
 
+/// A key of scenes, and of no study.
+const OBJECTS: &str = "objects";
+
 /// Returns true if a text is a study, not a scene.
 pub(in crate::cli) fn is_study(source: &Source) -> bool {
     source.has_key(SCENES)
+}
+
+/// Refuses a scene in the place of a study.
+///
+/// # Errors
+/// The text is a scene.
+pub(super) fn refuse_scene(source: &Source) -> Result<(), Diagnostic> {
+    if is_study(source) || !source.has_key(OBJECTS) {
+        return Ok(());
+    }
+    let name = source.name();
+    let message = format!("`{}` is a scene, not a study", one_line(name));
+    let scene = shell_word(Path::new(name));
+    Err(Diagnostic::new(message).with_help(format!(
+        "to render it: `raycost render {scene}`; a study names it in `scenes`"
+    )))
+}
+
+/// Refuses a study in the place of a scene.
+///
+/// # Errors
+/// The text is a study.
+pub(in crate::cli) fn refuse_study(source: &Source) -> Result<(), Diagnostic> {
+    if !is_study(source) {
+        return Ok(());
+    }
+    let name = source.name();
+    let message = format!("`{}` is a study, not a scene", one_line(name));
+    let study = shell_word(Path::new(name));
+    Err(Diagnostic::new(message).with_help(format!("to run it: `raycost study {study}`")))
 }
 
 /// A study whose scenes can be rendered here.

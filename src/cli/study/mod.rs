@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use serde_json::{Value, json};
 
-pub(super) use check::{checked, is_study, refuse_flags};
+pub(super) use check::{checked, is_study, refuse_flags, refuse_study};
 use report::StudyResults;
 use scene_files::SceneFiles;
 
@@ -109,6 +109,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let files = files::find(named, out, quick)?.into_iter();
     let read = files.map(|(file, out)| {
         let source = Source::read(&file)?;
+        check::refuse_scene(&source)?;
         Study::parse(&source, out, quick, arguments.allow_commands)
     });
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
@@ -135,9 +136,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
             points: points.as_deref(),
             left_out: &left_out,
         };
-        let empty = report::write_tables(&study.out, &results, &made_by)?;
+        let of_plots = report::write_tables(&study.out, &results, &made_by)?;
         if !arguments.quiet {
-            text::print(&report::lines_of(&results, &empty, &study.out))?;
+            text::print(&report::lines_of(&results, &of_plots, &study.out))?;
         }
     }
     if !arguments.quiet {

@@ -30,22 +30,24 @@ pub(super) struct StudyResults<'a> {
 /// Maximum number of characters of a plot's name; its number is unique.
 const MAX_PLOT_NAME: usize = 200;
 
-/// Writes the tables and plots of a study. Returns the numbers of the plots that have no values.
+/// Writes the tables and plots of a study. Returns the lines on the plots: their laws, and which
+/// have no values.
 pub(super) fn write_tables(
     out: &Path,
     results: &StudyResults,
     made_by: &Value,
-) -> Result<Vec<usize>, Failure> {
+) -> Result<String, Failure> {
     let StudyResults { plan, rows, .. } = results;
     write_file(&out.join("statistics.csv"), Replace::Known, |file| {
         write_csv(rows, file)
     })?;
-    let (mut fits, mut empty, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut fits, mut drawn, mut lines) = (Vec::new(), Vec::new(), String::new());
     for (number, plot) in plan.plots.iter().enumerate() {
         let Some(figure) = Figure::new(plot, &plan.title, rows) else {
-            empty.push(number + 1);
+            lines += &without_values(plot, number + 1);
             continue;
         };
+        lines += &laws_of(plot, &figure);
         fits.extend(fits_of(plot, &figure));
         let x = plot.x.replace(['/', '\\', ':', '"'], "-");
         let name = format!("plot-{}-{}-over-{x}", number + 1, plot.y.join("-"));
@@ -64,7 +66,7 @@ pub(super) fn write_tables(
     write_file(&out.join("statistics.json"), Replace::Known, |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;
-    Ok(empty)
+    Ok(lines)
 }
 
 /// Removes the plots that an earlier version of the study drew from fewer runs.
@@ -80,6 +82,32 @@ fn remove_other_plots(out: &Path, drawn: &[String]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Returns the note on a plot that no run has values for.
+fn without_values(PlotSpec { x, y, .. }: &PlotSpec, number: usize) -> String {
+    let (x, y) = (one_line(x), y.join("` or `"));
+    format!("\nnote    plot {number} has no values: no run has `{y}` over `{x}`\n")
+}
+
+/// Returns a line for each law of a plot.
+fn laws_of(plot: &PlotSpec, figure: &Figure) -> String {
+    let line = |series: &Series| {
+        let label = match &*series.label {
+            "" => figure.y_title.clone(),
+            label => label.to_owned(),
+        };
+        let (label, x) = (one_line(&label), one_line(&figure.x_title));
+        Some(format!("law     {label} = {}, x: {x}\n", series.law?))
+    };
+    let lines: String = figure.series.iter().filter_map(line).collect();
+    match (plot.fit, &*lines) {
+        (true, "") => {
+            "\nnote    no law fits: it needs positive values at two sizes or more\n".to_owned()
+        }
+        (_, "") => lines,
+        _ => format!("\n{lines}"),
+    }
 }
 
 /// Returns the fitted laws of a plot with the labels of their series.
@@ -109,9 +137,9 @@ pub(super) fn write_figure(figure: &Figure, out: &Path, name: &str) -> Result<()
     Ok(())
 }
 
-/// Returns the report on a study: title, render time of each point, notes, and the folder. `empty`
-/// holds the numbers of the plots without values.
-pub(super) fn lines_of(results: &StudyResults, empty: &[usize], out: &Path) -> String {
+/// Returns the report on a study: title, render time of each point, notes, the lines on its plots,
+/// and the folder.
+pub(super) fn lines_of(results: &StudyResults, of_plots: &str, out: &Path) -> String {
     let plan = results.plan;
     let table = if plan.steps.is_empty() {
         table_of_points(results.rows)
@@ -125,14 +153,7 @@ pub(super) fn lines_of(results: &StudyResults, empty: &[usize], out: &Path) -> S
             .iter()
             .filter(|row| row.metric == "render_wall_ms"),
     );
-    for number in empty {
-        let PlotSpec { x, y, .. } = &plan.plots[number - 1];
-        let y = y.join("` or `");
-        text += &format!(
-            "\nnote    plot {number} has no values: no run has `{y}` over `{x}`\n",
-            x = one_line(x),
-        );
-    }
+    text += of_plots;
     if let Some(points) = results.points {
         let unknown = || "unknown: no run had both counters and a BVH".to_owned();
         let report = bottleneck_report(points).unwrap_or_else(unknown);

@@ -10,8 +10,12 @@
 //! cannot end in a local minimum. The confidence interval of the exponent comes from the profile
 //! likelihood (Bates and Watts, "Nonlinear Regression Analysis", 1988, section 6.1).
 
+use std::fmt;
+
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+use output::chart::rounded_number;
 
 /// Range of the exponents.
 const EXPONENTS: [f64; 2] = [-4.0, 4.0];
@@ -52,6 +56,19 @@ pub struct CostLaw {
     /// The 95 % confidence interval of the exponent, within -4 and 4; `None` for two sizes, which
     /// the law fits exactly without a fixed cost.
     pub exponent_95: Option<[f64; 2]>,
+}
+
+/// Formats `0.12 + 3.4e-5 x^1.02, with 0.98 to 1.06 for the exponent`.
+impl fmt::Display for CostLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let PowerLaw { factor, exponent } = self.growing;
+        let [fixed, factor] = [self.fixed, factor].map(rounded_number);
+        write!(f, "{fixed} + {factor} x^{exponent:.3}")?;
+        match self.exponent_95 {
+            Some([low, high]) => write!(f, ", 95 % interval of the exponent {low:.2} to {high:.2}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A measured cost to fit a law to.

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use serde::de::{Deserializer, Error, Unexpected, Visitor};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -137,18 +138,65 @@ impl<const MAX: u64> Visitor<'_> for ProcessorCountVisitor<MAX> {
     }
 }
 
-/// Width and height of an image in pixels.
-#[derive(Deserialize)]
-#[serde(expecting = "a size [width, height]")]
-pub(super) struct ImageSize(
-    BoundedCount<{ MAX_SIDE as u64 }>,
-    BoundedCount<{ MAX_SIDE as u64 }>,
-);
+/// Width and height of an image in pixels: `[100, 75]`, `100x75`, or `100` for a square.
+pub(super) struct ImageSize([u64; 2]);
+
+impl<'de> Deserialize<'de> for ImageSize {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(ImageSizeVisitor).map(Self)
+    }
+}
+
+struct ImageSizeVisitor;
+
+impl<'de> Visitor<'de> for ImageSizeVisitor {
+    type Value = [u64; 2];
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a size: [100, 75], 100x75, or 100 for a square")
+    }
+
+    fn visit_str<E: Error>(self, found: &str) -> Result<[u64; 2], E> {
+        let is_side = |side: &u64| (1..=u64::from(MAX_SIDE)).contains(side);
+        let sides = sides_of(found).filter(|sides| sides.iter().all(is_side));
+        sides.ok_or_else(|| E::invalid_value(Unexpected::Str(found), &self))
+    }
+
+    fn visit_u64<E: Error>(self, side: u64) -> Result<[u64; 2], E> {
+        self.visit_str(&format!("{side}x{side}"))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<[u64; 2], A::Error> {
+        type Side = BoundedCount<{ MAX_SIDE as u64 }>;
+        let [width, height] = <[Side; 2]>::deserialize(SeqAccessDeserializer::new(list))?;
+        Ok([width.0, height.0])
+    }
+}
+
+/// Returns the width and the height of a size such as `100x75`.
+fn sides_of(size: &str) -> Option<[u64; 2]> {
+    let (width, height) = size.split_once('x')?;
+    Some([width.parse().ok()?, height.parse().ok()?])
+}
+
+/// Returns the number that a law of the cost grows with: a level that is a number, or the number of
+/// pixels of a size; `None` for other levels.
+pub(super) fn size_of_level(level: &Value) -> Option<f64> {
+    let n_pixels = || {
+        Some(
+            sides_of(level.as_str()?)?
+                .map(|side| side as f64)
+                .iter()
+                .product(),
+        )
+    };
+    level.as_f64().or_else(n_pixels)
+}
 
 impl ImageSize {
     /// Returns the level `--width=width --height=height`, `widthxheight` in the results.
     pub(super) fn level(self) -> FactorLevel {
-        let Self(BoundedCount(width), BoundedCount(height)) = self;
+        let Self([width, height]) = self;
         FactorLevel {
             value: json!(format!("{width}x{height}")),
             flags: vec![format!("--width={width}"), format!("--height={height}")],

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::hash::Hash;
 
+use super::factor_level::size_of_level;
 use super::metric_list::{MetricNeed, StudyMetric};
 use super::point::{STEP, scene_names};
 use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
@@ -24,9 +25,31 @@ impl StudyPlan {
         self.check_launcher()?;
         let factors = self.factor_names();
         for (number, plot) in self.plots.iter().enumerate() {
-            check_plot(plot, &factors, key("plots").index(number))?;
+            let path = key("plots").index(number);
+            check_plot(plot, &factors, path.clone())?;
+            self.check_fit(plot, path)?;
         }
         Ok(())
+    }
+
+    /// Checks that the levels along a fitted law are numbers or sizes.
+    fn check_fit(&self, plot: &PlotSpec, path: FieldPath) -> Result<(), Fault> {
+        let in_vary = self.vary.0.iter();
+        let in_vary =
+            in_vary.flat_map(|(factor, levels)| levels.iter().map(move |one| (factor, one)));
+        let in_cases = self.cases.iter().flat_map(|case| &case.0);
+        let in_cases = in_cases.map(|(factor, level)| (factor, level));
+        let mut levels = in_vary
+            .chain(in_cases)
+            .filter(|(factor, _)| factor.name() == plot.x);
+        let has_names = ["scene", STEP].contains(&&*plot.x)
+            || levels.any(|(_, level)| size_of_level(&level.value).is_none());
+        if !plot.fit || !has_names {
+            return Ok(());
+        }
+        let message = format!("a law needs numbers, and `{}` has names", plot.x);
+        let fault = Fault::new(path.key("fit"), message, "has nothing to grow with");
+        Err(fault.with_help("leave out `fit`, or plot over a factor of numbers"))
     }
 
     /// Returns the names of all factors, the scene first.

@@ -58,6 +58,45 @@ fn stderr_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// A law over the image size grows with the number of pixels; node visits are in proportion to them.
+#[test]
+fn a_law_over_image_sizes_is_one_of_pixels() {
+    let study = "
+title: Sizes
+scenes: [scene.yaml]
+vary: { image_size: [[16, 12], 32x24, 40] }
+flags: [--cost=counters]
+repeats: 1
+plots: [{ x: image_size, y: rays, fit: true }]
+";
+    let folder = folder(study);
+    let output = run(folder.path(), &[]);
+    assert_success(&output);
+    let text = fs::read_to_string(folder.path().join("out/statistics.json")).unwrap();
+    let statistics: Value = serde_json::from_str(&text).unwrap();
+    let exponent = statistics["fits"][0]["law"]["exponent"].as_f64().unwrap();
+    assert!((0.9..1.1).contains(&exponent), "{exponent}");
+    let shown = String::from_utf8(output.stdout).unwrap();
+    let law = shown
+        .lines()
+        .find(|line| line.starts_with("law     rays = "));
+    let law = law.unwrap_or_else(|| panic!("{shown}"));
+    assert!(
+        law.contains(&format!("x^{exponent:.3}")) && law.ends_with("x: image size (pixels)"),
+        "{law}"
+    );
+    let sizes: Vec<&str> = (lines(folder.path())[1..].iter())
+        .filter_map(|run| run["point"]["image_size"].as_str())
+        .collect();
+    assert_eq!(sizes.len(), 3, "{sizes:?}");
+    assert!(
+        ["16x12", "32x24", "40x40"]
+            .iter()
+            .all(|size| sizes.contains(size)),
+        "{sizes:?}"
+    );
+}
+
 #[test]
 fn any_value_of_the_scene_is_a_factor() {
     let vary = "{ camera.look_at.fov_y_deg: [20, 40], 'objects[1].plane.normal': [[0, 1, 0]] }";

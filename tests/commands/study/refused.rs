@@ -44,6 +44,19 @@ fn mistakes_are_reported_before_the_first_run() {
             "`vary.threads` cannot be an empty list",
         ),
         (
+            "title: x\nscenes: [scene.yaml]\nvary: { image_size: [9x] }",
+            "expected a size: [100, 75], 100x75, or 100 for a square",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { image_size: [0] }",
+            "expected a size: [100, 75], 100x75, or 100 for a square",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { cost: [time, counters] }\n\
+             plots: [{ x: cost, y: render_wall_ms, fit: true }]",
+            "a law needs numbers, and `cost` has names",
+        ),
+        (
             "title: x\nscenes: [scene.yaml]\nvary: { theads: [1] }",
             "did you mean `threads`?",
         ),

@@ -3,9 +3,10 @@
 use serde_json::Value;
 
 use super::series_factors::series_factors;
+use crate::study::factor_level::size_of_level;
 use crate::study::point::text_of;
 use crate::study::step_rows::STEP_TIME;
-use crate::study::{CostLaw, CostSample, PlotSpec, PowerLaw, StatisticsRow};
+use crate::study::{CostLaw, CostSample, FlagFactor, PlotSpec, PowerLaw, StatisticsRow};
 use output::chart::{Scale, rounded_number};
 
 /// The content of a plot.
@@ -102,7 +103,10 @@ impl Figure {
         let y_titles: Vec<String> = plot.y.iter().map(|y| axis_title(y)).collect();
         let mut figure = Self {
             title: title.to_owned(),
-            x_title: axis_title(&plot.x),
+            x_title: match FlagFactor::ImageSize.name() {
+                size if plot.fit && plot.x == size => "image size (pixels)".to_owned(),
+                _ => axis_title(&plot.x),
+            },
             y_title: y_titles.join(", "),
             scale: plot.scale,
             has_bars: plot.bars,
@@ -215,8 +219,13 @@ impl Figure {
             let is_x = |other: &&StatisticsRow| other.metric == plot.x && other.point == row.point;
             return rows.iter().find(is_x).map(|row| row.statistics.median);
         };
-        if let Some(number) = value.as_f64() {
-            return Some(number);
+        let number = if plot.fit {
+            size_of_level(value)
+        } else {
+            value.as_f64()
+        };
+        if number.is_some() {
+            return number;
         }
         let name = text_of(value);
         let known = self.categories.iter().position(|known| *known == name);
