@@ -5,13 +5,34 @@ const MIN_SIMILARITY: f64 = 0.6;
 /// Longest word that is compared, in bytes: a longer one is not a typo.
 const MAX_WORD: usize = 64;
 
+/// Words of other programs, each with the word that means the same here.
+const SYNONYMS: [(&str, &str); 12] = [
+    ("ball", "sphere"),
+    ("cube", "box"),
+    ("cuboid", "box"),
+    ("floor", "plane"),
+    ("fov", "fov_y_deg"),
+    ("ground", "plane"),
+    ("model", "mesh"),
+    ("obj", "mesh"),
+    ("quad", "rectangle"),
+    ("samples", "samples_per_pixel"),
+    ("spp", "samples_per_pixel"),
+    ("square", "rectangle"),
+];
+
 /// Returns "did you mean `x`?" with the known word most similar to `word`, or
-/// `None` if none is similar enough.
+/// `None` if none is similar enough. A known word that means the same comes first.
 pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     if word.len() > MAX_WORD {
         return None;
     }
     let word = word.to_lowercase();
+    let known: Vec<&str> = known.into_iter().collect();
+    let synonym = SYNONYMS.iter().find(|(other, _)| *other == word);
+    if let Some((_, meant)) = synonym.filter(|(_, meant)| known.contains(meant)) {
+        return Some(format!("did you mean `{meant}`?"));
+    }
     known
         .into_iter()
         .map(|candidate| (similarity(&word, candidate), candidate))

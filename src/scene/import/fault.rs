@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 
 use crate::yaml::{Fault, FieldPath, why_missing};
+use base::text::Diagnostic;
 
 /// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -83,15 +84,27 @@ impl FileFault {
 
     /// Returns the fault of the scene file's value at `path`, which names the file.
     pub fn at_value(&self, path: &FieldPath) -> Fault {
-        let expected = format!("expected {}", self.expected);
-        let fault = Fault::new(path.clone(), self.message(), expected);
-        if self.expected != READABLE {
-            return fault;
+        let fault = Fault::new(path.clone(), self.message(), self.expectation());
+        Fault {
+            help: self.why_missing(),
+            ..fault
         }
-        match why_missing(Path::new(&self.file)) {
-            Some(why) => fault.with_help(why),
-            None => fault,
-        }
+    }
+
+    /// Returns the diagnostic of a file that the command line names.
+    pub fn of_argument(&self) -> Diagnostic {
+        let help = self.why_missing().unwrap_or_else(|| self.expectation());
+        Diagnostic::new(self.message()).with_help(help)
+    }
+
+    fn expectation(&self) -> String {
+        format!("expected {}", self.expected)
+    }
+
+    /// Returns the likely reason why the system does not open the file, if one is known.
+    fn why_missing(&self) -> Option<String> {
+        let is_missing = self.expected == READABLE;
+        is_missing.then(|| why_missing(Path::new(&self.file)))?
     }
 
     /// Returns file, position and problem in one line.

@@ -17,6 +17,10 @@ const COLORS: [(&str, &str); 10] = [
 /// Returns advice on a text that is given instead of numbers or a color.
 pub(super) fn advice(written: &str, expected: &str) -> Option<String> {
     let bare = written.trim_matches(['"', '\'']);
+    let is_mapping = expected.starts_with("struct ") || expected.contains("{ ");
+    if let Some((key, value)) = bare.split_once(':').filter(|_| is_mapping) {
+        return Some(format!("put a space after the `:`: `{key}: {value}`"));
+    }
     if expected.contains("color")
         && let Some(color) = color_of(bare)
     {
@@ -76,6 +80,7 @@ mod tests {
     fn other_notations_get_advice() {
         let number = "a number from 0 to 1";
         for (written, expected, part) in [
+            ("width:4", "a size such as { width: 400 }", "`width: 4`"),
             ("4px", number, "without its unit: `4`"),
             ("50 %", number, "`0.5`"),
             ("3.14159rad", "an angle in degrees", "`180.0`"),

@@ -10,6 +10,7 @@ use super::quote;
 use base::text::line_start;
 
 /// The remedy for most mistakes.
+pub(super) const AFTER_COLON: &str = "expected a space after the `:`";
 const ADVICE: &str = "put a space after each `:` (also on the line above), indent all keys of a \
                       mapping by the same number of spaces, and quote a text that contains `: `";
 const BRACKETS: &str = "put a comma between two entries and close each bracket";
@@ -51,16 +52,8 @@ const REWORDED: &[(&str, &str, &str)] = &[
         ADVICE,
     ),
     ("unexpected ':'", "a `:` is not allowed here", ADVICE),
-    (
-        "':' may not precede",
-        "expected a space after the `:`",
-        ADVICE,
-    ),
-    (
-        "':' must be followed",
-        "expected a space after the `:`",
-        ADVICE,
-    ),
+    ("':' may not precede", AFTER_COLON, ADVICE),
+    ("':' must be followed", AFTER_COLON, ADVICE),
     ("simple key expect", "expected `key: value`", ADVICE),
     (
         "could not find expected ':'",
@@ -187,6 +180,11 @@ pub(super) fn fault(
         _ if info.contains("while parsing a block") && !is_first => END_OF_LINE,
         _ => info,
     };
+    if let Some(fault) = without_space(text, line)
+        .filter(|_| info.contains("':'") || info.contains("mapping values"))
+    {
+        return fault;
+    }
     let fault = broken(span, info, ADVICE);
     let concerns_brackets = !info.contains("quoted scalar")
         && (info.contains("invalid indentation") || info.contains("',' or"));
@@ -201,6 +199,22 @@ pub(super) fn too_deep(bytes: Range<usize>) -> Fault {
     let expected = format!("expected at most {MAX_LEVELS} levels");
     Fault::of_bytes(bytes, "lists and mappings are nested too deeply", expected)
         .with_help("use fewer levels of brackets and indentation")
+}
+
+/// Returns the fault of the line above the one that starts at byte `line`, if it is a key and a
+/// value without a space between them, as in `width:640`: YAML joins it to the next line.
+fn without_space(text: &str, line: usize) -> Option<Fault> {
+    let above = text[..line].trim_end();
+    let start = line_start(text, above.len());
+    let (key, value) = above[start..].split_once(':')?;
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let key = key.trim_start_matches([' ', '-']);
+    if key.is_empty() || !key.chars().all(is_word) || value.starts_with(' ') {
+        return None;
+    }
+    let colon = above.len() - value.len();
+    let fault = Fault::of_bytes(colon - 1..colon, SUBJECT, AFTER_COLON);
+    Some(fault.with_help(format!("write `{key}: {}`", value.trim_start())))
 }
 
 fn still_open(text: &str, bracket: usize) -> String {

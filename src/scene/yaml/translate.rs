@@ -12,7 +12,7 @@ use super::field_path::{FieldPath, Step};
 use super::meant;
 use super::position::Location;
 use super::setting::LocatedText;
-use super::syntax;
+use super::syntax::{self, AFTER_COLON};
 use base::text::{did_you_mean, number_meant};
 
 /// Translates an error that serde_yaml found at a path of `text`.
@@ -98,6 +98,11 @@ pub(super) fn message_of(error: &serde_yaml::Error) -> String {
 
 fn unknown_key(path: FieldPath, word: &str, expected: &str) -> Fault {
     let list = format!("the choices are {}", listed(expected));
+    let is_known = |key: &str| quoted(expected).any(|known| known == key);
+    if let Some((key, value)) = word.split_once(':').filter(|(key, _)| is_known(key)) {
+        let fault = Fault::of_key(path, format!("`{word}` lacks a space"), AFTER_COLON);
+        return fault.with_help(format!("write `{key}: {value}`"));
+    }
     let help = match did_you_mean(word, quoted(expected)) {
         Some(suggestion) => format!("{suggestion} ({list})"),
         None => list,

@@ -1,7 +1,7 @@
 //! Visits all values of a YAML text with their paths.
 
 use std::cell::Cell;
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::ops::Range;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
@@ -93,7 +93,8 @@ enum Kind {
         next: usize,
     },
     Mapping {
-        seen: HashSet<String>,
+        /// The keys so far, with their lines.
+        seen: HashMap<String, usize>,
         /// The key whose value comes next.
         key: Option<Span>,
     },
@@ -108,6 +109,11 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             let message = format!("the tag `{tag}` has no meaning in a scene");
             return fault(&message, "expected a value without `!`");
         }
+        if let Event::Scalar(word, ScalarStyle::Plain, ..) = event
+            && !word.is_ascii()
+        {
+            self.check_spaces(word, span)?;
+        }
         match (event, self.keys_before()) {
             (Event::DocumentStart(_), _) if self.has_document => {
                 fault("a second scene begins here", "expected one scene in a file")
@@ -118,10 +124,6 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             (Event::Scalar(word, ..), Some(_)) if word.is_empty() => {
                 fault("a key is missing", "expected a name before the `:`")
             }
-            (Event::Scalar(word, ScalarStyle::Plain, ..), Some(_)) if word.trim() != word => fault(
-                "a key contains a space other than U+0020",
-                "expected plain spaces only",
-            ),
             (Event::Scalar(word, ..), Some(_)) if word == "<<" => fault(
                 "merge keys (`<<`) are not supported",
                 "expected the keys themselves",
@@ -130,10 +132,11 @@ impl<V: FnMut(Node)> Walk<'_, V> {
                 "a key is too long",
                 &format!("expected at most {MAX_NAME} characters"),
             ),
-            (Event::Scalar(word, ..), Some(seen)) if seen.contains(&**word) => {
+            (Event::Scalar(word, ..), Some(seen)) if seen.contains_key(&**word) => {
                 let path = FieldPath(self.path.clone()).key(&**word);
                 let message = format!("`{path}` is given twice");
-                let fault = Fault::of_bytes(bytes(self.text, span), message, "the second one");
+                let label = format!("the second one: the first is in line {}", seen[&**word]);
+                let fault = Fault::of_bytes(bytes(self.text, span), message, label);
                 Err(match self.path.last() {
                     Some(Step::Index(_)) => {
                         fault.with_help("begin each item of the list with `- `")
@@ -148,6 +151,28 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a space that YAML takes for a letter, such as the no-break space of web pages, at an
+    /// end of a text or after a `:`.
+    fn check_spaces(&self, word: &str, span: Span) -> Result<(), Fault> {
+        let is_strange = |c: char| c.is_whitespace() && !c.is_ascii();
+        let is_inside = word.trim_matches(is_strange) == word;
+        if is_inside && !word.split(is_strange).any(|part| part.ends_with(':')) {
+            return Ok(());
+        }
+        let at = bytes(self.text, span).start;
+        let mut strange = self.text[at..]
+            .char_indices()
+            .filter(|(_, c)| is_strange(*c));
+        let (offset, space) = strange.next().unwrap_or_default();
+        let place = at + offset..at + offset + space.len_utf8();
+        let message = format!(
+            "a space other than that of the keyboard: U+{:04X}",
+            space as u32
+        );
+        let fault = Fault::of_bytes(place, message, "expected a plain space");
+        Err(fault.with_help("type it again: text that is copied from web pages has such spaces"))
     }
 
     /// Refuses a key that is the end of a decimal number, as in `{ radius: 0,8 }`.
@@ -168,7 +193,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
     }
 
     /// Returns the keys of the innermost mapping so far if a key comes next.
-    fn keys_before(&self) -> Option<&HashSet<String>> {
+    fn keys_before(&self) -> Option<&HashMap<String, usize>> {
         match &self.frames.last()?.kind {
             Kind::Mapping { seen, key: None } => Some(seen),
             _ => None,
@@ -191,7 +216,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             }
             Event::SequenceStart(..) => self.open(span, Kind::Sequence { next: 0 }),
             Event::MappingStart(..) => {
-                let (seen, key) = (HashSet::new(), None);
+                let (seen, key) = (HashMap::new(), None);
                 self.open(span, Kind::Mapping { seen, key });
             }
             Event::SequenceEnd | Event::MappingEnd => self.close(span),
@@ -202,7 +227,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
     fn take_key(&mut self, word: String, span: Span) {
         if let Some(Kind::Mapping { seen, key }) = self.innermost() {
             *key = Some(span);
-            seen.insert(word.clone());
+            seen.insert(word.clone(), span.start.line());
             self.path.push(Step::Key(word));
         }
     }
