@@ -1,35 +1,61 @@
-//! Hints of `raycost check`: scenes without a mistake that show nothing.
+//! Hints of `check` and `render`: scenes without a mistake that show nothing, or not what was meant.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
+use std::f32::consts::PI;
 
-use output::prediction::{Look, Prediction};
+use base::text::one_line;
+use output::prediction::Look;
 use scene::background::Background;
-use scene::config::{Config, ShadingModel};
+use scene::config::{Config, Geometry, ShadingModel};
+use scene::geometry::Shape;
 
 /// Greatest number of names in a hint.
 const MOST_NAMES: usize = 5;
 
-/// Returns one line for each likely mistake; empty if there is none.
-pub(super) fn lines(config: &Config, expected: &Prediction) -> String {
-    let hints = [of_view(config, expected.look), unused_materials(config)];
-    let hints = hints.into_iter().flatten();
+/// Returns one line for each likely mistake; empty if there is none. Without a look, only mistakes
+/// in the scene's text.
+pub(super) fn lines(config: &Config, look: Option<Look>) -> String {
+    let of_look = look.into_iter().flat_map(|look| {
+        [
+            of_view(config, look),
+            of_angle(look),
+            of_light(config, look),
+        ]
+    });
+    let of_config = [unused_materials(config), equal_names(config)];
+    let hints = of_look.chain(of_config).flatten();
     hints.map(|hint| format!("hint    {hint}\n")).collect()
 }
 
 /// Returns the problem with the picture as a whole, if any.
 fn of_view(config: &Config, look: Look) -> Option<String> {
-    let Look {
-        has_hit,
-        is_black,
-        only_object,
-    } = look;
-    if !has_hit {
+    let named = |object: u32| {
+        let geometry = &config.objects[object as usize].geometry;
+        format!("`objects[{object}]`, a `{geometry}`,")
+    };
+    if !look.has_hit {
         return Some(
             "the camera sees no object: check `eye`, `target` and the places of the objects"
                 .to_owned(),
         );
     }
-    if !is_black {
+    if let Some(object) = look.only_object {
+        let object_name = named(object);
+        let hides = config.objects.len() > 1 || look.is_black;
+        if look.around_eye == look.only_object && hides {
+            return Some(format!(
+                "the eye is inside {object_name} which fills the picture"
+            ));
+        }
+        if is_plane(config, object) && config.objects.len() > 1 {
+            let side = "the eye may be behind it, such as below a floor";
+            return Some(format!("{object_name} fills the picture: {side}"));
+        }
+    }
+    if look.is_white {
+        return Some("the picture is white: lower `exposure` in `film`, or the light".to_owned());
+    }
+    if !look.is_black {
         return None;
     }
     if !has_light(config) {
@@ -38,18 +64,58 @@ fn of_view(config: &Config, look: Look) -> Option<String> {
             _ => "a light, or `ambient` light in `shading`",
         };
         return Some(format!(
-            "the picture will be black: nothing shines; add {remedy}"
+            "what the camera sees is black: nothing shines; add {remedy}"
         ));
     }
-    if let Some(object) = only_object {
-        return Some(format!(
-            "the picture will be black, and `objects[{object}]` fills it: the camera may be inside it"
-        ));
-    }
-    let reason = "no light reaches what the camera sees";
+    let reason = "no light reaches it";
+    Some(format!("what the camera sees is black: {reason}"))
+}
+
+/// Returns the hint on an angle of view that is likely in radians: so narrow that it shows one
+/// object or none.
+fn of_angle(look: Look) -> Option<String> {
+    let shows_little = !look.has_hit || look.only_object.is_some();
+    let radians = look
+        .fov_y_deg
+        .filter(|&degrees| degrees < PI && shows_little)?;
     Some(format!(
-        "the picture may be black: in a small preview, {reason}"
+        "the angle of view is {radians:.1} degrees: if these are radians, write {:.1}",
+        radians.to_degrees()
     ))
+}
+
+/// Returns the hint on a light inside an object that light does not leave.
+fn of_light(config: &Config, look: Look) -> Option<String> {
+    let (light, object) = look.light_inside?;
+    let names = &config.objects[object as usize].material.0;
+    let is_clear = |name: &String| {
+        let material = config.materials.get(name);
+        material
+            .is_none_or(|material| material.kind.medium().is_some() || material.opacity.is_some())
+    };
+    let is_closed = !names.is_empty() && !names.iter().any(is_clear);
+    is_closed.then(|| {
+        format!("`lights[{light}]` is inside `objects[{object}]`, which its light does not leave")
+    })
+}
+
+fn is_plane(config: &Config, object: u32) -> bool {
+    let geometry = &config.objects[object as usize].geometry;
+    matches!(geometry, Geometry::Shape(shape) if matches!(shape.geometry, Shape::Plane(_)))
+}
+
+/// Returns the hint on two objects of the same name.
+fn equal_names(config: &Config) -> Option<String> {
+    let mut first_of = HashMap::new();
+    config.objects.iter().enumerate().find_map(|(index, object)| {
+        let name = object.name.as_ref()?;
+        let first = first_of.insert(name, index)?;
+        Some(format!(
+            "`objects[{first}]` and `objects[{index}]` are both named `{}`: reports cannot tell \
+             them apart",
+            one_line(name)
+        ))
+    })
 }
 
 /// Returns true if anything in the scene shines.

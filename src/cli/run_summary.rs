@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use super::scene::SceneArguments;
-use super::{charges, hottest, shell_word, shown, timing_quality};
+use super::{charges, hints, hottest, shell_word, shown, timing_quality};
 use base::folder::Written;
 use base::text::numbers::{bytes, count, counted, duration};
 use base::text::{one_line, wrapped};
+use output::prediction::Look;
 use output::summary::RanksSection;
 use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use render::instruments::Stages;
@@ -40,6 +41,7 @@ pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
 pub(super) fn lines(
     scene: &SceneArguments,
     rendering: &RenderingView,
+    look: Option<Look>,
     stages: &Stages,
     written: &[Written],
 ) -> String {
@@ -71,10 +73,11 @@ pub(super) fn lines(
     };
     let ranks = rendering.ranks.map_or(String::new(), ranks);
     let found = format!(
-        "{}{tiles}{ranks}{quality}{}{costs}{}wrote   {}: {files}\n",
+        "{}{tiles}{ranks}{quality}{}{costs}{}{}wrote   {}: {files}\n",
         head(rendering, stages),
         hottest::lines(rendering.survey.hottest),
         notes(rendering.config, rendering.scene),
+        hints::lines(rendering.config, look),
         shown(&out),
     );
     // Commands stay on one line, to be copied.

@@ -10,6 +10,7 @@ use base::host::affinity;
 use base::stop;
 use math::simd::Simd;
 use output::memory;
+use output::prediction::Look;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
@@ -87,7 +88,9 @@ impl Session {
             attribution
         });
         stop::check()?;
+        let is_whole = scope.part.is_none() && film.has_rows();
         Ok(Measured {
+            look: is_whole.then(|| Look::new(&film, config, tracer)),
             bvh: accel.statistics(),
             kernel: (accel.simd(), accel.traversal()),
             meter,

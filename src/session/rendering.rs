@@ -9,6 +9,7 @@ use base::folder::{OutputFolder, WriteError, Written};
 use base::stop;
 use base::text::Diagnostic;
 use math::simd::Simd;
+use output::prediction::Look;
 use output::summary::{OtherRuns, Partial, RanksSection, Threads};
 use output::writers::{self, BandRows, Bands, Survey};
 use render::attribution::CostAttribution;
@@ -42,6 +43,8 @@ pub(super) struct Measured {
     pub(super) kernel: (Simd, Traversal),
     pub(super) meter: Meter,
     pub(super) film: Film,
+    /// The look of the picture, if the film has all of it.
+    pub(super) look: Option<Look>,
     /// Number of tiles that were to be rendered.
     pub(super) n_tiles: u32,
     pub(super) schedule: Schedule,
@@ -56,6 +59,11 @@ impl Rendering<'_> {
     /// Returns the color, the geometry and the cost of every pixel.
     pub fn film(&self) -> &Film {
         &self.measured.film
+    }
+
+    /// Returns the look of the picture, if it is whole and in memory.
+    pub(crate) fn look(&self) -> Option<Look> {
+        self.measured.look.filter(|_| self.partial().is_none())
     }
 
     /// Returns the time span and the thread of each tile.

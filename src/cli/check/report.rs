@@ -47,7 +47,7 @@ pub(super) fn lines(checked: &CheckedScene) -> String {
     let text: String = lines
         .map(|(name, text)| format!("{name:<8}{text}\n"))
         .collect();
-    let text = text + &notes(config, scene) + &hints::lines(config, expected);
+    let text = text + &notes(config, scene) + &hints::lines(config, Some(expected.look));
     text::wrapped(&text).into_owned()
 }
 

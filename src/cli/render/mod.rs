@@ -235,7 +235,13 @@ fn still_lines(
         partial,
     } = picture;
     let view = rendering.view(profiler);
-    let text = run_summary::lines(&arguments.scene, &view, rendering.stages(), written);
+    let text = run_summary::lines(
+        &arguments.scene,
+        &view,
+        rendering.look(),
+        rendering.stages(),
+        written,
+    );
     let last = partial.map(|partial| tiles::partial_line(arguments, partial));
     format!("{text}{of_tiles}{}", last.unwrap_or_default())
 }

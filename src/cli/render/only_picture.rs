@@ -7,7 +7,7 @@ use super::RenderArguments;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::PictureFormat;
-use crate::cli::{Failure, run_summary, shown};
+use crate::cli::{Failure, hints, run_summary, shown};
 use crate::session::{Scope, Session};
 use base::folder::{Replace, refuse_foreign_file};
 use base::text::numbers::bytes;
@@ -60,9 +60,10 @@ pub(super) fn render(
     let written = rendering.write_picture(&file.path)?;
     if !arguments.run.quiet {
         let head = run_summary::head(&rendering.view(None), rendering.stages());
+        let hints = hints::lines(session.config(), rendering.look());
         let (path, length) = (shown(&file.path), bytes(written.bytes));
         text::print(&text::wrapped(&format!(
-            "{head}wrote   {path} ({length})\n"
+            "{head}{hints}wrote   {path} ({length})\n"
         )))?;
     }
     Ok(())

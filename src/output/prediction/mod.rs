@@ -8,6 +8,7 @@
 //! written.
 
 mod length;
+mod look;
 mod preview;
 mod sample;
 mod bands;
@@ -17,7 +18,7 @@ pub use disk::{ArrayFile, DiskUse};
 
 use crate::writers;
 use base::host::{free_heap, resident_memory};
-pub use preview::Look;
+pub use look::Look;
 use preview::Preview;
 use render::attribution::Visits;
 use render::film;

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::look::Look;
 use crate::chart::CostMap;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
@@ -12,17 +13,6 @@ use tracer::trace::Tracer;
 /// Maximum number of pixels of the picture: a hundredth of a second of rays, and the share of hits
 /// to about 0.5 %.
 const MOST_PIXELS: usize = 1 << 16;
-
-/// The camera's view in the small picture.
-#[derive(Debug, Clone, Copy)]
-pub struct Look {
-    /// True if it sees any object.
-    pub has_hit: bool,
-    /// True if all pixels are black.
-    pub is_black: bool,
-    /// The object that all pixels show, if there is only one.
-    pub only_object: Option<u32>,
-}
 
 /// Properties of the rendering, estimated from the small picture.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +59,7 @@ impl Preview {
         let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let n_pixels = small.n_pixels() as f64;
         Self {
-            look: Look::new(&film),
+            look: Look::new(&film, config, tracer),
             hit_share: film.n_hits() as f64 / n_pixels,
             counter_bytes: counter_bytes(&film, &config.image),
             seconds_per_sample: begin.elapsed().as_secs_f64() / n_pixels,
@@ -80,22 +70,6 @@ impl Preview {
                     map.n_picture_pixels() as f64 / config.image.n_pixels() as f64
                 }
             },
-        }
-    }
-}
-
-impl Look {
-    fn new(film: &Film) -> Self {
-        let colors = film.strips.iter().flat_map(|strip| &strip.rgb);
-        let mut objects = film.strips.iter().flat_map(|strip| &strip.object);
-        let first = objects
-            .next()
-            .and_then(|&object| u32::try_from(object).ok());
-        let is_first = |&object: &i32| u32::try_from(object).ok() == first;
-        Self {
-            has_hit: film.n_hits() > 0,
-            is_black: colors.flatten().all(|&channel| channel == 0),
-            only_object: first.filter(|_| objects.all(is_first)),
         }
     }
 }
