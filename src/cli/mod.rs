@@ -18,6 +18,7 @@ mod render;
 mod run_summary;
 mod scene;
 mod schema;
+mod states;
 mod study;
 mod timing_quality;
 mod trace;
@@ -28,7 +29,7 @@ mod view;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
@@ -86,6 +87,8 @@ commands! {
     Trace(trace::TraceArguments),
     /// Measure how the cost of scenes depends on the factors that you vary
     Study(study::StudyArguments),
+    /// Write the paths in ParaView states anew, after a folder has moved
+    States(states::StatesArguments),
     /// Write a scene file to begin with
     New(new::NewArguments),
     /// Print the JSON Schema of scene files or of studies
@@ -119,8 +122,7 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
     match usage.kind() {
         ErrorKind::InvalidSubcommand => {
             let file = Path::new(arguments.get(1)?);
-            let extension = file.extension()?;
-            if !import::is_geometry(file) && extension != "yaml" && extension != "yml" {
+            if !is_scene(file) {
                 return None;
             }
             let message = format!("`{}` is not a command", shown(file));
@@ -131,13 +133,60 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
             let joined = (2..arguments.len()).flat_map(|end| {
                 (1..end).map(move |start| arguments[start..=end].join(OsStr::new(" ")))
             });
-            let file = joined.map(PathBuf::from).find(|file| file.is_file())?;
+            let Some(file) = joined.map(PathBuf::from).find(|file| file.is_file()) else {
+                return second_scene(usage, arguments);
+            };
             let message = format!("`{}` has a space in its name", shown(&file));
             let help = format!("put it in quotes: {}", shell_word(&file));
             Some(Diagnostic::new(message).with_help(help))
         }
         _ => None,
     }
+}
+
+/// Returns the failure of a command for one scene that has two.
+fn second_scene(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagnostic> {
+    let Some(ContextValue::String(second)) = usage.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let file = Path::new(second);
+    let command = one_line(&arguments.get(1)?.to_string_lossy()).into_owned();
+    if !file.is_file() || command.starts_with('-') {
+        return None;
+    }
+    let message = format!(
+        "`raycost {command}` takes one file, and `{}` is a second",
+        shown(file)
+    );
+    let help = format!(
+        "run it once for each: `raycost {command} {}`",
+        shell_word(file)
+    );
+    Some(Diagnostic::new(message).with_help(help))
+}
+
+/// Checks that the argument of a command that reads an output is not a file.
+///
+/// # Errors
+/// It is a file.
+fn refuse_file(folder: &Path) -> Result<(), Diagnostic> {
+    if !folder.is_file() {
+        return Ok(());
+    }
+    let message = format!("`{}` is a file, not the folder of an output", shown(folder));
+    let help = if is_scene(folder) {
+        let scene = shell_word(folder);
+        format!("render it, `raycost render {scene}`, and name the folder that it writes")
+    } else {
+        "name a folder that `raycost render` wrote".to_owned()
+    };
+    Err(Diagnostic::new(message).with_help(help))
+}
+
+/// Returns true if the name is that of a scene: of YAML, or of a mesh.
+fn is_scene(file: &Path) -> bool {
+    let extension = file.extension().unwrap_or_default();
+    import::is_geometry(file) || extension == "yaml" || extension == "yml"
 }
 
 /// Maximum number of characters of an argument in a message.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Failure, on_threads, shown};
+use super::{Failure, on_threads, refuse_file, shown};
 use base::folder::{Replace, refuse_foreign_file, write_file};
 use base::text;
 use base::text::numbers::bytes;
@@ -47,6 +47,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
 }
 
 fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
+    refuse_file(&arguments.folder)?;
     let path = match &arguments.out {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),

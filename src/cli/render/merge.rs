@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::RenderArguments;
 use super::run_arguments::RunArguments;
 use crate::cli::scene::SceneArguments;
-use crate::cli::{Failure, shell_word, shown};
+use crate::cli::{Failure, refuse_file, shell_word, shown};
 use crate::session::Session;
 use base::text::Diagnostic;
 use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
@@ -41,6 +41,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         return Err(Diagnostic::new(message).with_help(help).into());
     }
     let folder = &arguments.folder;
+    refuse_file(folder)?;
     let found = open(folder)?;
     let in_frames = || {
         frames_with_parts(folder).into_iter().find_map(|frame| {

@@ -19,4 +19,4 @@ pub use axis::{Axis, ColorScale};
 pub(crate) use camera::ViewCamera;
 pub use panels::{Panels, value_of_panels};
 pub(crate) use template::StateValue;
-pub use template::fill;
+pub use template::{fill, relocated};

@@ -1,5 +1,7 @@
 //! Templates of states, and the replacement of marked values.
 
+use std::path::Path;
+
 /// The replacement of a marked value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StateValue {
@@ -52,6 +54,24 @@ pub fn fill(template: &str, value: impl Fn(&str) -> Option<StateValue>) -> Strin
         }
     }
     filled
+}
+
+/// Returns a state in which the path of each file that is in `folder`, wherever the state looks for
+/// it, is the path in `folder`.
+pub fn relocated(state: &str, folder: &Path) -> String {
+    const VALUE: &str = "value=\"";
+    let mut values = state.split(VALUE);
+    let mut relocated = values.next().unwrap_or_default().to_owned();
+    for rest in values {
+        let (value, after) = rest.split_once('"').unwrap_or((rest, ""));
+        let name = value
+            .rsplit_once(['/', '\\'])
+            .map(|(_, name)| folder.join(name));
+        let path = name.filter(|path| path.is_file());
+        let path = path.map(|path| escape(&path.to_string_lossy()));
+        relocated += &format!("{VALUE}{}\"{after}", path.as_deref().unwrap_or(value));
+    }
+    relocated
 }
 
 /// Splits a line with a key into the text before the attribute's `=`, the attribute's value, the key,

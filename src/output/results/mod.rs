@@ -6,6 +6,7 @@
 
 mod frame;
 mod objects;
+mod relocate;
 mod verify;
 mod arrays;
 mod pieces;
@@ -20,6 +21,7 @@ pub use frame::complete_frame;
 pub use frame_file::{FrameFile, FramePiece};
 pub use hits_file::{HitsFile, HitsPiece};
 pub use objects::ObjectsTable;
+pub use relocate::relocate_states;
 pub use verify::{Verdict, verify};
 
 use crate::summary::{self, FileEntry, ImageSection, Summary};

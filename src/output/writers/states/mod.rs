@@ -66,14 +66,18 @@ impl<'a> States<'a> {
         &self.values
     }
 
-    /// Returns the state `geometry.pvsm`.
+    /// Returns the state `geometry.pvsm` with the names of files instead of their paths, so that a
+    /// picture has the same bytes in any folder.
     pub(super) fn geometry(&self) -> String {
-        self.filled(GEOMETRY_TEMPLATE)
+        self.with_paths(GEOMETRY_TEMPLATE, |file| file.into())
     }
 
     /// Returns a template with its keys replaced by values, in ASCII.
     pub(super) fn filled(&self, template: &str) -> String {
-        let path_of = |file: &str| self.folder.path_of(file);
+        self.with_paths(template, |file| self.folder.path_of(file))
+    }
+
+    fn with_paths(&self, template: &str, path_of: impl Fn(&str) -> PathBuf) -> String {
         if self.is_in_pieces {
             self.values.filled(&of_pieces(template), path_of)
         } else {
