@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf, absolute};
 use super::{Failure, shell_word, shown};
 use base::text::{self, Diagnostic};
 use tools::schema::SchemaKind;
-use tools::starter;
+use tools::starter::{self, UpAxis};
 
 /// The file of the schema, beside the scene.
 const SCHEMA: &str = "scene.schema.json";
@@ -29,13 +29,18 @@ pub(super) struct NewArguments {
     /// Write a scene of this mesh, the one that `raycost render MESH` renders
     #[arg(long, value_name = "MESH")]
     mesh: Option<PathBuf>,
+
+    /// The axis of the mesh that points upward [default: z of STL and of low surfaces such as
+    /// terrain, otherwise y]
+    #[arg(long, value_name = "AXIS", requires = "mesh")]
+    up: Option<UpAxis>,
 }
 
 pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     let file = &arguments.file;
     let scene = match &arguments.mesh {
         None => starter::SCENE.to_owned(),
-        Some(mesh) => starter::scene_of(mesh, &path_from(file, mesh))?,
+        Some(mesh) => starter::scene_of(mesh, &path_from(file, mesh), arguments.up)?,
     };
     let connection = format!("# yaml-language-server: $schema={SCHEMA}\n");
     write_new(file, &(connection + &scene)).map_err(|error| match error.kind() {

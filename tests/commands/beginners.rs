@@ -55,13 +55,20 @@ impl Folder {
     }
 }
 
-/// The hints of `raycost check`.
+/// The hints of `raycost check`, which are those of `raycost render`.
 fn hints(scene: &str) -> Vec<String> {
-    let report = Folder::with(scene).text(&["check", "scene.yaml"]);
-    let hints = report
-        .lines()
-        .filter_map(|line| line.strip_prefix("hint    "));
-    hints.map(str::to_owned).collect()
+    let folder = Folder::with(scene);
+    let of = |arguments: &[&str]| -> Vec<String> {
+        let report = folder.text(arguments);
+        let hints = report
+            .lines()
+            .filter_map(|line| line.strip_prefix("hint    "));
+        hints.map(str::to_owned).collect()
+    };
+    let checked = of(&["check", "scene.yaml"]);
+    assert_eq!(checked, of(&["render", "scene.yaml"]));
+    assert_eq!(checked, of(&["render", "scene.yaml", "-o", "a.png"]));
+    checked
 }
 
 #[test]
@@ -144,9 +151,156 @@ fn a_file_in_the_place_of_another_thing_is_recognized() {
         let error = folder.error(arguments);
         assert!(error.contains(part), "{arguments:?}: {error}");
     }
-    // Not a study with many mistakes.
-    let error = folder.error(&["study", "scene.yaml"]);
-    assert_eq!(error.matches("error: ").count(), 1, "{error}");
+}
+
+#[test]
+fn a_command_with_what_another_one_takes_says_what_would_be_right() {
+    let folder = Folder::with(FINE);
+    for (name, text) in [
+        ("two.yaml", FINE),
+        ("study.yaml", "title: a study\nscenes: [scene.yaml]\n"),
+        ("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    for (arguments, part) in [
+        (
+            &["study", "scene.yaml"][..],
+            "to render it: `raycost render scene.yaml`",
+        ),
+        (
+            &["render", "study.yaml"],
+            "to run it: `raycost study study.yaml`",
+        ),
+        (
+            &["trace", "study.yaml", "--pixel=1,1"],
+            "to run it: `raycost study study.yaml`",
+        ),
+        (
+            &["view", "scene.yaml"],
+            "render it, `raycost render scene.yaml`, and name the folder",
+        ),
+        (
+            &["merge", "scene.yaml"],
+            "`scene.yaml` is a file, not the folder of an output",
+        ),
+        (
+            &["states", "scene.yaml"],
+            "`scene.yaml` is a file, not the folder of an output",
+        ),
+        (
+            &["render", "scene.yaml", "two.yaml"],
+            "once for each: `raycost render two.yaml`",
+        ),
+        (&["render", "bal.obj"], "did you mean `ball.obj`?"),
+        (
+            &["render", "scene.yaml", "--up=z"],
+            "`--up` is for a mesh without a scene",
+        ),
+        (
+            &["render", "scene.yaml", "--width", "640x400"],
+            "`--width 640 --height 400`",
+        ),
+        (
+            &["render", "scene.yaml", "--height", "0"],
+            "a whole number from 1 to 65535",
+        ),
+        (
+            &["render", "scene.yaml", "--seed", "-1"],
+            "a whole number from 0 to 18446744073709551615",
+        ),
+        (
+            &["render", "scene.yaml", "--spp", "-1"],
+            "-1 is not in 1..=65536",
+        ),
+    ] {
+        let error = folder.error(arguments);
+        assert!(error.contains(part), "{arguments:?}: {error}");
+        assert_eq!(error.matches("error: ").count(), 1, "{error}");
+    }
+    assert!(!folder.path().join("out").exists());
+    let json = folder.text(&["render", "scene.yaml", "--samples=2", "--quiet", "--json"]);
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(summary["image"]["samples_per_pixel"], 2);
+}
+
+#[test]
+fn a_folder_keeps_the_output_of_its_scene() {
+    let folder = Folder::with(FINE);
+    let path = folder.path();
+    fs::create_dir(path.join("other")).unwrap();
+    fs::copy(path.join("scene.yaml"), path.join("other/scene.yaml")).unwrap();
+    for format in ["obj", "OBJ"] {
+        let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        fs::write(path.join("scene").with_extension(format), mesh).unwrap();
+    }
+    let small = [
+        "--cost=counters",
+        "--spp=1",
+        "--width=8",
+        "--height=6",
+        "--quiet",
+    ];
+    let render = |scene, more: &[&str]| [&["render", scene], &small[..], more].concat();
+    folder.text(&render("scene.yaml", &[]));
+    folder.text(&render("./scene.yaml", &[]));
+    let error = folder.error(&render("other/scene.yaml", &[]));
+    assert!(
+        error.contains("`out/scene` has the output of another scene, `./scene.yaml`"),
+        "{error}"
+    );
+    assert!(error.contains("`--out out/scene-2`"), "{error}");
+    let error = folder.error(&["trace", "other/scene.yaml", "--pixel=1,1"]);
+    assert!(error.contains("another scene"), "{error}");
+    folder.text(&render("other/scene.yaml", &["--out=out/scene"]));
+    // The scene that was rendered last is gone.
+    fs::remove_dir_all(path.join("other")).unwrap();
+    folder.text(&render("scene.yaml", &[]));
+    for mesh in ["scene.obj", "scene.OBJ"] {
+        folder.text(&render(mesh, &[]));
+        assert!(
+            path.join("out")
+                .join(mesh.replace('.', "_"))
+                .join("image.png")
+                .exists()
+        );
+    }
+}
+
+/// The states of a moved output name its files, and the picture names no folder.
+#[test]
+fn states_are_written_anew_where_a_folder_has_moved() {
+    let folder = Folder::with(FINE);
+    let path = folder.path();
+    let small = [
+        "--cost=counters",
+        "--spp=1",
+        "--width=8",
+        "--height=6",
+        "--quiet",
+    ];
+    for out in ["old & first", "second"] {
+        folder.text(&[&["render", "scene.yaml", "--out", out], &small[..]].concat());
+    }
+    let picture = |out: &str| fs::read(path.join(out).join("image.png")).unwrap();
+    assert_eq!(picture("old & first"), picture("second"));
+    let moved = path.join("new & last");
+    fs::rename(path.join("old & first"), &moved).unwrap();
+    let own = moved.join("mine.pvsm");
+    fs::write(&own, "<Element value=\"/nowhere/frame.vti\"/>").unwrap();
+    let state = || fs::read_to_string(moved.join("heatmap.pvsm")).unwrap();
+    assert!(state().contains("/old &amp; first/frame.vti\""));
+    assert_eq!(
+        folder.text(&["states", "new & last"]),
+        "wrote   3 states in new & last\n"
+    );
+    assert!(state().contains("/new &amp; last/frame.vti\"") && !state().contains("/old &amp;"));
+    folder.text(&["check", "new & last"]);
+    assert_eq!(
+        folder.text(&["states", "new & last"]),
+        "states  new & last needs none anew\n"
+    );
+    assert!(fs::read_to_string(own).unwrap().contains("/nowhere/"));
 }
 
 #[test]
@@ -189,7 +343,65 @@ fn a_black_picture_gets_a_hint() {
     let [hint] = &hints(&inside)[..] else {
         panic!()
     };
-    assert!(hint.contains("`objects[0]` fills it"), "{hint}");
+    assert!(
+        hint.contains("the eye is inside `objects[0]`, a `sphere`"),
+        "{hint}"
+    );
+}
+
+#[test]
+fn a_picture_that_is_hardly_meant_gets_a_hint() {
+    let floor = "objects: [{ plane: { point: [0, -1, 0], normal: [0, 1, 0] }, material: red }, ";
+    let fine = FINE.replace("objects: [", floor);
+    let eye = "eye: [0, 0, 5], target: [0, 0, 0]";
+    let lamp = "point: { position: [5, 5, 5] }";
+    let inside = "point: { position: [0, 0.5, 0] }";
+    assert_eq!(hints(&fine), [""; 0]);
+    for (scene, expected) in [
+        (
+            fine.replace("fov_y_deg: 40", "fov_y_deg: 0.7"),
+            "the angle of view is 0.7 degrees: if these are radians, write 40.1",
+        ),
+        (
+            fine.replace(eye, "eye: [0, -2, 5], target: [0, -1, 0]"),
+            "`objects[0]`, a `plane`, fills the picture: the eye may be behind it",
+        ),
+        (
+            fine.replace(eye, "eye: [0, 0, 0.5], target: [0, 0, 0]"),
+            "the eye is inside `objects[1]`, a `sphere`, which fills the picture",
+        ),
+        (
+            fine.replace(lamp, inside),
+            "`lights[0]` is inside `objects[1]`, which its light does not leave",
+        ),
+        (
+            format!("{FINE}background: 1\nfilm: {{ exposure: 20 }}\n")
+                .replace("[1, 0, 0]", "[1, 1, 1]"),
+            "the picture is white",
+        ),
+        (
+            fine.replace("[{ point", "[] # ").to_owned() + "background: 0.5\n",
+            "what the camera sees is black: nothing shines",
+        ),
+        (
+            fine.replace("material: red }", "material: red, name: a }"),
+            "`objects[0]` and `objects[1]` are both named `a`",
+        ),
+    ] {
+        let hints = hints(&scene);
+        assert!(
+            hints.iter().any(|hint| hint.starts_with(expected)),
+            "{expected}: {hints:?}"
+        );
+    }
+    // A room around eye and light, and a light in glass.
+    let room = fine.replace("radius: 1", "radius: 9");
+    assert_eq!(hints(&room), [""; 0]);
+    let glass = "dielectric: { index: 1.5 }";
+    let bulb = fine
+        .replace(lamp, inside)
+        .replace("color: [1, 0, 0]", glass);
+    assert_eq!(hints(&bulb), [""; 0]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use crate::common::data_set::DataSet;
 use crate::common::{assert_success, film, in_repository, parse, raycost};
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
@@ -172,7 +173,7 @@ fn the_camera_sees_all_of_a_mesh() {
         }
         obj += "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
         fs::write(folder.path().join("cube.obj"), obj).unwrap();
-        let source = tools::starter::scene_beside(&folder.path().join("cube.obj")).unwrap();
+        let source = tools::starter::scene_beside(&folder.path().join("cube.obj"), None).unwrap();
         let name = serde_json::json!(folder.path().join("cube.obj")).to_string();
         let mut config = parse(&source.text().replace("\"cube.obj\"", &name));
         (config.image.width, config.image.height) = (80, 60);
@@ -190,6 +191,64 @@ fn the_camera_sees_all_of_a_mesh() {
         let n_hits = objects.iter().filter(|object| **object == 0).count();
         assert!((800..3600).contains(&n_hits), "{scale}: {n_hits}");
     }
+}
+
+/// The eye is above terrain whose third coordinate is its height, unless `--up` says otherwise.
+#[test]
+fn low_surfaces_and_stl_stand_upright() {
+    let folder = tempfile::tempdir().unwrap();
+    let low = "v 0 0 0\nv 9 0 1\nv 0 9 0\nf 1 2 3\n";
+    fs::write(folder.path().join("low.obj"), low).unwrap();
+    let wall = "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
+    fs::write(folder.path().join("wall.obj"), wall).unwrap();
+    let facet = "facet\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 9\nendloop\nendfacet\n";
+    let stl = format!("solid a\n{facet}endsolid a\n");
+    fs::write(folder.path().join("part.stl"), stl).unwrap();
+    for (mesh, up, is_turned) in [
+        ("low.obj", &[][..], true),
+        ("low.obj", &["--up=y"], false),
+        ("wall.obj", &[], false),
+        ("wall.obj", &["--up=z"], true),
+        ("part.stl", &[], true),
+    ] {
+        let scene = folder.path().join("x.yaml");
+        assert_success(&run(
+            folder.path(),
+            &[&["new", "--mesh", mesh, "x.yaml"], up].concat(),
+        ));
+        let text = fs::read_to_string(&scene).unwrap();
+        assert_eq!(
+            text.contains("transform:"),
+            is_turned,
+            "{mesh}, {up:?}: {text}"
+        );
+        fs::remove_file(scene).unwrap();
+    }
+    let flags = [
+        "render",
+        "low.obj",
+        "--width=60",
+        "--height=45",
+        "--spp=1",
+        "--cost=counters",
+    ];
+    assert_success(&run(folder.path(), &flags));
+    let hits = DataSet::read(&folder.path().join("out/low_obj/hits.vtu"));
+    let [objects, points] = ["object", "Points"].map(|name| hits.array(name));
+    let points: Vec<f32> = points.f32s().collect();
+    let of_mesh = objects
+        .i32s()
+        .zip(points.chunks(3))
+        .filter(|(object, _)| *object == 0);
+    let (mut n, mut highest) = (0, 0.0_f32);
+    for (_, point) in of_mesh {
+        highest = highest.max(point[1]);
+        n += 1;
+    }
+    assert!(
+        n > 200 && (0.7..1.01).contains(&highest),
+        "{n} points up to {highest}"
+    );
 }
 
 #[test]

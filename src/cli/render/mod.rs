@@ -117,7 +117,7 @@ pub(super) struct RenderArguments {
 
     /// Print the `summary.json` of the run as a line of JSON, after the output folder; of an
     /// animation, a line for each frame
-    #[arg(long, conflicts_with_all = ["quiet", "picture", "part"])]
+    #[arg(long, conflicts_with_all = ["picture", "part"])]
     json: bool,
 
     #[command(flatten)]
@@ -162,6 +162,9 @@ fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(),
     let stages = Stages::with_start(arguments.hardware());
     let crew = ranks.map(|ranks| Crew::meet(arguments, ranks));
     let crew = crew.transpose()?;
+    if arguments.picture.is_none() {
+        arguments.scene.refuse_other_output()?;
+    }
     let source = arguments.scene.source()?;
     if let Some(crew) = &crew {
         crew.send_scene(&source);

@@ -93,6 +93,7 @@ impl SceneArguments {
         let number = |n: Option<u32>| n.map(|n| n.to_string());
         let structure = self.acceleration.and_then(|s| s.to_possible_value());
         let flags = [
+            flag("up", self.up.map(|up| keyword_name(&up))),
             flag("width", number(self.width)),
             flag("height", number(self.height)),
             flag("crop", self.crop.map(|crop| crop.to_string())),

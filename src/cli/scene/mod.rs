@@ -6,8 +6,10 @@ mod flags;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{shell_word, shown};
-use base::text::Diagnostic;
+use base::folder::SUMMARY;
+use base::text::{Diagnostic, keyword_name};
 use crop::Crop;
+use output::summary::Summary;
 use scene::color::ToneCurve;
 use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
@@ -15,7 +17,8 @@ use scene::config::{
 };
 use scene::import::{self, ForeignFormat};
 use scene::yaml::{self, Document, Fault, Source};
-use tools::starter;
+use tools::series::frame_folder;
+use tools::starter::{self, UpAxis};
 use vtk::Codec;
 
 /// The name of standard input as a scene.
@@ -32,16 +35,16 @@ pub(in crate::cli) struct SceneArguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Folder to write to [default: out/<the scene file's name>]
+    /// Folder to write to [default: out/<the scene file's name>; of a mesh, with its format]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
     /// Columns of the picture, instead of the file's
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = side)]
     width: Option<u32>,
 
     /// Rows of the picture, instead of the file's
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MAX_SIDE as i64))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = side)]
     height: Option<u32>,
 
     /// Only this window of the picture: its first column and row, from 0, its width and its
@@ -50,15 +53,15 @@ pub(in crate::cli) struct SceneArguments {
     crop: Option<Crop>,
 
     /// Samples per pixel, instead of the file's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES as i64))]
+    #[arg(long, alias = "samples", value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES as i64))]
     spp: Option<u32>,
 
     /// Seed of the sampling pattern, instead of the file's
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     seed: Option<u64>,
 
     /// Longest path in bounces, instead of the file's
-    #[arg(long, value_name = "BOUNCES")]
+    #[arg(long, value_name = "BOUNCES", allow_negative_numbers = true)]
     max_depth: Option<u8>,
 
     /// Exposure in stops, each of which doubles the light, instead of the file's
@@ -106,6 +109,11 @@ pub(in crate::cli) struct SceneArguments {
     /// Compression of the arrays in VTK files, instead of the file's
     #[arg(long, value_name = "CODEC")]
     compress: Option<Codec>,
+
+    /// The axis of a mesh that points upward [default: z of STL and of low surfaces such as
+    /// terrain, otherwise y]
+    #[arg(long, value_name = "AXIS")]
+    up: Option<UpAxis>,
 
     /// Only the picture is wanted, in this format
     #[arg(skip)]
@@ -197,7 +205,13 @@ impl SceneArguments {
         let mesh = import::is_geometry(&self.scene).then(|| shell_word(&self.scene))?;
         let stem = self.scene.file_stem().unwrap_or_default();
         let file = Path::new(stem).with_extension("yaml");
-        Some(format!("raycost new --mesh {mesh} {}", shell_word(&file)))
+        let up = self
+            .up
+            .map_or(String::new(), |up| format!(" --up {}", keyword_name(&up)));
+        Some(format!(
+            "raycost new --mesh {mesh}{up} {}",
+            shell_word(&file)
+        ))
     }
 
     /// Reads the text of the scene.
@@ -205,10 +219,13 @@ impl SceneArguments {
     /// # Errors
     /// If it cannot be read.
     pub(in crate::cli) fn source(&self) -> Result<Source, Diagnostic> {
-        if self.is_standard_input() {
+        if import::is_geometry(&self.scene) {
+            starter::scene_beside(&self.scene, self.up)
+        } else if self.up.is_some() {
+            Err(Diagnostic::new("`--up` is for a mesh without a scene")
+                .with_help("in a scene, `camera.look_at.up` and `transform` turn things"))
+        } else if self.is_standard_input() {
             Source::read_standard_input()
-        } else if import::is_geometry(&self.scene) {
-            starter::scene_beside(&self.scene)
         } else if let Some(format) = ForeignFormat::of(&self.scene) {
             let (name, file) = (format.name, shown(&self.scene));
             let message = format!("raycost does not read {name} files: `{file}`");
@@ -287,7 +304,49 @@ impl SceneArguments {
     pub(in crate::cli) fn out(&self) -> PathBuf {
         match &self.out {
             Some(out) => out.clone(),
-            None => Path::new("out").join(self.name()),
+            None => Path::new("out").join(self.default_folder()),
+        }
+    }
+
+    /// Returns the name of the default folder: the scene's, and for a mesh its format, too.
+    fn default_folder(&self) -> String {
+        let name = self.name();
+        match self.scene.extension() {
+            Some(format) if import::is_mesh(&self.scene) => {
+                format!("{name}_{}", format.to_string_lossy())
+            }
+            _ => name,
+        }
+    }
+
+    /// Checks that the default folder does not have the output of another scene, a file that still
+    /// exists.
+    ///
+    /// # Errors
+    /// It has.
+    pub(in crate::cli) fn refuse_other_output(&self) -> Result<(), Diagnostic> {
+        let out = self.out();
+        if self.out.is_some() || self.is_standard_input() {
+            return Ok(());
+        }
+        let places = [out.clone(), out.join(frame_folder(0))];
+        let summary = places
+            .iter()
+            .find_map(|place| Summary::read(&place.join(SUMMARY)).ok());
+        let Some(Summary { scene: other, .. }) = summary else {
+            return Ok(());
+        };
+        // Of a symbolic link, the file that it names.
+        let files = [&self.scene, Path::new(&other.file)].map(std::fs::canonicalize);
+        match files {
+            [Ok(own), Ok(other_file)] if own != other_file => {
+                let [shown_out, other] = [&out, Path::new(&other.file)].map(shown);
+                let message = format!("`{shown_out}` has the output of another scene, `{other}`");
+                let place = shell_word(&out.with_file_name(format!("{}-2", self.default_folder())));
+                Err(Diagnostic::new(message)
+                    .with_help(format!("name another folder, as in `--out {place}`")))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -299,6 +358,28 @@ impl SceneArguments {
         let stem = self.scene.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
+}
+
+/// Reads the width or the height of a picture.
+fn side(text: &str) -> Result<u32, String> {
+    let expected = || format!("expected a whole number from 1 to {MAX_SIDE}");
+    let is_side = |side: &u32| (1..=MAX_SIDE).contains(side);
+    let read = |text: &str| text.parse().ok().filter(is_side);
+    let size = text
+        .split_once(['x', 'X', '×'])
+        .map(|(width, height)| (read(width), read(height)));
+    match size {
+        Some((Some(width), Some(height))) => Err(format!(
+            "a size has two flags, `--width {width} --height {height}`"
+        )),
+        _ => read(text).ok_or_else(expected),
+    }
+}
+
+/// Reads a seed.
+fn seed(text: &str) -> Result<u64, String> {
+    let expected = |_| format!("expected a whole number from 0 to {}", u64::MAX);
+    text.parse().map_err(expected)
 }
 
 /// Reads an exposure.

@@ -78,7 +78,7 @@ pub(super) struct TraceArguments {
     threads: Option<u16>,
 
     /// Print each pixel with all of its rays as a line of JSON
-    #[arg(long, conflicts_with = "quiet")]
+    #[arg(long)]
     json: bool,
 
     /// Print only errors
@@ -92,6 +92,7 @@ const CLOUD_SIDE: u32 = 320;
 
 pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     arguments.scene.refuse_also()?;
+    arguments.scene.refuse_other_output()?;
     let open = OpenScene::read(&arguments.scene)?;
     let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
         // The picture is rendered to find the pixels.

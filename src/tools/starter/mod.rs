@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use glam::{DVec3, Vec3};
 
 use base::host::available_memory;
@@ -9,6 +10,15 @@ use base::text::{Diagnostic, one_line};
 use scene::geometry::{Aabb, Sphere};
 use scene::import::{self, DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
 use scene::yaml::{MAX_NAME, Source, quoted};
+
+/// The axis of a mesh that points upward.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// +y, as in most programs for pictures
+    Y,
+    /// +z, as in engineering and on maps
+    Z,
+}
 
 /// A commented scene.
 pub const SCENE: &str = include_str!("scene.yaml");
@@ -35,6 +45,13 @@ const LAMPS: &str = "\
 const OWN_LIGHT: f32 = 0.85;
 /// The greatest coordinate of a mesh: those of its camera are up to 1e15.
 const FARTHEST: f64 = 1e14;
+/// The height of terrain relative to its shorter side: less than this.
+const LOW: f32 = 0.4;
+/// The steps that turn z upward.
+const STANDING: &str = "\
+    # In the file, +z points up.
+    transform: [{ rotate: { axis: [1, 0, 0], angle_deg: -90 } }]
+";
 /// The normals of meshes that lack them: smooth up to edges.
 const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 
@@ -42,20 +59,23 @@ const SMOOTH: &str = "{ smooth: { angle_deg: 30 } }";
 ///
 /// # Errors
 /// If the mesh cannot be read, is damaged, or may need more memory than is free.
-pub fn scene_beside(mesh: &Path) -> Result<Source, Diagnostic> {
+pub fn scene_beside(mesh: &Path, up: Option<UpAxis>) -> Result<Source, Diagnostic> {
     let name = Path::new(mesh.file_name().unwrap_or_default());
-    let text = scene_of(mesh, name)?;
+    let text = scene_of(mesh, name, up)?;
     Ok(Source::new(mesh.display().to_string(), text))
 }
 
 /// Returns the text of a scene that shows a mesh, which its scene file finds at `path_in_scene`.
+/// Without `up`, the format or the shape of the mesh says which axis points upward.
 ///
 /// # Errors
 /// The errors of [`scene_beside`].
-pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic> {
-    let of_file = |fault: FileFault| {
-        Diagnostic::new(fault.message()).with_help(format!("expected {}", fault.expected))
-    };
+pub fn scene_of(
+    mesh: &Path,
+    path_in_scene: &Path,
+    up: Option<UpAxis>,
+) -> Result<String, Diagnostic> {
+    let of_file = |fault: FileFault| fault.of_argument();
     let stills = stills_of(mesh).map_err(of_file)?;
     for still in &stills {
         let n_bytes = import::max_bytes(still).map_err(of_file)?;
@@ -75,7 +95,25 @@ pub fn scene_of(mesh: &Path, path_in_scene: &Path) -> Result<String, Diagnostic>
         let help = format!("expected at most {FARTHEST:e}: write it in a larger unit");
         return Err(Diagnostic::new(message).with_help(help));
     }
+    let subject = match up.unwrap_or_else(|| likely_up(mesh, &subject.bounds)) {
+        UpAxis::Y => subject,
+        UpAxis::Z => subject.standing(),
+    };
     Ok(text_of(&subject, file))
+}
+
+/// Returns the axis that likely points upward: z of STL, which printers and CAD write, and of
+/// surfaces that are low in z, such as terrain; y of glTF, whose specification says so, and others.
+fn likely_up(mesh: &Path, bounds: &Aabb) -> UpAxis {
+    let extent = bounds.max - bounds.min;
+    let is_low = extent.z > 0.0 && extent.z < LOW * extent.x.min(extent.y);
+    let format = mesh.extension().unwrap_or_default().to_ascii_lowercase();
+    match format.to_str() {
+        Some("gltf" | "glb") => UpAxis::Y,
+        Some("stl") => UpAxis::Z,
+        _ if is_low => UpAxis::Z,
+        _ => UpAxis::Y,
+    }
 }
 
 /// Returns the files to look at: of a series of files its first and its last one.
@@ -164,6 +202,8 @@ struct Subject {
     lost: Option<String>,
     /// True if the lights of the file light it.
     has_lights: bool,
+    /// The lines of the object that turn it upright, if any.
+    transform: &'static str,
     /// The object's geometry, with a comment on its keys.
     geometry: String,
 }
@@ -203,6 +243,7 @@ impl Subject {
             origin: mesh.origin,
             bounds,
             has_lights: factor.is_some(),
+            transform: "",
             colors: match first_array(mesh.arrays) {
                 _ if !mesh.materials.is_empty() => SubjectColors::OfFile,
                 Some(array) => SubjectColors::Array(array),
@@ -217,6 +258,18 @@ impl Subject {
         }
     }
 
+    /// Returns the subject with its z axis upward.
+    fn standing(self) -> Self {
+        let turned = |[x, y, z]: [f32; 3]| Vec3::new(x, z, -y);
+        let corners = [self.bounds.min, self.bounds.max].map(|corner| turned(corner.to_array()));
+        Self {
+            origin: DVec3::new(self.origin.x, self.origin.z, -self.origin.y),
+            bounds: Aabb::of_points(corners.into_iter()),
+            transform: STANDING,
+            ..self
+        }
+    }
+
     fn lines(tubes: Tubes, file: &Path, radii: Radii) -> Self {
         let bounds = tubes.bounds();
         let radius = radii.key(0.004 * (bounds.max - bounds.min).length());
@@ -225,6 +278,7 @@ impl Subject {
             origin: tubes.origin,
             bounds,
             has_lights: false,
+            transform: "",
             colors: first_array(tubes.arrays).map_or(SubjectColors::One, SubjectColors::Array),
             lost: None,
             geometry: format!(
@@ -371,8 +425,9 @@ lights:
 {lamps}{sky}objects:
   - name: {name}
 {geometry}
-    {material}
+{transform}    {material}
 {floor}",
+        transform = subject.transform,
         title = one_line(&stem),
         eye = point(eye, radius),
         target = point(center, radius),

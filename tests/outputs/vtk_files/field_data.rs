@@ -76,6 +76,21 @@ fn every_file_names_its_scene_its_run_and_its_camera() {
 }
 
 #[test]
+fn objects_and_materials_have_their_names() {
+    let render = ["render", "--cost=counters"];
+    for file in ["frame.vti", "hits.vtu"] {
+        let named = "output: { also: [objects] }\n";
+        let (_, found) = written(named, &render, file);
+        assert_eq!(
+            found.texts("object_names"),
+            ["sphere 0", "plane 1"],
+            "{file}"
+        );
+        assert_eq!(found.texts("material_names"), ["red"], "{file}");
+    }
+}
+
+#[test]
 fn other_cameras_have_the_extent_of_their_picture() {
     let extent = |camera: &str, name: &str| {
         let set = format!("--set=camera={camera}");
