@@ -234,14 +234,16 @@ fn a_folder_keeps_the_output_of_its_scene() {
         let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
         fs::write(path.join("scene").with_extension(format), mesh).unwrap();
     }
-    let small = [
-        "--cost=counters",
-        "--spp=1",
-        "--width=8",
-        "--height=6",
-        "--quiet",
-    ];
-    let render = |scene, more: &[&str]| [&["render", scene], &small[..], more].concat();
+    fn render<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+        let small = [
+            "--cost=counters",
+            "--spp=1",
+            "--width=8",
+            "--height=6",
+            "--quiet",
+        ];
+        [&["render", scene], &small[..], more].concat()
+    }
     folder.text(&render("scene.yaml", &[]));
     folder.text(&render("./scene.yaml", &[]));
     let error = folder.error(&render("other/scene.yaml", &[]));

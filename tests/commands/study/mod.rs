@@ -85,7 +85,8 @@ plots: [{ x: image_size, y: rays, fit: true }]
         law.contains(&format!("x^{exponent:.3}")) && law.ends_with("x: image size (pixels)"),
         "{law}"
     );
-    let sizes: Vec<&str> = (lines(folder.path())[1..].iter())
+    let runs = lines(folder.path());
+    let sizes: Vec<&str> = (runs[1..].iter())
         .filter_map(|run| run["point"]["image_size"].as_str())
         .collect();
     assert_eq!(sizes.len(), 3, "{sizes:?}");
