@@ -365,7 +365,7 @@ fn a_picture_that_is_hardly_meant_gets_a_hint() {
             "the angle of view is 0.7 degrees: if these are radians, write 40.1",
         ),
         (
-            fine.replace(eye, "eye: [0, -2, 5], target: [0, -1, 0]"),
+            fine.replace(eye, "eye: [0, -2, 5], target: [0, 4, 0]"),
             "`objects[0]`, a `plane`, fills the picture: the eye may be behind it",
         ),
         (

@@ -201,7 +201,7 @@ fn low_surfaces_and_stl_stand_upright() {
     fs::write(folder.path().join("low.obj"), low).unwrap();
     let wall = "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
     fs::write(folder.path().join("wall.obj"), wall).unwrap();
-    let facet = "facet\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 9\nendloop\nendfacet\n";
+    let facet = "facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 9\nendloop\nendfacet\n";
     let stl = format!("solid a\n{facet}endsolid a\n");
     fs::write(folder.path().join("part.stl"), stl).unwrap();
     for (mesh, up, is_turned) in [

@@ -209,7 +209,8 @@ fn without_space(text: &str, line: usize) -> Option<Fault> {
     let (key, value) = above[start..].split_once(':')?;
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let key = key.trim_start_matches([' ', '-']);
-    if key.is_empty() || !key.chars().all(is_word) || value.starts_with(' ') {
+    let is_joined = !value.is_empty() && !value.starts_with(' ');
+    if key.is_empty() || !key.chars().all(is_word) || !is_joined {
         return None;
     }
     let colon = above.len() - value.len();
