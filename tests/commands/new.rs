@@ -348,7 +348,7 @@ fn tables_series_and_points_are_rendered_by_themselves() {
     ] {
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();
-        let scene = tools::starter::scene_beside(&path).unwrap();
+        let scene = tools::starter::scene_beside(&path, None).unwrap();
         assert!(scene.text().contains(geometry), "{}", scene.text());
         // The camera sees all time steps.
         let looks_at_the_middle = scene.text().contains("target: [4.5, 0.5, 0.5]");

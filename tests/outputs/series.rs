@@ -611,7 +611,6 @@ fn parts_of_a_time_step_are_shown_together() {
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one table of cases")]
 fn broken_series_are_refused_with_file_and_place() {
     let scene = series("p%03d.vtk");
     let message = |prepare: &dyn Fn(&Scene), file: &str| {

@@ -45,7 +45,7 @@ impl Look {
         let first = objects.next().flatten();
         let around_eye = surrounding(tracer, plane.eye);
         let inside = |(index, light): (usize, &Light)| {
-            let place = scene.space.point(light.position()?.as_dvec3());
+            let place = scene.space.point(light.position()?);
             let object = surrounding(tracer, place).filter(|object| Some(*object) != around_eye)?;
             Some((index, object))
         };

@@ -100,9 +100,10 @@ fn subtitle(rendering: &RenderingView, metric: Metric) -> String {
         }
         _ => ["sum", &metric.format(survey.sum)],
     };
-    let notes = match metric.is_timed() {
-        true => time_notes(rendering),
-        false => Vec::new(),
+    let notes = if metric.is_timed() {
+        time_notes(rendering)
+    } else {
+        Vec::new()
     };
     let notes: String = notes.iter().map(|note| format!("; {note}")).collect();
     format!(

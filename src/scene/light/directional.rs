@@ -1,6 +1,6 @@
 //! The light from one direction.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
 use super::illumination::{Illumination, MAX_RADIANCE};
@@ -39,6 +39,10 @@ impl DirectionalLight {
 
     fn radiance(&self) -> Vec3 {
         (self.color * self.intensity).min(Vec3::splat(MAX_RADIANCE))
+    }
+
+    pub(super) fn position(&self) -> Option<DVec3> {
+        None
     }
 
     pub(super) fn in_space(&self, _: &RenderSpace) -> Self {

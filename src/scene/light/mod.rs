@@ -9,7 +9,7 @@ mod illumination;
 mod point;
 mod spot;
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
 pub use falloff::Falloff;
@@ -40,6 +40,13 @@ macro_rules! lights {
             pub fn mean_radiance(&self, radius: f32) -> Vec3 {
                 match self {
                     $(Self::$kind(light) => light.mean_radiance(radius),)*
+                }
+            }
+
+            /// Returns the position, if there is one.
+            pub fn position(&self) -> Option<DVec3> {
+                match self {
+                    $(Self::$kind(light) => light.position(),)*
                 }
             }
 

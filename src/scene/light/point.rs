@@ -47,6 +47,10 @@ impl PointLight {
         Vector::splat(distance, self.color) * intensity.min(distance.splat(brightest))
     }
 
+    pub(super) fn position(&self) -> Option<DVec3> {
+        Some(self.position)
+    }
+
     pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
         Self {
             position: space.point(self.position).as_dvec3(),

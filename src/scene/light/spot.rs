@@ -102,6 +102,10 @@ impl SpotLight {
         self.light.mean_radiance(radius) * (0.5 - 0.25 * (edge + full))
     }
 
+    pub(super) fn position(&self) -> Option<DVec3> {
+        self.light.position()
+    }
+
     pub(super) fn in_space(&self, space: &RenderSpace) -> Self {
         Self {
             light: self.light.in_space(space),

@@ -264,7 +264,7 @@ impl Subject {
         let corners = [self.bounds.min, self.bounds.max].map(|corner| turned(corner.to_array()));
         Self {
             origin: DVec3::new(self.origin.x, self.origin.z, -self.origin.y),
-            bounds: Aabb::of_points(corners.into_iter()),
+            bounds: Aabb::of_points(corners),
             transform: STANDING,
             ..self
         }
@@ -314,6 +314,7 @@ impl Subject {
             origin: points.origin,
             bounds: Aabb::of_points(points.spheres.iter().flat_map(corners)),
             has_lights: false,
+            transform: "",
             colors: array.map_or(SubjectColors::One, SubjectColors::Array),
             lost: None,
             geometry: format!(

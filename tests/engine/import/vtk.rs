@@ -346,7 +346,7 @@ fn an_array_gives_components_and_magnitudes() {
     let magnitudes = scalars(&velocity).unwrap().values;
     assert_eq!(
         [magnitudes[0], magnitudes[1], magnitudes[3]],
-        [5.0, 0.0, 2.0_f32.sqrt()]
+        [5.0, 0.0, 2.0_f64.sqrt()]
     );
     assert!(magnitudes[2].is_nan());
     let second = ArrayChoice {
