@@ -183,10 +183,9 @@ fn a_folder_that_cannot_be_written_ends_with_1() {
 #[test]
 fn a_wrong_command_line_ends_with_2() {
     let folder = folder();
-    let lines: [&[&str]; 15] = [
+    let lines: [&[&str]; 14] = [
         &["render"],
         &["paint", "scene.yaml"],
-        &["render", "scene.yaml", "scene.yaml"],
         &["render", "scene.yaml", "--width", "0"],
         &["render", "scene.yaml", "--width", "65536"],
         &["render", "scene.yaml", "--tile-size", "1"],

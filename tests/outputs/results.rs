@@ -189,7 +189,7 @@ fn the_error_of_a_missing_array_names_the_option_that_writes_it() {
     assert!(missing("time_mad_ns").contains("render again with `--repeats 10`"));
     render(folder.path(), &["--no-cost"]);
     assert!(missing("rays").contains("render again without `--no-cost`"));
-    assert!(missing("frequency").contains("its arrays are RGB, Normals"));
+    assert!(missing("frequency").contains("its arrays are pixel_x, pixel_y"));
 }
 
 #[test]
@@ -288,7 +288,7 @@ fn a_foreign_file_is_refused() {
     let opened = |text: &str| {
         let bytes: Vec<u8> = text.chars().map(|c| c as u8).collect();
         fs::write(&path, bytes).unwrap();
-        let read = |frame: FrameFile| frame.read("RGB").map(drop);
+        let read = |frame: FrameFile| frame.read("pixel_x").map(drop);
         FrameFile::open(&path)
             .and_then(read)
             .unwrap_err()
@@ -307,10 +307,10 @@ fn a_foreign_file_is_refused() {
         (
             "header_type",
             "compressor=\"vtkZLibDataCompressor\" header_type",
-            "the blocks of `RGB` do not hold 12 bytes",
+            "the blocks of `pixel_x` do not hold 8 bytes",
         ),
         ("ImageData", "PolyData", "no ImageData"),
-        ("type=\"UInt8\"", "type=\"Int16\"", "the type `Int16`"),
+        ("type=\"UInt16\"", "type=\"Int16\"", "the type `Int16`"),
         ("offset=\"0\"", "", "not in its appended data"),
         (
             "offset=\"0\"",
@@ -319,7 +319,7 @@ fn a_foreign_file_is_refused() {
         ),
         ("offset=\"0\"", "offset=\"99999999\"", "truncated"),
         ("offset=\"0\"", "offset=\"4\"", "share bytes of it"),
-        ("_\u{c}\0\0\0", "_\u{b}\0\0\0", "has 11 bytes instead of 12"),
+        ("_\u{8}\0\0\0", "_\u{7}\0\0\0", "has 7 bytes instead of 8"),
         (
             " Extent=\"0 1 0 1",
             " Extent=\"0 1 0 -1",

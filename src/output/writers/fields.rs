@@ -7,6 +7,10 @@ use scene::camera::{ImagePlane, Projection};
 use scene::config::Config;
 use vtk::Field;
 
+/// Maximum number of bytes of a list of names: they stand in the header of the file, whose readers
+/// have limits.
+const MAX_NAMES: usize = 1 << 17;
+
 /// VTK's name for the time of a data set.
 const TIME: &str = "TimeValue";
 
@@ -45,12 +49,19 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
     ]
 }
 
-/// Returns the names that the numbers in the arrays `object` and `material` stand for.
-pub(super) fn of_names(config: &Config) -> [Field; 2] {
-    [
-        Field::texts("object_names", config.object_labels()),
-        Field::texts("material_names", config.materials.keys().cloned()),
-    ]
+/// Returns the names that the numbers in the arrays `object` and `material` stand for, where they
+/// take at most [`MAX_NAMES`].
+pub(super) fn of_names(config: &Config) -> impl Iterator<Item = Field> {
+    let objects: Vec<String> = config.object_labels().collect();
+    let materials = config.materials.keys().cloned().collect();
+    let lists = [("object_names", objects), ("material_names", materials)];
+    let is_short = |(_, names): &(&str, Vec<String>)| {
+        names.iter().map(String::len).sum::<usize>() <= MAX_NAMES
+    };
+    lists
+        .into_iter()
+        .filter(is_short)
+        .map(|(name, names)| Field::texts(name, names))
 }
 
 /// Returns the time of a frame, as VTK and ParaView know it.

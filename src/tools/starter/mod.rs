@@ -147,10 +147,10 @@ fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
     if import::is_vtk(mesh)
         && let Ok(tubes) = import::read_lines(mesh, &radius, None)
     {
-        return Ok(Subject::lines(tubes, file, Radii::OfAll));
+        return Ok(Subject::lines(tubes, file, RadiusSource::OfAll));
     }
     match import::read_points(mesh, &radius, None) {
-        Ok(points) => Ok(Subject::points(points, file, Radii::OfAll)),
+        Ok(points) => Ok(Subject::points(points, file, RadiusSource::OfAll)),
         Err(_) => Err(fault),
     }
 }
@@ -159,11 +159,11 @@ fn subject_of(mesh: &Path, file: &Path) -> import::Result<Subject> {
 fn subject_of_table(table: &Path, file: &Path) -> import::Result<Subject> {
     let of_all = Some(&RadiusChoice::Same(1.0));
     let (spheres, radius, radii) = match import::read_spheres(table, None, None) {
-        Ok(spheres) => (spheres, None, Radii::OfFile),
+        Ok(spheres) => (spheres, None, RadiusSource::OfFile),
         Err(_) => (
             import::read_spheres(table, of_all, None)?,
             of_all,
-            Radii::OfAll,
+            RadiusSource::OfAll,
         ),
     };
     if import::has_lines(table)? {
@@ -175,14 +175,14 @@ fn subject_of_table(table: &Path, file: &Path) -> import::Result<Subject> {
 
 /// The radii of spheres or tubes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Radii {
+enum RadiusSource {
     /// One for all.
     OfAll,
     /// Those of the file.
     OfFile,
 }
 
-impl Radii {
+impl RadiusSource {
     /// Returns the key of the radius, which a file with radii does not need.
     fn key(self, radius: f32) -> String {
         match self {
@@ -270,7 +270,7 @@ impl Subject {
         }
     }
 
-    fn lines(tubes: Tubes, file: &Path, radii: Radii) -> Self {
+    fn lines(tubes: Tubes, file: &Path, radii: RadiusSource) -> Self {
         let bounds = tubes.bounds();
         let radius = radii.key(0.004 * (bounds.max - bounds.min).length());
         let file = quoted(&file.to_string_lossy());
@@ -289,7 +289,7 @@ impl Subject {
         }
     }
 
-    fn points(points: Spheres, file: &Path, radii: Radii) -> Self {
+    fn points(points: Spheres, file: &Path, radii: RadiusSource) -> Self {
         let of_points = Aabb::of_points(points.spheres.iter().map(|sphere| sphere.center));
         let size = (of_points.max - of_points.min).length();
         // Neighbors on a surface of this size nearly touch.
@@ -300,7 +300,7 @@ impl Subject {
             1.0
         };
         let corners = |sphere: &Sphere| {
-            let radius = if radii == Radii::OfAll {
+            let radius = if radii == RadiusSource::OfAll {
                 radius
             } else {
                 sphere.radius

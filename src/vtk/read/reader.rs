@@ -12,8 +12,11 @@ use base::files;
 use base::text::Diagnostic;
 use base::text::numbers::count;
 
-/// Maximum number of bytes of a header; raycost's headers have a few thousand.
-const MAX_HEADER: u64 = 1 << 16;
+/// Maximum number of bytes of a header; raycost's headers have a few thousand, and the names of
+/// objects and materials.
+const MAX_HEADER: u64 = 1 << 21;
+/// Bytes of a header that are read at a time.
+const HEAD_STEP: u64 = 1 << 16;
 /// The element that holds the arrays.
 const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
 /// Bytes of the length before each uncompressed array.
@@ -55,17 +58,28 @@ pub(super) enum Storage {
     Compressed(CompressedBlocks),
 }
 
+/// Reads the bytes up to the appended data and some more, or as many as a header may have.
+fn read_head(file: &File) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    loop {
+        let n_before = head.len();
+        file.take(HEAD_STEP).read_to_end(&mut head)?;
+        // The element may begin in the step before.
+        let unseen = &head[n_before.saturating_sub(APPENDED.len())..];
+        let is_whole = unseen.windows(APPENDED.len()).any(|at| at == APPENDED);
+        if is_whole || head.len() == n_before || head.len() as u64 >= MAX_HEADER {
+            return Ok(head);
+        }
+    }
+}
+
 impl VtkReader {
     /// Opens a file and reads its header.
     pub fn open(path: &Path) -> Result<(Self, VtkHeader), Diagnostic> {
         let failure = |error: io::Error| cannot_read(path, &error);
         let file = files::open(path).map_err(failure)?;
         let n_bytes = file.metadata().map_err(failure)?.len();
-        let mut head = Vec::new();
-        (&file)
-            .take(MAX_HEADER)
-            .read_to_end(&mut head)
-            .map_err(failure)?;
+        let head = read_head(&file).map_err(failure)?;
         let mut this = Self {
             path: path.to_owned(),
             file,

@@ -104,7 +104,10 @@ fn mistakes_are_reported_before_the_first_run() {
             "`threads` is in `cases`, too\n --> study.yaml:4:",
         ),
         ("title: x\nscenes: ['-']", "cannot read the scene `./-`"),
-        ("title: x\nscenes: [study.yaml]", "unknown key `title`"),
+        (
+            "title: x\nscenes: [study.yaml]",
+            "`./study.yaml` is a study, not a scene",
+        ),
         ("title: x\nscenes: [none.yaml]", "cannot read the scene"),
         (
             "title: x\nscenes: [scene.yaml]\nflags: [--with=3]",

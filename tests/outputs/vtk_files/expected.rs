@@ -207,7 +207,7 @@ fn point_data(film: &Film, pixels: &[Pixel]) -> Vec<Array> {
     ];
     let array = |(name, field): &(&str, Field)| field.array(name, film, pixels);
     let (geometry, cost) = fields.split_at(8);
-    let (time, counters) = cost.split_at(3);
+    let (time, counters) = cost.split_at(2);
     let (time, counters) = match (film.cost, film.repeats) {
         (CostMode::None, _) => (&[][..], &[][..]),
         (CostMode::Counters, _) => (&[][..], counters),

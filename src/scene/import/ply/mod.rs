@@ -22,7 +22,7 @@ use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use cursor::{Cursor, Position};
 use header::{ColorProperties, FaceProperties, MeshHeader};
-use rows::{Row, Rows};
+use rows::{ElementRow, Rows};
 
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let position = Position::default();
@@ -93,7 +93,7 @@ impl<'a> Body<'a> {
         let (mut fault, mut n_rows) = (None, 0);
         let name = element.name.as_str();
         let rows = Rows {
-            each: |row: &Row, i: u64| match name {
+            each: |row: &ElementRow, i: u64| match name {
                 "vertex" => self.vertex(row, i),
                 "face" => self.face(row, i),
                 "tristrips" => self.strips(row),
@@ -120,7 +120,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    fn vertex(&mut self, row: &Row, i: u64) -> Result<()> {
+    fn vertex(&mut self, row: &ElementRow, i: u64) -> Result<()> {
         self.vertices.push(row.numbers(self.header.position).into());
         if let Some(normal) = self.header.normal {
             let normal = finite(row.numbers(normal).map(|number| number as f32));
@@ -150,7 +150,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    fn face(&mut self, row: &Row, i: u64) -> Result<()> {
+    fn face(&mut self, row: &ElementRow, i: u64) -> Result<()> {
         let FaceProperties {
             corners,
             uvs,
@@ -220,7 +220,7 @@ impl<'a> Body<'a> {
     /// Adds the triangles of strips, each of which ends at an index of -1. Each vertex from the
     /// third on makes a triangle with the two before it; every second one is reversed, so that all
     /// have the same side outside.
-    fn strips(&mut self, row: &Row) -> Result<()> {
+    fn strips(&mut self, row: &ElementRow) -> Result<()> {
         for strip in row.lists[self.header.strip].split(|&index| index == -1.0) {
             self.take_corners(strip)?;
             for (i, corners) in self.face.windows(3).enumerate() {
@@ -322,7 +322,7 @@ fn take_pictures(
 ///
 /// # Errors
 /// A number is not from 0 to 1.
-fn light_of(row: &Row, color: ColorProperties) -> Result<Vec3> {
+fn light_of(row: &ElementRow, color: ColorProperties) -> Result<Vec3> {
     light(
         row.numbers(color.channels)
             .map(|number| number as f32 / color.maximum),

@@ -8,21 +8,21 @@ use crate::import::{FileFault, Result};
 
 /// The values of a row's properties, by their indices.
 #[derive(Debug, Default)]
-pub(super) struct Row {
+pub(super) struct ElementRow {
     /// The numbers; 0 for lists.
     pub(super) numbers: Vec<f64>,
     /// The lists; empty for numbers.
     pub(super) lists: Vec<Vec<f64>>,
 }
 
-impl Row {
+impl ElementRow {
     /// Returns the numbers of some properties.
     pub(super) fn numbers<const N: usize>(&self, properties: [usize; N]) -> [f64; N] {
         properties.map(|property| self.numbers[property])
     }
 }
 
-impl<'de> DeserializeSeed<'de> for &mut Row {
+impl<'de> DeserializeSeed<'de> for &mut ElementRow {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> std::result::Result<(), D::Error> {
@@ -30,7 +30,7 @@ impl<'de> DeserializeSeed<'de> for &mut Row {
     }
 }
 
-impl<'de> Visitor<'de> for &mut Row {
+impl<'de> Visitor<'de> for &mut ElementRow {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -108,7 +108,7 @@ pub(super) struct Rows<'a, F> {
     pub(super) fault: &'a mut Option<FileFault>,
 }
 
-impl<'de, F: FnMut(&Row, u64) -> Result<()>> DeserializeSeed<'de> for Rows<'_, F> {
+impl<'de, F: FnMut(&ElementRow, u64) -> Result<()>> DeserializeSeed<'de> for Rows<'_, F> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> std::result::Result<(), D::Error> {
@@ -116,7 +116,7 @@ impl<'de, F: FnMut(&Row, u64) -> Result<()>> DeserializeSeed<'de> for Rows<'_, F
     }
 }
 
-impl<'de, F: FnMut(&Row, u64) -> Result<()>> Visitor<'de> for Rows<'_, F> {
+impl<'de, F: FnMut(&ElementRow, u64) -> Result<()>> Visitor<'de> for Rows<'_, F> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -124,7 +124,7 @@ impl<'de, F: FnMut(&Row, u64) -> Result<()>> Visitor<'de> for Rows<'_, F> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(mut self, mut rows: A) -> std::result::Result<(), A::Error> {
-        let mut row = Row::default();
+        let mut row = ElementRow::default();
         loop {
             *self.n_rows += 1;
             if rows.next_element_seed(&mut row)?.is_none() {
