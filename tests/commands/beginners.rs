@@ -122,7 +122,10 @@ fn a_file_of_another_program_is_named_with_the_way_out() {
         ("c.dae", "COLLADA"),
     ] {
         let error = folder.error(&["render", file]);
-        assert!(error.contains(&format!("does not read {format} files")), "{error}");
+        assert!(
+            error.contains(&format!("does not read {format} files")),
+            "{error}"
+        );
         assert!(error.contains("export glTF (.glb) or OBJ"), "{error}");
     }
 }
@@ -382,7 +385,7 @@ fn a_picture_that_is_hardly_meant_gets_a_hint() {
             "the picture is white",
         ),
         (
-            fine.replace("[{ point", "[] # ").to_owned() + "background: 0.5\n",
+            fine.replace("[{ point", "[] # ") + "shading: { ambient: 0 }\nbackground: 0.5\n",
             "what the camera sees is black: nothing shines",
         ),
         (
@@ -402,7 +405,8 @@ fn a_picture_that_is_hardly_meant_gets_a_hint() {
     let glass = "dielectric: { index: 1.5 }";
     let bulb = fine
         .replace(lamp, inside)
-        .replace("color: [1, 0, 0]", glass);
+        .replace("color: [1, 0, 0]", glass)
+        + "background: 0.5\n";
     assert_eq!(hints(&bulb), [""; 0]);
 }
 

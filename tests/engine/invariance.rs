@@ -144,7 +144,7 @@ fn block_means(film: &Film) -> Vec<f64> {
 
 /// Makes sure that two scenes have the same picture within noise.
 fn check_equal(name: &str, texts: [&str; 2]) {
-    let [a, b] = texts.map(|text| block_means(&sampled(parse(text), 64)));
+    let [a, b] = texts.map(|text| block_means(&sampled(parse(text), 128)));
     let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;
     let is_noise = differences.iter().all(|block| block.abs() < 12.0);

@@ -269,8 +269,8 @@ mod tests {
         let modes = [
             (CostMode::None, 43),
             (CostMode::Counters, 71),
-            (CostMode::SingleRayTime, 76),
-            (CostMode::Time, 76),
+            (CostMode::SingleRayTime, 75),
+            (CostMode::Time, 75),
         ];
         for (mode, expected) in modes {
             let film = Film::new(TileGrid::new(5, 4, 3), 1, mode);

@@ -257,7 +257,9 @@ mod tests {
     fn every_number_is_positive() {
         let mut words = vec![1_f32.to_bits(); MIN_WORDS];
         for n_threads in [1, 3] {
-            let bandwidth = bandwidth(&words, n_threads);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+            let pool = pool.build().unwrap();
+            let bandwidth = pool.install(|| bandwidth(&words, n_threads));
             assert!(bandwidth > 0.0 && bandwidth.is_finite());
         }
         assert!(latency_ns(&mut words) > 0.0);

@@ -240,7 +240,7 @@ impl SpheresFile {
     pub fn read(&self, path: &Path, array: Option<&ArrayChoice>) -> import::Result<Spheres> {
         let (step, radius) = (self.step, self.radius.as_ref().map(PointRadius::choice));
         let file = DataFile { path, step };
-        if import::is_mesh(path) {
+        if import::is_mesh(path) || import::is_vtk(path) {
             let radius = radius.ok_or_else(|| FileFault::without_radius(path))?;
             return import::read_points(file, &radius, array);
         }
