@@ -28,6 +28,7 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("embree-packets", |of| {
         of.embree_ratios("stream / packets of 16")
     }),
+    ("embree-builds", Results::embree_builds),
     ("povray", Results::povray),
     ("povray-ratio", |of| {
         let ratio = &of.0.get("povray")?["ratios"]["POV-Ray"]["median"];
@@ -298,6 +299,20 @@ impl Results {
         let rows: Vec<String> = shown.filter_map(row).collect();
         let head = "| scene | rays | race | raycost, M rays/s | Embree, M rays/s | ratio |\n|---|---|---|--:|--:|--:|";
         (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+
+    /// "1.9 (soup), …": the times to build hierarchies of high quality over Embree's.
+    fn embree_builds(&self) -> Option<String> {
+        let rows = self.list("embree", "rows")?.iter();
+        let built = rows.filter(|row| {
+            let is_build = row["outcome"]["discipline"] == "build";
+            row["n_threads"] == 2 && row["quality"][0] == "high" && is_build
+        });
+        let build = |row: &Value| {
+            let times = 1.0 / row["outcome"]["ratio"]["estimate"].as_f64()?;
+            Some(format!("{} ({})", digits(times), row["scene"].as_str()?))
+        };
+        Some(listed(&built.map(build).collect::<Option<Vec<_>>>()?))
     }
 
     fn povray(&self) -> Option<String> {
