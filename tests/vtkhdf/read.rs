@@ -30,9 +30,14 @@ fn points(file: DataFile, name: &str) -> Result<Spheres, FileFault> {
     read_points(file, &RadiusChoice::Same(0.1), Some(&array(name)))
 }
 
+/// The spheres without the names of the file's arrays, whose order is that of the format.
 fn spheres_of(path: &Path, step: Option<usize>, name: &str) -> Spheres {
     let file = DataFile { path, step };
-    points(file, name).unwrap_or_else(|fault| panic!("{fault}"))
+    let spheres = points(file, name).unwrap_or_else(|fault| panic!("{fault}"));
+    Spheres {
+        arrays: Vec::new(),
+        ..spheres
+    }
 }
 
 /// The numbers of a mesh by their bits, those that are no number included.
