@@ -243,5 +243,7 @@ fn render_tile(
     }
     run.end_ns = now_ns();
     run.waiting_ns = run.duration_ns().saturating_sub((end_ns - begin_ns) as u64);
+    // Beside other work, the clock of CPU time may run ahead of the other one within a short part.
+    run.film_ns = run.film_ns.min(run.duration_ns());
     run
 }
