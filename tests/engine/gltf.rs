@@ -119,8 +119,8 @@ pub fn sign() -> Gltf {
     let colors = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]].concat();
     let colors = file.accessor("VEC4", 5121, 3, &colors);
     let mut picture = Vec::new();
-    let color = |x, y| image::Rgb([255 * u8::from(x < 2), 255 * u8::from(y < 2), 0]);
-    let made = image::RgbImage::from_fn(4, 4, color);
+    let texel = |x, y| image::Rgb([255 * u8::from(x < 2), 255 * u8::from(y < 2), 0]);
+    let made = image::RgbImage::from_fn(4, 4, texel);
     made.write_to(
         &mut std::io::Cursor::new(&mut picture),
         image::ImageFormat::Png,
@@ -178,14 +178,19 @@ fn scene_of(folder: &Path, rest: &str) -> Scene {
     Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
-fn assert_color(scene: &Scene, [x, y]: [f32; 2], expected: [f32; 3]) {
+/// The color of the surface that a ray along -z meets.
+fn color(scene: &Scene, [x, y]: [f32; 2]) -> Vec3 {
     let accel = Accel::new(scene, Default::default());
     let ray = Ray {
         origin: Vec3::new(x, y, 9.0),
         direction: -Vec3::Z,
     };
     let point = Tracer::new(scene, &accel).trace(&ray, RayKind::Camera, &mut NoProbe);
-    let found = point.unwrap().color;
+    point.unwrap().color
+}
+
+fn assert_color(scene: &Scene, [x, y]: [f32; 2], expected: [f32; 3]) {
+    let found = color(scene, [x, y]);
     let difference = (found - Vec3::from(expected)).abs().max_element();
     assert!(difference < 0.01, "{x} {y}: {found}, expected {expected:?}");
 }
@@ -271,6 +276,43 @@ fn a_file_has_its_pictures_colors_and_finish() {
     }
     let rest = "objects: [{ mesh: { file: sign.glb }, material: red }]\n";
     assert_color(&scene_of(folder.path(), rest), [-0.7, 0.3], [1.0, 0.0, 0.0]);
+}
+
+/// A factor multiplies the light of a picture of bytes between its texels, too, not its bytes; and
+/// one picture serves two factors.
+#[test]
+fn a_factor_of_a_picture_is_not_rounded_to_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = sign();
+    file.json["samplers"] = json!([{}]);
+    let bright = file.json["materials"][0].clone();
+    file.json["materials"][1] = bright;
+    let mut triangle = file.json["meshes"][0]["primitives"][0].clone();
+    triangle["material"] = 1.into();
+    file.json["meshes"][1]["primitives"][0] = triangle;
+    let factors = [[0.013, 0.5, 1.0], [0.7, 0.0021, 1.0]];
+    let color_at = |factors: [[f32; 3]; 2], [x, y]: [f32; 2]| {
+        let mut file = file.clone();
+        for (i, [r, g, b]) in factors.into_iter().enumerate() {
+            let color = &mut file.json["materials"][i]["pbrMetallicRoughness"]["baseColorFactor"];
+            *color = json!([r, g, b, 1]);
+        }
+        std::fs::write(folder.path().join("sign.glb"), file.glb()).unwrap();
+        let mesh = "objects: [{ mesh: { file: sign.glb } }]\n";
+        color(&scene_of(folder.path(), mesh), [x, y])
+    };
+    for (at, factor) in [([-0.7, 1.1], factors[0]), ([0.45, 0.55], factors[1])] {
+        let whole = color_at([[1.0; 3]; 2], at);
+        assert!(whole.x > 0.1 && whole.y > 0.1, "{whole}");
+        let error = color_at(factors, at) - whole * Vec3::from(factor);
+        assert!(error.abs().max_element() < 1e-7, "{error}");
+    }
+    let read = read_mesh_with_materials(&folder.path().join("sign.glb"), 1 << 20).unwrap();
+    let pictures: Vec<_> = read.materials.iter().flat_map(|of| &of.picture).collect();
+    assert!(std::sync::Arc::ptr_eq(
+        &pictures[0].picture,
+        &pictures[1].picture
+    ));
 }
 
 #[test]

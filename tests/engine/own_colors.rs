@@ -145,6 +145,22 @@ fn a_mesh_without_a_material_has_those_of_its_file() {
     assert_near(color_at(&scene, [0.6, 0.0]), Vec3::X);
 }
 
+/// `Kd` multiplies the light of the picture, not its bytes.
+#[test]
+fn a_dark_factor_of_a_picture_is_not_rounded_to_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    let dark = MATERIALS.replace("Kd 0.5 1 1", "Kd 0.0131 1 0.00027");
+    std::fs::write(folder.path().join("wood and glass.mtl"), dark).unwrap();
+    let mesh = "materials: {}\nobjects: [{ mesh: { file: chair.obj } }]\n";
+    let scene = scene(folder.path(), mesh);
+    for (x, share) in [(-0.5, 0.0), (0.25, 0.75), (0.75, 1.0)] {
+        let expected = Vec3::new(0.0131 * (1.0 - share), 0.0, 0.00027 * share);
+        let error = color_at(&scene, [x, -0.7]) - expected;
+        assert!(error.abs().max_element() < 1e-7, "{error}");
+    }
+}
+
 /// Programs write `Ns 0` for a surface without a highlight, and `Tr 1` for an opaque one.
 #[test]
 fn numbers_that_would_blind_or_hide_a_surface_are_read_as_meant() {

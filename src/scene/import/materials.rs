@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::fault::READABLE;
-use super::picture::{PictureBytes, Reading, read_picture_of};
+use super::picture::{PictureBytes, read_picture_of};
 use super::{FileFault, Result};
 use crate::color::Transfer;
 use crate::picture::{Picture, Sampling};
@@ -20,8 +20,8 @@ pub(super) const MAX_MATERIALS: usize = 4096;
 pub struct MeshMaterial {
     /// The name in the file, or a generated one.
     pub name: String,
-    /// The color: linear light, each channel from 0 to 1. Unused if there is a picture, which is
-    /// already multiplied by it.
+    /// The color: linear light, each channel from 0 to 1. Unused if there is a picture, whose
+    /// tint it is.
     pub color: Vec3,
     /// The picture that gives the color.
     pub picture: Option<MeshPicture>,
@@ -96,6 +96,8 @@ pub struct MeshPicture {
     pub name: PathBuf,
     /// The picture.
     pub picture: Arc<Picture>,
+    /// The factor of the picture's linear light, each channel from 0 to 1.
+    pub tint: Vec3,
     /// The filtering of lookups.
     pub sampling: Sampling,
     /// Width and height in texture coordinates, negative for a mirrored picture.
@@ -110,6 +112,7 @@ impl MeshPicture {
         Self {
             name,
             picture,
+            tint: Vec3::ONE,
             sampling: Sampling::default(),
             size: [1.0; 2],
             offset: [0.0; 2],
@@ -191,7 +194,7 @@ pub fn picture_bytes<'a>(materials: impl IntoIterator<Item = &'a MeshMaterial>) 
 pub(super) struct PictureShelf {
     /// Bytes of memory left for pictures.
     available: u64,
-    read: HashMap<(PathBuf, Option<Transfer>, [u32; 3]), Arc<Picture>>,
+    read: HashMap<(PathBuf, Option<Transfer>), Arc<Picture>>,
     /// Sentences about pictures that cannot be read.
     pub(super) notes: Vec<String>,
 }
@@ -206,8 +209,7 @@ impl PictureShelf {
         }
     }
 
-    /// Returns the picture of this name, with its colors multiplied by a `tint`; `bytes` are the
-    /// contents of its file.
+    /// Returns the picture of this name; `bytes` are the contents of its file.
     ///
     /// # Errors
     /// The file cannot be read or is not a picture; one sentence names it.
@@ -215,19 +217,13 @@ impl PictureShelf {
         &mut self,
         name: &Path,
         transfer: Option<Transfer>,
-        tint: Vec3,
         bytes: impl FnOnce() -> Result<PictureBytes>,
     ) -> Result<Arc<Picture>> {
-        let key = (name.to_owned(), transfer, tint.to_array().map(f32::to_bits));
+        let key = (name.to_owned(), transfer);
         if let Some(read) = self.read.get(&key) {
             return Ok(Arc::clone(read));
         }
-        let reading = Reading {
-            transfer,
-            tint,
-            available: self.available,
-        };
-        let read = bytes().and_then(|bytes| read_picture_of(bytes, reading));
+        let read = bytes().and_then(|bytes| read_picture_of(bytes, transfer, self.available));
         let picture = read.map_err(|fault| of_reference(name, fault))?;
         self.available = self.available.saturating_sub(picture.n_bytes());
         self.read.insert(key, Arc::clone(&picture));
@@ -239,10 +235,9 @@ impl PictureShelf {
         &mut self,
         name: &Path,
         transfer: Option<Transfer>,
-        tint: Vec3,
         bytes: impl FnOnce() -> Result<PictureBytes>,
     ) -> Option<Arc<Picture>> {
-        let read = self.picture(name, transfer, tint, bytes);
+        let read = self.picture(name, transfer, bytes);
         let read = read.map_err(|fault| {
             let note = missing_note(&fault);
             if !self.notes.contains(&note) {

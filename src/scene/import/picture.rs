@@ -8,7 +8,6 @@ use std::io::{self, BufRead, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::Vec3;
 use image::codecs::hdr::HdrDecoder;
 use image::{
     ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult,
@@ -31,16 +30,8 @@ pub fn read_picture(
     transfer: Option<Transfer>,
     available: u64,
 ) -> Result<Arc<Picture>> {
-    read(path, transfer, available).map_err(|fault| fault.in_file(path))
-}
-
-fn read(path: &Path, transfer: Option<Transfer>, available: u64) -> Result<Arc<Picture>> {
-    let reading = Reading {
-        transfer,
-        tint: Vec3::ONE,
-        available,
-    };
-    read_picture_of(bytes_of_file(path)?, reading)
+    let read = bytes_of_file(path).and_then(|bytes| read_picture_of(bytes, transfer, available));
+    read.map_err(|fault| fault.in_file(path))
 }
 
 /// The bytes of a picture's file.
@@ -60,22 +51,15 @@ pub(super) fn bytes_of_file(path: &Path) -> Result<PictureBytes> {
     Ok(Box::new(open(path)?))
 }
 
-/// The settings for reading a picture.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reading {
-    /// The transfer function of its numbers; `None` for the usual one of its format.
-    pub(super) transfer: Option<Transfer>,
-    /// The factor of the colors.
-    pub(super) tint: Vec3,
-    /// Bytes of memory left for the picture.
-    pub(super) available: u64,
-}
-
-/// Reads a picture.
+/// Reads a picture from the bytes of its file.
 ///
 /// # Errors
 /// As [`read_picture`].
-pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Result<Arc<Picture>> {
+pub(super) fn read_picture_of(
+    mut file: PictureBytes,
+    transfer: Option<Transfer>,
+    available: u64,
+) -> Result<Arc<Picture>> {
     let mut head = Vec::new();
     let start = file.fill_buf()?;
     head.extend_from_slice(&start[..start.len().min(MAX_SIGNATURE)]);
@@ -85,11 +69,10 @@ pub(super) fn read_picture_of(mut file: PictureBytes, reading: Reading) -> Resul
     let format = format.ok_or_else(|| unknown_format(&head))?;
     let damaged = |error| format.damaged(&error);
     let decoder = format.decoder(file).map_err(damaged)?;
-    check_size(&decoder, reading.available)?;
+    check_size(&decoder, available)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
-    let mut texels = texels(decoded, reading.transfer.unwrap_or(format.transfer))?;
-    texels.multiply(reading.tint);
+    let texels = texels(decoded, transfer.unwrap_or(format.transfer))?;
     let picture = Picture::new(size, texels).ok_or_else(|| wrong_size(size))?;
     Ok(Arc::new(picture))
 }

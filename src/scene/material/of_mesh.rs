@@ -150,7 +150,7 @@ fn color_of(of: &MeshMaterial) -> Texture {
     let image = of.picture.as_ref().map(image);
     match (of.has_vertex_colors, image) {
         (true, image) => Texture::VertexColors(VertexColors {
-            // A picture is already multiplied by the color.
+            // The color tints a picture.
             tint: image.as_ref().map_or(of.color, |_| Vec3::ONE),
             image: image.map(Box::new),
             array: None,
@@ -169,6 +169,7 @@ fn image(of: &MeshPicture) -> ImageTexture {
         filter: of.sampling.filter,
         transfer: None,
         offset: of.offset,
+        tint: of.tint,
         picture: of.picture.clone(),
     }
 }

@@ -1,7 +1,5 @@
 //! Texels in memory.
 
-use glam::Vec3;
-
 use crate::color::Transfer;
 
 /// Texels as they are stored: red, green, blue and opacity. Byte texels have only the channels of
@@ -54,37 +52,6 @@ impl Texels {
             Self::Floats(texels) => size_of_val(&texels[..]),
         };
         n_bytes as u64
-    }
-
-    /// Multiplies all colors by a color, each channel from 0 to 1.
-    pub fn multiply(&mut self, color: Vec3) {
-        if color == Vec3::ONE {
-            return;
-        }
-        if let Self::Gray(texels, transfer) = self {
-            *self = Self::Rgb(texels.iter().map(|gray| [*gray; 3]).collect(), *transfer);
-        }
-        let product = |rgb: [u8; 3], transfer: Transfer| {
-            transfer.bytes(Vec3::from(light_of(rgb, transfer)) * color)
-        };
-        match self {
-            Self::Gray(..) => {}
-            Self::Rgb(texels, transfer) => {
-                texels
-                    .iter_mut()
-                    .for_each(|rgb| *rgb = product(*rgb, *transfer));
-            }
-            Self::Bytes(texels, transfer) => {
-                for [r, g, b, _] in texels {
-                    [*r, *g, *b] = product([*r, *g, *b], *transfer);
-                }
-            }
-            Self::Floats(texels) => {
-                for [r, g, b, _] in texels {
-                    [*r, *g, *b] = (Vec3::new(*r, *g, *b) * color).to_array();
-                }
-            }
-        }
     }
 
     /// Returns linear light and opacity of texel `i`.

@@ -129,7 +129,7 @@ impl Materials<'_> {
         Base {
             color,
             opacity,
-            picture: self.picture(pbr.base_color_texture.as_ref(), None, color),
+            picture: self.tinted(pbr.base_color_texture.as_ref(), color),
             finish: Finish::Facets {
                 metallic: (pbr.metallic_factor.0 * metal).clamp(0.0, 1.0),
                 roughness: (pbr.roughness_factor.0 * rough).clamp(0.0, 1.0),
@@ -154,7 +154,7 @@ impl Materials<'_> {
         Base {
             color,
             opacity,
-            picture: self.picture(picture, None, tint),
+            picture: self.tinted(picture, tint),
             finish: Finish::Facets {
                 metallic: share,
                 roughness: (1.0 - of.glossiness_factor.0 * glossy).clamp(0.0, 1.0),
@@ -203,7 +203,7 @@ impl Materials<'_> {
         transfer: Option<Transfer>,
     ) -> Option<MeshPicture> {
         let info = info.filter(|info| placing(info) == of_material(of));
-        self.picture(info, transfer, Vec3::ONE)
+        self.picture(info, transfer)
     }
 
     /// Returns the picture of normals if it is placed as the picture of the color is.
@@ -226,26 +226,27 @@ impl Materials<'_> {
 
     /// Returns the mean of a picture, or ones without a picture.
     fn mean(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> [f32; 4] {
-        let picture = self.picture(info, transfer, Vec3::ONE);
+        let picture = self.picture(info, transfer);
         let picture = picture.map(|of| of.picture).unwrap_or_default();
         let (_, mut texels) = picture.reduced(1);
         texels.next().unwrap_or([1.0; 4])
     }
 
-    /// Reads a picture and multiplies its colors by a tint; `None` without one that can be read.
-    fn picture(
-        &mut self,
-        info: Option<&Info>,
-        transfer: Option<Transfer>,
-        tint: Vec3,
-    ) -> Option<MeshPicture> {
+    /// Reads the picture of a color, which a tint multiplies.
+    fn tinted(&mut self, info: Option<&Info>, tint: Vec3) -> Option<MeshPicture> {
+        let picture = self.picture(info, None)?;
+        Some(MeshPicture { tint, ..picture })
+    }
+
+    /// Reads a picture; `None` without one that can be read.
+    fn picture(&mut self, info: Option<&Info>, transfer: Option<Transfer>) -> Option<MeshPicture> {
         let texture = self.root.get(info?.index)?;
         let (root, buffers, folder) = (self.root, self.buffers, self.folder);
         let image = root.get(texture.source)?;
         let name = name_of(texture.source, image, folder);
         let budget = &mut *self.budget;
         let bytes = || bytes_of(root, image, buffers, folder, budget);
-        let picture = self.shelf.picture_or_note(&name, transfer, tint, bytes)?;
+        let picture = self.shelf.picture_or_note(&name, transfer, bytes)?;
         Some(MeshPicture {
             sampling: sampling(root, texture),
             ..MeshPicture::new(name, picture)
@@ -257,7 +258,7 @@ impl Materials<'_> {
 struct Base {
     color: Vec3,
     opacity: f32,
-    /// The picture, multiplied by the color.
+    /// The picture, with the color as its tint.
     picture: Option<MeshPicture>,
     finish: Finish,
 }

@@ -147,12 +147,13 @@ impl Statements {
             // Programs write black if only the picture counts.
             color = Vec3::ONE;
         }
-        let mut load = |map: Option<&MapStatement>, transfer, tint| {
-            map.and_then(|map| map.load(path, shelf, transfer, tint))
+        let mut load = |map: Option<&MapStatement>, transfer| {
+            map.and_then(|map| map.load(path, shelf, transfer))
         };
-        let picture = load(self.picture.as_ref(), None, color);
-        let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear), Vec3::ONE);
-        let normals = load(self.normals.as_ref(), Some(Transfer::Linear), Vec3::ONE);
+        let picture = load(self.picture.as_ref(), None);
+        let picture = picture.map(|of| MeshPicture { tint: color, ..of });
+        let opacity = load(self.opacity.as_ref(), Some(Transfer::Linear));
+        let normals = load(self.normals.as_ref(), Some(Transfer::Linear));
         // The opacity of the picture of the color counts only without a picture of its own.
         let of_picture = || picture.clone().filter(|of| !of.picture.is_opaque());
         let opacity = MeshOpacity {
@@ -293,10 +294,9 @@ impl MapStatement {
         path: &Path,
         shelf: &mut PictureShelf,
         transfer: Option<Transfer>,
-        tint: Vec3,
     ) -> Option<MeshPicture> {
         let name = path_in(path.parent().unwrap_or(Path::new("")), &self.file);
-        let picture = shelf.picture_or_note(&name, transfer, tint, || bytes_of_file(&name))?;
+        let picture = shelf.picture_or_note(&name, transfer, || bytes_of_file(&name))?;
         let sampling = Sampling {
             wrap: self.wrap,
             ..Sampling::default()

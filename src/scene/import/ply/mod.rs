@@ -293,7 +293,7 @@ fn take_pictures(
     let mut shelf = PictureShelf::new(available);
     for name in names {
         let path = path_in(around.folder, name);
-        let picture = shelf.picture_or_note(&path, None, Vec3::ONE, || bytes_of_file(&path));
+        let picture = shelf.picture_or_note(&path, None, || bytes_of_file(&path));
         mesh.materials.push(MeshMaterial {
             has_vertex_colors: picture.is_none() && mesh.colors.is_some(),
             picture: picture.map(|picture| MeshPicture::new(path, picture)),

@@ -64,6 +64,9 @@ pub struct ImageTexture {
     /// The coordinates of the picture at the origin of the mapping, in mesh files.
     #[serde(skip)]
     pub offset: [f32; 2],
+    /// The factor of the picture's linear light, in mesh files.
+    #[serde(skip, default = "white")]
+    pub tint: Vec3,
     /// The picture: white until the file is read.
     #[serde(skip)]
     pub picture: Arc<Picture>,
@@ -71,6 +74,10 @@ pub struct ImageTexture {
 
 fn unit_size() -> [f32; 2] {
     [1.0; 2]
+}
+
+fn white() -> Vec3 {
+    Vec3::ONE
 }
 
 impl ImageTexture {
@@ -88,10 +95,10 @@ impl ImageTexture {
     #[inline(always)]
     pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
         let [x, y, z, _] = self.values_at(point);
-        Vector { x, y, z }
+        Vector { x, y, z }.times(Vector::splat(x, self.tint))
     }
 
-    /// Returns red, green, blue and opacity at a point.
+    /// Returns red, green, blue and opacity of the picture, without the tint, at a point.
     #[inline(always)]
     pub(super) fn values_at<R: Real>(&self, point: &TexturePoint<R>) -> [R; 4] {
         match &self.mapping {
