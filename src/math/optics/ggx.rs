@@ -5,11 +5,10 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use clap::ValueEnum;
+use serde::Deserialize;
 
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
-use base::deserialize_keywords;
 
 /// The microfacets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,8 +21,11 @@ pub struct Ggx<R = f32> {
 
 /// How masking (facets that the viewer does not see) correlates with shadowing (facets that light
 /// does not reach), both by Smith's function.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "`height_correlated` or `separable`"
+)]
 pub enum Masking {
     /// Facets in hollows are both masked and shadowed: as in pbrt and Blender's Cycles.
     #[default]
@@ -31,8 +33,6 @@ pub enum Masking {
     /// Uncorrelated, which is darker: as in Mitsuba.
     Separable,
 }
-
-deserialize_keywords!(Masking);
 
 /// Reflection toward a direction.
 pub struct Facets<R> {

@@ -6,15 +6,16 @@
 
 use std::f64::consts::PI;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::simd::{Double, Real};
-use base::deserialize_keywords;
 
 /// The weight of light by its distance from the pixel's center, separately in x and y.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-#[value(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "`box`, `tent` or `blackman_harris`"
+)]
 pub enum PixelFilter {
     /// The same weight everywhere
     #[default]
@@ -24,8 +25,6 @@ pub enum PixelFilter {
     /// The window of Blackman and Harris, close to a Gaussian
     BlackmanHarris,
 }
-
-deserialize_keywords!(PixelFilter);
 
 impl PixelFilter {
     /// Returns the usual radius in pixels.

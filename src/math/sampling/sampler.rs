@@ -1,17 +1,15 @@
 //! The samples of pixels.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::hash::{hash, mixed, unit};
 use super::sobol;
 use super::stratified::Strata;
 use crate::simd::{Integer, Real};
-use base::deserialize_keywords;
 
 /// A pattern of the samples' positions in a pixel. Each pattern contains the pixel's center.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-#[value(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", expecting = "`stratified` or `sobol`")]
 pub enum PixelPattern {
     /// Strata of equal area with one jittered point each
     #[default]
@@ -19,8 +17,6 @@ pub enum PixelPattern {
     /// Owen-scrambled Sobol' points, evenly spread from the first one on
     Sobol,
 }
-
-deserialize_keywords!(PixelPattern);
 
 /// The decision that two numbers of a sample are used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
