@@ -7,8 +7,8 @@
 //! [`files`], [`provenance`] and [`folder`], which read and write. [`stop`] and [`host`] are the
 //! signals and the machine.
 
-pub mod stop;
 pub mod host;
+pub mod stop;
 pub mod text;
 pub mod files;
 pub mod provenance;

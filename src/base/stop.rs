@@ -14,6 +14,9 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
+#[cfg(unix)]
+use crate::host::start_in_scope;
+
 /// The number of the received signal, or 0.
 static REQUESTED: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
@@ -123,23 +126,23 @@ pub fn request() {
 /// Runs `work`, and `action` as soon as a signal arrives meanwhile.
 ///
 /// # Errors
-/// The operating system cannot watch signals; then `work` is not run.
+/// The operating system cannot watch signals, or refuses a thread; then `work` is not run.
 #[cfg(unix)]
 pub fn watching<T>(action: impl FnOnce() + Send, work: impl FnOnce() -> T) -> io::Result<T> {
     let heeded = HEEDED.get_or_init(|| not_ignored(&ENDING));
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     let handle = signals.handle();
-    Ok(std::thread::scope(|scope| {
-        scope.spawn(move || {
+    std::thread::scope(|scope| {
+        start_in_scope(scope, move || {
             // A signal may have arrived before the watch began.
             if is_requested() || signals.forever().next().is_some() {
                 action();
             }
-        });
+        })?;
         let done = work();
         handle.close();
-        done
-    }))
+        Ok(done)
+    })
 }
 
 /// Runs `work`; on this system, signals end the program.

@@ -19,11 +19,11 @@ pub enum RenderError {
 impl RenderError {
     /// Returns the reason why another rank cannot render.
     pub(crate) fn of_rank(rank: &str, failure: &RankFailure) -> Self {
-        let diagnostic = Diagnostic::new(format!("{rank} cannot render with rank 0"))
-            .with_note(&*failure.message)
-            .with_help("all ranks need the same program, scene, flags and files");
+        let diagnostic = Diagnostic::new(format!("{rank} cannot render with the others"))
+            .with_note(&*failure.message);
+        let help = "all ranks need the same program, scene, flags and files";
         match failure.exit_code {
-            2 => Self::Scene(diagnostic),
+            2 => Self::Scene(diagnostic.with_help(help)),
             _ => Self::Machine(diagnostic),
         }
     }

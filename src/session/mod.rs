@@ -44,8 +44,8 @@ pub use error::RenderError;
 pub(crate) use fingerprint::{contents_of, scene_files, states_of};
 pub(crate) use frames::Frames;
 pub(crate) use input::Input;
-pub(crate) use options::thread_pool;
 pub use options::{Event, Options};
+pub(crate) use options::{thread_pool, without_thread};
 #[doc(inline)]
 pub use render::instruments::{Stage, Stages};
 #[doc(inline)]

@@ -3,7 +3,7 @@
 use std::{fmt, io};
 
 use super::RenderError;
-use base::host::{affinity, start_threads};
+use base::host::{advice, affinity, start_threads};
 use base::stop::Cancellation;
 use base::text::Diagnostic;
 use render::ranks::local_rank;
@@ -150,6 +150,12 @@ pub(crate) fn thread_pool(
         Diagnostic::new(format!("cannot start the threads: {error}"))
             .with_help("ask for fewer with `--threads N`")
     })
+}
+
+/// Returns the message that the system refused a thread besides the pool's.
+pub(crate) fn without_thread(error: &io::Error) -> Diagnostic {
+    let help = advice(error).unwrap_or("ask for fewer threads with `--threads N`");
+    Diagnostic::new(error.to_string()).with_help(help)
 }
 
 impl fmt::Debug for Options<'_> {

@@ -1,5 +1,6 @@
 //! A session of a worker: it renders the tiles that rank 0 deals to it.
 
+use super::options::without_thread;
 use super::{Options, RenderError, Session};
 use base::stop;
 use render::instruments::Stages;
@@ -25,7 +26,8 @@ impl Session {
                 ..self.config.tiles
             };
             let plan = TilePlan::new(tracer, &self.scene.sensor(&self.config), tiling);
-            tiles::work(ranks, tracer, &plan, &meter);
+            let done = tiles::work(ranks, tracer, &plan, &meter);
+            done.map_err(|error| RenderError::Machine(without_thread(&error)))?;
             Ok(stop::check()?)
         })
     }

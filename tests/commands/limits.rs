@@ -228,6 +228,77 @@ fn only_the_threads_that_are_wanted_start() {
     );
 }
 
+/// The program under a limit of threads, as a user who has no other ones: only root can become one,
+/// and the limit does not bind root.
+#[cfg(target_os = "linux")]
+fn with_threads(n_threads: u32, words: &str) -> Option<Output> {
+    let process = fs::metadata("/proc/self").unwrap();
+    if std::os::unix::fs::MetadataExt::uid(&process) != 0 {
+        return None;
+    }
+    let user = "setpriv --reuid 54321 --clear-groups";
+    let program = env!("CARGO_BIN_EXE_raycost");
+    let command = format!("{user} prlimit --nproc={n_threads} '{program}' {words}");
+    // Standard input stays open.
+    let (input, _open) = std::io::pipe().unwrap();
+    let mut shell = Command::new("sh");
+    Some(shell.args(["-c", &command]).stdin(input).output().unwrap())
+}
+
+/// Whatever thread is refused: either it only helps, or the program says so.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_refused_thread_is_a_message() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::set_permissions(path, fs::Permissions::from_mode(0o777)).unwrap();
+    let scene = in_repository("configs/seed_sphere.yaml");
+    let study = format!(
+        "title: T\nscenes: [{}]\nvary: {{ threads: [1] }}\nflags: [--width=32, --height=24]\nrepeats: 1\n",
+        scene.display()
+    );
+    let file = path.join("study.yaml");
+    fs::write(&file, study).unwrap();
+    let render = |name: &str, flag: &str| format!("{} {flag}", small(&path.join(name)));
+    let study = format!(
+        "study '{}' --out '{}'",
+        file.display(),
+        path.join("study").display()
+    );
+    // The threads that a command takes; a study has two, and its run three.
+    let commands = [
+        (render("kept", "--resume"), 3),
+        (render("watched", "--while-input-is-open"), 4),
+        (study, 5),
+    ];
+    for (words, n_needed) in commands {
+        let mut messages = String::new();
+        for n_threads in 1..=n_needed {
+            let Some(output) = with_threads(n_threads, &words) else {
+                return;
+            };
+            let error = String::from_utf8_lossy(&output.stderr);
+            let code = if n_threads < n_needed { 1 } else { 0 };
+            assert_eq!(
+                output.status.code(),
+                Some(code),
+                "{n_threads}, {words}: {error}"
+            );
+            assert!(!error.contains("panicked"), "{n_threads}, {words}: {error}");
+            messages += &error;
+        }
+        println!("{messages}");
+        let watches = !words.contains("--resume");
+        assert_eq!(
+            messages.contains("cannot start a thread: "),
+            watches,
+            "{messages}"
+        );
+        assert_eq!(messages.contains("`ulimit -u`"), watches, "{messages}");
+    }
+}
+
 /// The bound of a scene is held against the limit of the process.
 #[cfg(target_os = "linux")]
 #[test]

@@ -37,6 +37,7 @@ fn of_code(code: i32) -> Option<&'static str> {
         Errno::EMFILE | Errno::ENFILE => {
             Some("stop other programs, or raise the limit of open files (`ulimit -n`)")
         }
+        Errno::EAGAIN => Some("stop other programs, or raise the limit of threads (`ulimit -u`)"),
         Errno::EIO => Some("the disk or the network behind it fails: see the system's log"),
         _ => None,
     }
@@ -58,6 +59,7 @@ mod tests {
         for (errno, part) in [
             (Errno::EMFILE, "ulimit -n"),
             (Errno::ENFILE, "ulimit -n"),
+            (Errno::EAGAIN, "ulimit -u"),
             (Errno::EFBIG, "ulimit -f"),
             (Errno::ENOMEM, "ulimit -v"),
             (Errno::ENOSPC, "free some space"),

@@ -1,4 +1,4 @@
-//! The operating system: available memory, the end of the program if an allocation
+//! The operating system: available memory, threads, the end of the program if an allocation
 //! fails, and advice on other errors.
 
 mod advice;
@@ -26,7 +26,7 @@ pub use heap::{free_heap, grow_heap};
 pub use no_gnu_heap::configure_heap;
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 pub use no_gnu_heap::{free_heap, grow_heap};
-pub use threads::start_threads;
+pub use threads::{start_detached, start_in_scope, start_threads};
 
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();

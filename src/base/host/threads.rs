@@ -1,7 +1,8 @@
-//! The start of a pool's threads within the limits of the process.
+//! The start of threads within the limits of the process.
 
+use std::io;
 use std::sync::{Arc, Barrier, RwLock};
-use std::{io, thread};
+use std::thread::{Builder, JoinHandle, Scope, ScopedJoinHandle};
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
@@ -35,9 +36,47 @@ pub fn start_threads(
     pool
 }
 
-/// Starts a thread, which waits until the gate is open; returns once it has all that it needs. A
-/// thread that found no room for its signal stack would end the program without a message.
+/// Starts a thread that ends before its scope.
+///
+/// # Errors
+/// The reasons of [`start_threads`], after "cannot start a thread".
+pub fn start_in_scope<'scope, T: Send + 'scope>(
+    scope: &'scope Scope<'scope, '_>,
+    work: impl FnOnce() -> T + Send + 'scope,
+) -> io::Result<ScopedJoinHandle<'scope, T>> {
+    let thread = builder().and_then(|builder| builder.spawn_scoped(scope, work));
+    thread.map_err(|error| refused(&error))
+}
+
+/// Starts a thread that may outlive its caller.
+///
+/// # Errors
+/// The errors of [`start_in_scope`].
+pub fn start_detached(work: impl FnOnce() + Send + 'static) -> io::Result<JoinHandle<()>> {
+    let thread = builder().and_then(|builder| builder.spawn(work));
+    thread.map_err(|error| refused(&error))
+}
+
+fn refused(error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot start a thread: {error}"))
+}
+
+/// Starts a thread, which waits until the gate is open; returns once it has all that it needs.
 fn start(thread: ThreadBuilder, gate: Arc<RwLock<()>>) -> io::Result<()> {
+    let has_started = Arc::new(Barrier::new(2));
+    let starts = Arc::clone(&has_started);
+    builder()?.spawn(move || {
+        starts.wait();
+        drop(gate.read());
+        thread.run();
+    })?;
+    has_started.wait();
+    Ok(())
+}
+
+/// Returns the builder of a thread for which there is memory. A thread that found no room for its
+/// signal stack would end the program without a message.
+fn builder() -> io::Result<Builder> {
     let n_needed = STACK as u64 + BESIDES_STACK;
     let n_left = within_limits();
     if n_needed > n_left {
@@ -45,13 +84,5 @@ fn start(thread: ThreadBuilder, gate: Arc<RwLock<()>>) -> io::Result<()> {
         let message = format!("{needed} KiB of memory are needed, {left} KiB are left");
         return Err(io::Error::new(io::ErrorKind::OutOfMemory, message));
     }
-    let has_started = Arc::new(Barrier::new(2));
-    let starts = Arc::clone(&has_started);
-    thread::Builder::new().stack_size(STACK).spawn(move || {
-        starts.wait();
-        drop(gate.read());
-        thread.run();
-    })?;
-    has_started.wait();
-    Ok(())
+    Ok(Builder::new().stack_size(STACK))
 }

@@ -26,8 +26,9 @@ use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, json, run_summary};
-use crate::session::{Event, Options, Session};
+use crate::session::{Event, Options, Session, without_thread};
 use base::folder::refuse_root;
+use base::host::start_detached;
 use base::stop;
 use base::text::numbers::parse_duration;
 use base::text::{self, Diagnostic};
@@ -144,10 +145,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 /// Renders as the only process, or as rank 0 of several.
 fn lead(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
     if arguments.while_input_is_open && !arguments.scene.is_standard_input() {
-        std::thread::spawn(|| {
+        let watch = start_detached(|| {
             let _ = io::copy(&mut io::stdin(), &mut io::sink());
             stop::request();
         });
+        watch.map_err(|error| Failure::Machine(without_thread(&error)))?;
     }
     render_scene(arguments, ranks)
 }

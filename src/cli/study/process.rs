@@ -2,13 +2,14 @@
 
 use std::io;
 use std::path::{self, Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{ChildStdin, Command, Output, Stdio};
 use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::cli::Failure;
 use base::files;
 use base::folder::{Replace, Scratch, write_file};
+use base::host::advice;
 use base::stop;
 use base::text::Diagnostic;
 use output::summary::{self, Summary};
@@ -42,7 +43,11 @@ pub(super) fn render(
     let start = Instant::now();
     let output = output_of(&mut command).map_err(|error| {
         let program = command.get_program().to_string_lossy();
-        failed(format!("cannot run `{program}`: {error}"))
+        let message = Diagnostic::new(format!("cannot run `{program}`: {error}"));
+        Failure::Machine(match advice(&error) {
+            Some(help) => message.with_help(help),
+            None => message,
+        })
     })?;
     let process_ms = start.elapsed().as_secs_f64() * 1e3;
     if !output.status.success() {
@@ -133,14 +138,24 @@ fn keep_picture(from: &Path, to: &Path) -> Result<(), Failure> {
 /// process ends, and as soon as a signal asks this process to stop.
 fn output_of(command: &mut Command) -> io::Result<Output> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut child = command.stderr(Stdio::piped()).spawn()?;
-    let input = child.stdin.take();
+    command.stderr(Stdio::piped());
     // This thread keeps the input open until the process has ended.
-    let input = Mutex::new(input);
-    let close = || {
+    let input = Mutex::new(None);
+    let hold = |held: Option<ChildStdin>| {
         if let Ok(mut input) = input.lock() {
-            input.take();
+            *input = held;
         }
     };
-    stop::watching(close, || child.wait_with_output())?
+    stop::watching(
+        || hold(None),
+        || {
+            let mut child = command.spawn()?;
+            hold(child.stdin.take());
+            // A signal may have arrived before the process started.
+            if stop::is_requested() {
+                hold(None);
+            }
+            child.wait_with_output()
+        },
+    )?
 }

@@ -3,6 +3,7 @@
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::time::Instant;
 
 use super::block::{self, BlockKind, PREFIX};
 use super::file::{CheckpointFile, MAGIC, RunSpan, StoredTile};
@@ -16,6 +17,8 @@ pub(super) struct TileWriter {
     n_blocks: u64,
     n_bytes: u64,
     block: Vec<u8>,
+    /// The last flush to the system.
+    pub(super) flushed: Instant,
 }
 
 impl TileWriter {
@@ -50,6 +53,7 @@ impl TileWriter {
             n_blocks,
             n_bytes,
             block: Vec::new(),
+            flushed: Instant::now(),
         }
     }
 
@@ -90,6 +94,7 @@ impl TileWriter {
 
     /// Flushes all blocks to the system, so that they survive the end of the process.
     pub(super) fn flush(&mut self) -> io::Result<()> {
+        self.flushed = Instant::now();
         self.file.flush()
     }
 

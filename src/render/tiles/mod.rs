@@ -36,7 +36,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::film::{Film, Rendered};
+use crate::ranks::RankFailure;
 use crate::schedule::{MAX_PIXELS, Schedule, Tile, TileRun};
+use base::host::start_in_scope;
 use canvas::Canvas;
 use deal::deal;
 pub(crate) use follow::{PathProbe, follow};
@@ -168,9 +170,14 @@ fn render_tiles<R: TileRenderer>(
         let runs = match pass.limits.team {
             None => render(),
             Some(team) => thread::scope(|scope| {
-                let by_workers = scope.spawn(|| deal(team, &queue));
+                let by_workers = start_in_scope(scope, || deal(team, &queue));
+                // Without the thread, the rendering ends at once.
+                let by_workers = by_workers.map_err(|error| {
+                    let (exit_code, message) = (1, error.to_string());
+                    team.fail(0, RankFailure { exit_code, message });
+                });
                 let mut runs = render();
-                runs.extend(by_workers.join());
+                runs.extend(by_workers.ok().and_then(|thread| thread.join().ok()));
                 runs
             }),
         };

@@ -1,7 +1,6 @@
 //! One rendering of a picture: the tiles that it takes over and keeps, and its end.
 
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::canvas::Canvas;
 use crate::checkpoint::{Checkpoint, TileRecord};
@@ -9,9 +8,6 @@ use crate::ranks::Team;
 use crate::schedule::{Tile, TileRun};
 use base::stop;
 use scene::world::Scene;
-
-/// Interval at which finished tiles are flushed to the system.
-const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
 /// The tiles that renderings of a picture take over and keep, and when they end.
 #[derive(Debug, Clone, Copy, Default)]
@@ -116,23 +112,13 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Does `work` while a separate thread flushes the kept tiles to the system.
+    /// Does `work`, and flushes the kept tiles to the system.
     pub(super) fn keeping<T>(&self, work: impl FnOnce() -> T) -> T {
         let Some(checkpoint) = self.limits.checkpoint.filter(|kept| kept.keeps()) else {
             return work();
         };
         checkpoint.begin(self.n_threads_now());
-        let done = std::thread::scope(|scope| {
-            let (sender, receiver) = mpsc::channel::<()>();
-            scope.spawn(move || {
-                while receiver.recv_timeout(FLUSH_EVERY) == Err(RecvTimeoutError::Timeout) {
-                    checkpoint.flush();
-                }
-            });
-            let done = work();
-            drop(sender);
-            done
-        });
+        let done = work();
         checkpoint.flush();
         done
     }

@@ -1,5 +1,6 @@
 //! A worker, which renders the tiles that rank 0 deals to it.
 
+use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Mutex, PoisonError};
@@ -14,6 +15,7 @@ use crate::checkpoint::TileRecord;
 use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
+use base::host::start_in_scope;
 use base::stop;
 use tracer::cost::{Counters, Meter, NoProbe};
 use tracer::trace::Tracer;
@@ -30,21 +32,24 @@ type DealtTile = (u8, u32);
 /// Renders the tiles that rank 0 deals on all threads of the current rayon pool, each pixel
 /// measured with the `meter`, and sends them back, until rank 0 has no more. After a request to
 /// stop ([`stop`]) it ends at once.
-pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) {
+///
+/// # Errors
+/// The system refuses the thread that sends and receives.
+pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) -> io::Result<()> {
     let film = &plan.film_without_rows(tracer.scene, meter.mode());
     let view = View::new(tracer, &plan.sensor);
     match meter {
         Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
         Meter::Counters => {
-            render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view));
+            render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view))
         }
         Meter::Time(clock) => {
             let renderer = || GroupRenderer::new(view, clock);
-            render_dealt(ranks, film, plan, renderer);
+            render_dealt(ranks, film, plan, renderer)
         }
         Meter::SingleRayTime(clock) => {
             let renderer = || SingleRayRenderer::new(view, clock, plan.room());
-            render_dealt(ranks, film, plan, renderer);
+            render_dealt(ranks, film, plan, renderer)
         }
     }
 }
@@ -54,7 +59,7 @@ fn render_dealt<R: TileRenderer>(
     film: &Film,
     plan: &TilePlan,
     renderer: impl Fn() -> R + Sync,
-) {
+) -> io::Result<()> {
     let (to_threads, dealt) = mpsc::channel();
     let (to_rank_0, rendered) = mpsc::channel();
     let dealt = DealtTiles {
@@ -68,7 +73,7 @@ fn render_dealt<R: TileRenderer>(
         work: RankWork::default(),
     };
     std::thread::scope(|scope| {
-        scope.spawn(|| post.carry(to_threads));
+        start_in_scope(scope, || post.carry(to_threads))?;
         rayon::broadcast(|context| {
             let thread = context.index() as u32;
             let mut film = film.of_one_tile();
@@ -81,7 +86,8 @@ fn render_dealt<R: TileRenderer>(
                 &to_rank_0,
             );
         });
-    });
+        Ok(())
+    })
 }
 
 /// Renders tiles on the calling thread until there are no more.
