@@ -278,6 +278,49 @@ fn a_file_has_its_pictures_colors_and_finish() {
     assert_color(&scene_of(folder.path(), rest), [-0.7, 0.3], [1.0, 0.0, 0.0]);
 }
 
+/// A node without a name has that of its mesh; equal names are numbered, and a mesh that is placed
+/// many times is one object.
+#[test]
+fn nodes_are_told_apart_by_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let labels = |file: &Gltf, rest: &str| {
+        std::fs::write(folder.path().join("sign.glb"), file.glb()).unwrap();
+        let (config, _) = read_scene(folder.path(), rest);
+        let materials: Vec<_> = config.materials.keys().skip(1).cloned().collect();
+        (
+            config.object_labels().collect::<Vec<_>>(),
+            materials.join(" "),
+        )
+    };
+    let own = "objects: [{ mesh: { file: sign.glb } }]\n";
+    let mut file = sign();
+    let both = "sign.glb/panel sign.glb/painted";
+    let by_material = ["sign.glb/panel", "sign.glb/painted"]
+        .map(str::to_owned)
+        .to_vec();
+    assert_eq!(labels(&file, own), (by_material, both.to_owned()));
+    file.json["nodes"][0]["mesh"] = 1.into();
+    file.json["nodes"][1]["name"] = "board".into();
+    file.json["nodes"][2]["name"] = "board".into();
+    file.json["meshes"][1]["name"] = "flag".into();
+    let (names, materials) = labels(&file, own);
+    assert_eq!(
+        names,
+        ["sign.glb/board", "sign.glb/flag", "sign.glb/board 2"]
+    );
+    assert_eq!(materials, both);
+    file.json["meshes"][1]["primitives"][0]["material"] = 0.into();
+    let (names, materials) = labels(&file, &own.replace("mesh:", "name: at home, mesh:"));
+    assert_eq!(names, ["at home/flag", "at home/board", "at home/board 2"]);
+    assert_eq!(materials, "sign.glb/panel");
+    let red = "objects: [{ mesh: { file: sign.glb }, material: red }]\n";
+    assert_eq!(labels(&file, red).0, ["mesh 0"]);
+    let places = "places: [[{ translate: [9, 0, 0] }], [{ scale: 2 }]]";
+    let placed =
+        format!("objects: [{{ instances: {{ mesh: {{ file: sign.glb }}, {places} }} }}]\n");
+    assert_eq!(labels(&file, &placed).0, ["instances 0"]);
+}
+
 /// A factor multiplies the light of a picture of bytes between its texels, too, not its bytes; and
 /// one picture serves two factors.
 #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::Vec3;
+use scene::config::Config;
 use scene::geometry::{Ray, RenderSpace};
 use scene::import::{Finish, read_mesh_with_materials};
 use scene::world::{Geometries, Scene};
@@ -248,25 +249,30 @@ fn the_range_of_data_is_that_of_all_blocks_and_of_their_interior() {
     }
 }
 
+/// The config of some objects, with the parts of their files.
+fn config_with(folder: &Path, rest: &str) -> Config {
+    let mut config = parse(&format!(
+        "image: {{ width: 4, height: 3 }}\n\
+         camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+         lights: []\n{rest}"
+    ));
+    Geometries::read(&mut config, folder, u64::MAX).unwrap();
+    config
+}
+
 #[test]
 fn parts_of_a_mesh_are_objects_with_names() {
     let folder = tempfile::tempdir().unwrap();
     write_chair(folder.path());
-    let mut config = parse(
-        "image: { width: 4, height: 3 }\n\
-         camera: { look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 } }\n\
-         lights: []\nmaterials: { red: { color: [1, 0, 0] }, chair.obj/leg: { color: 0 } }\n\
+    let config = config_with(
+        folder.path(),
+        "materials: { red: { color: [1, 0, 0] }, chair.obj/leg: { color: 0 } }\n\
          objects:\n  - { sphere: { center: [0, 0, 9], radius: 1 }, material: red }\n  \
          - { mesh: { file: chair.obj } }\n  - { name: other, mesh: { file: chair.obj } }\n",
     );
-    Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
-    let names: Vec<_> = config
-        .objects
-        .iter()
-        .map(|of| of.name.as_deref().unwrap_or("-"))
-        .collect();
+    let names: Vec<_> = config.object_labels().collect();
     let expected = [
-        "-",
+        "sphere 0",
         "chair.obj/seat",
         "chair.obj/leg 2",
         "other/seat",
@@ -283,6 +289,64 @@ fn parts_of_a_mesh_are_objects_with_names() {
         "chair.obj/leg 3",
     ];
     assert_eq!(materials, expected);
+}
+
+/// `o` names the faces below it, or `g` in a file without `o`; the picture is that without names.
+#[test]
+fn objects_of_an_obj_file_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    write_chair(folder.path());
+    let objects = "materials: {}\nobjects: [{ mesh: { file: chair.obj } }]\n";
+    let whole = scene(folder.path(), objects);
+    let faces = ["usemtl seat\nf 1/1 2/2 3/3 4/4\n", "usemtl leg\nf 5 6 7\n"];
+    let turned = "usemtl seat\nf 4/4 3/3 2/2 1/1\n";
+    let [seat, leg] = faces;
+    let names = |text: &str, objects: &str| {
+        std::fs::write(folder.path().join("chair.obj"), text).unwrap();
+        let config = config_with(folder.path(), objects);
+        assert!(config.materials.len() <= 2);
+        config.object_labels().collect::<Vec<_>>()
+    };
+    let vertices = &CHAIR[..CHAIR.find("usemtl").unwrap()];
+    for (faces, expected) in [
+        // Sorted by material.
+        (
+            format!("g default\no top\n{seat}g x\no post\n{leg}o low\n{turned}"),
+            &["chair.obj/top", "chair.obj/low", "chair.obj/post"][..],
+        ),
+        (
+            format!("g top\n{seat}{leg}g\n{turned}"),
+            &["chair.obj/seat", "chair.obj/top/seat", "chair.obj/top/leg"],
+        ),
+        (format!("o the chair\n{seat}"), &["chair.obj/the chair"]),
+        (seat.to_owned(), &["mesh 0"]),
+    ] {
+        assert_eq!(names(&format!("{vertices}{faces}"), objects), expected);
+    }
+    let two = format!("{vertices}o a\n{seat}o b\n{turned}");
+    let named = objects.replace("mesh:", "name: old, mesh:");
+    assert_eq!(names(&two, &named), ["old/a", "old/b"]);
+    let given = named
+        .replace(" }]", ", material: red }]")
+        .replace("{}", "{ red: { color: 1 } }");
+    assert_eq!(names(&two, &given), ["old"]);
+    let many = (0..4097)
+        .map(|i| format!("o {i}\nf 1 2 3\n"))
+        .collect::<String>();
+    assert_eq!(names(&format!("{vertices}{many}"), objects), ["mesh 0"]);
+    let read = read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20).unwrap();
+    let expected = "its 4097 objects are not told apart: at most 4096 are";
+    assert!(
+        read.notes.iter().any(|note| note == expected),
+        "{:?}",
+        read.notes
+    );
+    let named = format!("{vertices}o top\n{seat}o post\n{leg}");
+    std::fs::write(folder.path().join("chair.obj"), named).unwrap();
+    let named = scene(folder.path(), objects);
+    let shapes =
+        |of: &Scene| -> Vec<_> { of.primitives.iter().map(|of| of.parameters()).collect() };
+    assert_eq!(shapes(&named), shapes(&whole));
 }
 
 /// The notes on a chair one of whose files has another text.
@@ -441,8 +505,8 @@ fn damaged_materials_never_panic() {
             let mesh = folder.path().join("chair.obj");
             match scene::import::read_mesh_with_materials(&mesh, 1 << 20) {
                 Ok(mesh) => {
-                    let parts = mesh.into_parts();
-                    assert!(parts.iter().all(|(_, part)| !part.triangles.is_empty()));
+                    let (_, parts) = mesh.into_parts();
+                    assert!(parts.iter().all(|part| !part.mesh.triangles.is_empty()));
                 }
                 Err(fault) => {
                     let fault = fault.to_string();

@@ -9,6 +9,12 @@ use crate::color::Transfer;
 use crate::geometry::{Aabb, Triangle, origin_near};
 use crate::light::Light;
 
+/// Maximum number of nodes of a file that are told apart.
+const MAX_NODES: usize = 4096;
+
+/// Maximum number of characters of a node's name.
+const MAX_NODE_NAME: usize = 100;
+
 /// The triangle mesh of a file. Triangles may be degenerate.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
@@ -40,6 +46,11 @@ pub struct Mesh {
     pub materials: Vec<MeshMaterial>,
     /// The index of the material of each triangle, if there are materials.
     pub material_of: Vec<u32>,
+    /// The names of the nodes of a glTF file or of the objects of an OBJ file, after an empty one for
+    /// the nodes without a name, if they were read and there are any.
+    pub nodes: Vec<String>,
+    /// The index of the node of each triangle, if there are nodes.
+    pub node_of: Vec<u32>,
     /// Sentences about what the file may have meant otherwise, or what is left out of it.
     pub notes: Vec<String>,
     /// The parts of the file that its reader leaves out.
@@ -100,8 +111,27 @@ impl Mesh {
         let uvs = self.uvs.as_ref().map_or(0, CornerValues::n_bytes);
         let colors = self.colors.as_ref().map_or(0, CornerValues::n_bytes);
         let opacities = self.opacities.as_ref().map_or(0, CornerValues::n_bytes);
-        let materials = size_of_val(&self.material_of[..]) as u64 + picture_bytes(&self.materials);
+        let parts = size_of_val(&self.material_of[..]) + size_of_val(&self.node_of[..]);
+        let materials = parts as u64 + picture_bytes(&self.materials);
         own as u64 + normals + uvs + scalars + colors + opacities + materials
+    }
+
+    /// Stores the names of the nodes of a file, shortened, and the number of each triangle's one,
+    /// from 1, or 0 for none; a note takes the place of too many.
+    pub(super) fn take_nodes<'a>(
+        &mut self,
+        names: impl ExactSizeIterator<Item = &'a str>,
+        node_of: Vec<u32>,
+    ) {
+        let n = names.len();
+        if n > MAX_NODES {
+            let note = format!("its {n} objects are not told apart: at most {MAX_NODES} are");
+            self.notes.push(note);
+        } else if n > 0 {
+            let short = |name: &str| name.chars().take(MAX_NODE_NAME).collect();
+            self.nodes = std::iter::once("").chain(names).map(short).collect();
+            self.node_of = node_of;
+        }
     }
 
     /// Stores the vertices of a file relative to an origin near them, and leaves out triangles with

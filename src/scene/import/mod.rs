@@ -45,6 +45,7 @@ pub use fault::{FileFault, FileLocation};
 pub use left_out::LeftOut;
 pub use materials::{Finish, MeshMaterial, MeshOpacity, MeshPicture, picture_bytes};
 pub use mesh::{CornerValues, Mesh};
+pub use parts::MeshPart;
 pub use picture::read_picture;
 pub use pieces::pieces_of;
 pub use places::{InstancePlace, PlaceArrays};

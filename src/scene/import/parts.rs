@@ -1,37 +1,67 @@
-//! Splits a mesh by its materials.
+//! Splits a mesh by its materials and the nodes of its file.
+
+use std::collections::HashMap;
 
 use super::materials::MeshMaterial;
 use super::mesh::{CornerValues, Mesh};
 
+/// The triangles of one material and one node of a mesh's file.
+#[derive(Debug)]
+pub struct MeshPart {
+    /// The name of the node, with that of the material behind it if the node has several; `None`
+    /// for a node without a name.
+    pub node: Option<String>,
+    /// The index of the material.
+    pub material: usize,
+    /// The triangles.
+    pub mesh: Mesh,
+}
+
 impl Mesh {
-    /// Returns the meshes of the materials, at least one, in order, except for meshes whose
-    /// triangles all have no area.
-    pub fn into_parts(mut self) -> Vec<(MeshMaterial, Mesh)> {
-        let materials = std::mem::take(&mut self.materials);
+    /// Returns the materials, at least one, and the parts, at least one: by material, then by node,
+    /// except for parts whose triangles all have no area.
+    pub fn into_parts(mut self) -> (Vec<MeshMaterial>, Vec<MeshPart>) {
+        let mut materials = std::mem::take(&mut self.materials);
         let material_of = std::mem::take(&mut self.material_of);
-        let mut triangles_of = vec![Vec::new(); materials.len()];
-        for (triangle, material) in material_of.into_iter().enumerate() {
-            triangles_of[material as usize].push(triangle);
+        let nodes = std::mem::take(&mut self.nodes);
+        let node_of = std::mem::take(&mut self.node_of);
+        if materials.is_empty() {
+            materials.push(MeshMaterial::default());
         }
-        let has_uvs = self.uvs.is_some();
-        let materials = materials.into_iter().map(|material| {
-            if has_uvs {
-                material
-            } else {
-                material.without_pictures()
-            }
-        });
-        let used = materials.zip(triangles_of);
-        let mut used: Vec<_> = used.filter(|(_, of)| self.has_area(of)).collect();
-        match used.pop() {
-            None => vec![(MeshMaterial::default(), self)],
-            Some((only, _)) if used.is_empty() => vec![(only, self)],
-            Some(last) => {
-                used.push(last);
-                let part = |(material, of): (MeshMaterial, Vec<usize>)| (material, self.part(&of));
-                used.into_iter().map(part).collect()
-            }
+        if self.uvs.is_none() {
+            let bare = materials.into_iter().map(MeshMaterial::without_pictures);
+            materials = bare.collect();
         }
+        let at = |of: &[u32], i: usize| of.get(i).map_or(0, |index| *index as usize);
+        let place = |i: &usize| (at(&material_of, *i), at(&node_of, *i));
+        let mut order: Vec<usize> = (0..self.triangles.len()).collect();
+        order.sort_by_key(place);
+        let used = order.chunk_by(|a, b| place(a) == place(b));
+        let used: Vec<&[usize]> = used.filter(|of| self.has_area(of)).collect();
+        let mut n_of_nodes = HashMap::<usize, u32>::new();
+        for of in &used {
+            *n_of_nodes.entry(place(&of[0]).1).or_default() += 1;
+        }
+        let name = |(material, node): (usize, usize)| {
+            let name = nodes.get(node).filter(|name| !name.is_empty())?;
+            let of_material = || format!("{name}/{}", materials[material].name);
+            let is_only = n_of_nodes.get(&node).is_none_or(|n| *n == 1);
+            Some(if is_only { name.clone() } else { of_material() })
+        };
+        let part = |of: &[usize], mesh| {
+            let place = of.first().map_or((0, 0), place);
+            MeshPart {
+                node: name(place),
+                material: place.0,
+                mesh,
+            }
+        };
+        let parts = match used[..] {
+            [] => vec![part(&[], self)],
+            [only] => vec![part(only, self)],
+            _ => used.iter().map(|of| part(of, self.part(of))).collect(),
+        };
+        (materials, parts)
     }
 
     /// Returns true if one of these triangles has an area.

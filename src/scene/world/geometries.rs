@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DAffine3;
 
 use super::arrays;
-use super::own_materials::{self, NewNames};
+use super::own_materials::{self, Names};
 use super::pictures::Pictures;
 use crate::config::{
     Config, Creases, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
@@ -131,7 +131,7 @@ impl ObjectGeometry {
 impl Geometries {
     /// Reads the geometries and the pictures of a config, with file paths relative to their
     /// `folders`, using at most `available` bytes of memory. In the config, a mesh without a
-    /// material becomes one object per material of its file, and adds the lights of its file.
+    /// material becomes one object per material and node of its file, and adds the lights of its file.
     ///
     /// # Errors
     /// The first file that cannot be read, is damaged, or may need more memory.
@@ -175,16 +175,16 @@ impl Geometries {
         Ok(found.in_parts(config))
     }
 
-    /// Splits each mesh with its own materials into one object per material, here and in the
-    /// config.
+    /// Splits each mesh with its own materials into one object per material and node, here and in
+    /// the config.
     fn in_parts(self, config: &mut Config) -> Self {
         let mut found = Self {
             objects: Vec::with_capacity(self.objects.len()),
             places: Vec::with_capacity(self.objects.len()),
             ..self
         };
+        let mut names = Names::new(config);
         let objects = std::mem::take(&mut config.objects);
-        let mut names = NewNames::default();
         for (place, (object, geometry)) in objects.into_iter().zip(self.objects).enumerate() {
             found.add_notes(&object.geometry, geometry.notes());
             let parts = match geometry {

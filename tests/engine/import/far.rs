@@ -130,12 +130,11 @@ fn parts_stay_far_away() {
     std::fs::write(folder.path().join("a.mtl"), "newmtl a\nnewmtl b\n").unwrap();
     let path = folder.path().join("a.obj");
     std::fs::write(&path, obj).unwrap();
-    let parts = read_mesh_with_materials(&path, 1 << 20)
-        .unwrap()
-        .into_parts();
+    let read = read_mesh_with_materials(&path, 1 << 20).unwrap();
+    let (_, parts) = read.into_parts();
     assert_eq!(parts.len(), 2);
-    for ((_, part), first) in parts.iter().zip([far[0], far[1]]) {
-        let found = part.origin + part.vertices[0].as_dvec3();
+    for (part, first) in parts.iter().zip([far[0], far[1]]) {
+        let found = part.mesh.origin + part.mesh.vertices[0].as_dvec3();
         assert!(found.distance(first.into()) < 1e-6, "{found}");
     }
 }

@@ -20,7 +20,7 @@ use crate::import::{FileFault, Result};
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
 const BYTES_PER_VERTEX: u64 = 160;
 /// Upper bound of the memory of a triangle corner in bytes; in a strip, each one adds a triangle.
-const BYTES_PER_CORNER: u64 = 112;
+const BYTES_PER_CORNER: u64 = 120;
 
 /// The triangles merged so far.
 pub(super) struct FlatScene<'a> {
@@ -166,6 +166,7 @@ impl<'a> FlatScene<'a> {
         let n = self.mesh.triangles.len() + part.triangles.len();
         self.mesh.triangles.extend(moved(&part.triangles, first));
         self.mesh.material_of.resize(n, part.material);
+        self.mesh.node_of.resize(n, placed.node);
         Ok(())
     }
 

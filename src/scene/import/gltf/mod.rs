@@ -41,6 +41,7 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
     let mut scene = FlatScene::new(accessors);
     let PlacedNodes {
         meshes,
+        names,
         lights,
         n_limited,
     } = nodes::placed_nodes(accessors, &mut budget)?;
@@ -49,6 +50,7 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
         scene.add(placed, &mut budget)?;
     }
     let mut mesh = scene.finish();
+    let node_of = std::mem::take(&mut mesh.node_of);
     mesh.notes.extend(unread_extensions(&root));
     mesh.notes.extend(unread_animations(root.animations.len()));
     match around.memory {
@@ -66,6 +68,7 @@ pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Me
             };
             mesh.materials = reader.read()?;
             mesh.notes.extend(reader.shelf.notes);
+            mesh.take_nodes(names.into_iter(), node_of);
             mesh.lights = lights;
             mesh.notes.extend(limited_lights(n_limited));
             mark_colored(&mut mesh);

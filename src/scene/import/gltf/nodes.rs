@@ -20,6 +20,8 @@ use crate::light::Light;
 #[derive(Default)]
 pub(super) struct PlacedNodes<'a> {
     pub(super) meshes: Vec<PlacedMesh<'a>>,
+    /// The names of the nodes with a mesh, or else of their meshes.
+    pub(super) names: Vec<&'a str>,
     pub(super) lights: Vec<Light>,
     /// The number of lights that end at a distance, which has no equivalent.
     pub(super) n_limited: usize,
@@ -28,6 +30,8 @@ pub(super) struct PlacedNodes<'a> {
 /// A mesh at a node.
 pub(super) struct PlacedMesh<'a> {
     pub(super) mesh: Index<mesh::Mesh>,
+    /// The number of its node's name, from 1; 0 without a name.
+    pub(super) node: u32,
     pub(super) scene_from_mesh: DMat4,
     /// The weights of its morph targets.
     pub(super) weights: &'a [f32],
@@ -139,14 +143,20 @@ impl<'a> PlacedNodes<'a> {
         let Some(mesh) = node.mesh else {
             return Ok(());
         };
-        let of_mesh = root.get(mesh).and_then(|of| of.weights.as_ref());
-        let weights = node.weights.as_ref().or(of_mesh);
+        let of_mesh = root.get(mesh);
+        let weights = node.weights.as_ref();
+        let weights = weights.or_else(|| of_mesh?.weights.as_ref());
+        let names = [&node.name].into_iter().chain(of_mesh.map(|of| &of.name));
+        let name = names.flatten().find(|name| !name.is_empty());
+        self.names.extend(name.map(String::as_str));
+        let number = name.map_or(0, |_| self.names.len() as u32);
         let skin = node.skin.and_then(|skin| root.get(skin));
         let joints = skin.map(|skin| scene_from_joints(accessors, skin, places, budget));
         let joints = joints.transpose()?.map(Rc::from);
         for place in instances(accessors, node, budget)? {
             self.meshes.push(PlacedMesh {
                 mesh,
+                node: number,
                 scene_from_mesh: placed * place,
                 weights: weights.map_or(&[], Vec::as_slice),
                 scene_from_joints: joints.clone(),

@@ -1,6 +1,8 @@
-//! The materials that an OBJ file assigns to its faces.
+//! The materials and the objects that an OBJ file assigns to its faces.
 
 use std::path::{Path, PathBuf};
+
+use indexmap::IndexSet;
 
 use super::mtl;
 use crate::import::fault::{READABLE, cut};
@@ -10,9 +12,9 @@ use crate::import::materials::{
 use crate::import::mesh::Mesh;
 use crate::import::{FileFault, Result, Surroundings};
 
-/// The statements about materials so far.
+/// The statements about materials and objects so far.
 #[derive(Default)]
-pub(super) struct MaterialGroups {
+pub(super) struct FaceGroups {
     /// The names of material files.
     libraries: Vec<String>,
     /// The names of materials, each with the line of its first use.
@@ -21,12 +23,20 @@ pub(super) struct MaterialGroups {
     present: Option<u32>,
     /// The group of each triangle; `u32::MAX` for none.
     of_triangles: Vec<u32>,
+    /// The names of objects, or else of groups.
+    nodes: IndexSet<String>,
+    /// True if there was an object, so that groups no longer count.
+    has_objects: bool,
+    /// The number of the current name, from 1; 0 for none.
+    present_node: u32,
+    /// The number of each triangle's name.
+    node_of: Vec<u32>,
 }
 
 /// The index that means no material.
 const NONE: u32 = u32::MAX;
 
-impl MaterialGroups {
+impl FaceGroups {
     /// Handles `mtllib`.
     pub(super) fn library(&mut self, names: &str) {
         if !names.is_empty() && !self.libraries.iter().any(|known| known == names) {
@@ -52,13 +62,25 @@ impl MaterialGroups {
         Ok(())
     }
 
-    /// Assigns the current material to the new triangles, up to this number of triangles.
+    /// Handles `o` and `g`: groups count only in front of the first object.
+    pub(super) fn node(&mut self, keyword: &str, name: &str) {
+        self.has_objects |= keyword == "o";
+        if keyword == "o" || !self.has_objects {
+            self.present_node = match name {
+                "" => 0,
+                name => self.nodes.insert_full(name.to_owned()).0 as u32 + 1,
+            };
+        }
+    }
+
+    /// Assigns the current material and name to the new triangles, up to this number of triangles.
     pub(super) fn triangles(&mut self, n: usize) {
+        self.node_of.resize(n, self.present_node);
         self.of_triangles.resize(n, self.present.unwrap_or(NONE));
     }
 
-    /// Gives the materials to a mesh, and the index of each triangle's one; none if the file names
-    /// no material file.
+    /// Gives the objects and the materials to a mesh, and the indices of each triangle's ones; no
+    /// materials if the file names no material file.
     ///
     /// # Errors
     /// There are too many materials.
@@ -68,6 +90,7 @@ impl MaterialGroups {
         around: &Surroundings,
         available: u64,
     ) -> Result<()> {
+        mesh.take_nodes(self.nodes.iter().map(String::as_str), self.node_of);
         if self.libraries.is_empty() {
             return Ok(());
         }

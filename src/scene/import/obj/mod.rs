@@ -1,4 +1,4 @@
-//! Wavefront OBJ: its polygons, their normals, texture coordinates and materials.
+//! Wavefront OBJ: its polygons, their normals, texture coordinates, materials and objects.
 //!
 //! The format is described in appendix B1 of the Advanced Visualizer's manual (Wavefront, 1992). No
 //! crate fits: tobj 4 panics on some indices and reports no line numbers, obj-rs 0.7 panics on
@@ -21,7 +21,7 @@ use super::materials::MeshMaterial;
 use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
 use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
-use groups::MaterialGroups;
+use groups::FaceGroups;
 
 /// Statements that are ignored: groups and display attributes.
 const IGNORED: &[&str] = &[
@@ -45,7 +45,7 @@ const CORNER: &str = "a number, as in `3`, `3/1`, `3/1/2` or `3//2`";
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let mut lines = Lines::of_file(file)?;
     let mut reader = Reader::default();
-    let mut groups = around.memory.map(|_| MaterialGroups::default());
+    let mut groups = around.memory.map(|_| FaceGroups::default());
     while let Some((number, line)) = lines.next()? {
         let read = match &mut groups {
             None => reader.statement(&line, number),
@@ -213,18 +213,19 @@ impl Reader {
         )
     }
 
-    /// Parses one line, including statements about materials.
+    /// Parses one line, including statements about materials and objects.
     fn statement_with_materials(
         &mut self,
         line: &str,
         number: u64,
-        groups: &mut MaterialGroups,
+        groups: &mut FaceGroups,
     ) -> Result<()> {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match keyword {
             "mtllib" => groups.library(rest.trim()),
             "usemtl" => groups.use_material(rest.trim(), number)?,
+            "o" | "g" => groups.node(keyword, rest.trim()),
             _ => {
                 self.statement(line, number)?;
                 groups.triangles(self.mesh.triangles.len());
