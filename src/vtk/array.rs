@@ -44,7 +44,7 @@ macro_rules! entries {
     )*};
 }
 
-entries!(u8: U8, i32: I32, i64: I64, u32: U32, u64: U64, f32: F32, f64: F64);
+entries!(u8: U8, u16: U16, i32: I32, i64: I64, u32: U32, u64: U64, f32: F32, f64: F64);
 
 impl<E: Entry, const N: usize> Entry for [E; N]
 where

@@ -85,6 +85,12 @@ impl Side {
         self.origin
     }
 
+    /// Returns column and row of the first compared pixel in the frame.
+    fn start(&self) -> [u32; 2] {
+        let first = self.window().origin;
+        [0, 1].map(|axis| self.origin[axis] - first[axis])
+    }
+
     fn frame_size(&self) -> [u32; 2] {
         [self.frame.width(), self.frame.height()]
     }
@@ -178,6 +184,14 @@ impl Side {
         self.numbers(name, 1, rows)
     }
 
+    /// Returns the columns (`axis` 0) or rows (`axis` 1) of the pixels in `rows` in the frame,
+    /// row-major.
+    pub(super) fn coordinates(&self, axis: usize, rows: Range<u32>) -> Vec<u16> {
+        let ([x, y], [width, _]) = (self.start(), self.size);
+        let at = |row| (0..width).map(move |column| [x + column, y + row][axis] as u16);
+        rows.flat_map(at).collect()
+    }
+
     /// Reads the colors of the pixels in `rows`, row-major.
     pub(super) fn colors(&self, rows: Range<u32>) -> Result<Vec<[u8; 3]>, Diagnostic> {
         let channels: Vec<u8> = self.numbers("RGB", 3, rows)?;
@@ -207,7 +221,7 @@ impl Side {
         n_components: usize,
         rows: Range<u32>,
     ) -> Result<LoadedArray, Diagnostic> {
-        let above = self.origin[1] - self.window().origin[1];
+        let [_, above] = self.start();
         let rows = rows.start + above..rows.end + above;
         let array = self.frame.read_rows(name, rows)?;
         if array.n_components == n_components {
@@ -223,7 +237,7 @@ impl Side {
         if width == frame_width {
             return numbers;
         }
-        let x = (self.origin[0] - self.window().origin[0]) as usize;
+        let x = self.start()[0] as usize;
         let columns = x * n_components..(x + width) * n_components;
         let rows = numbers.chunks_exact(frame_width * n_components);
         rows.flat_map(|row| &row[columns.clone()])

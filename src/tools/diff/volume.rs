@@ -19,9 +19,9 @@ pub(super) const FILE: DiffFile = DiffFile {
     write: |job, out| write(job.diff, job.sides, job.run, out),
 };
 
-/// Writes an ImageData with one point per pixel, like `frame.vti`: `…_difference`, B - A, and
-/// `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest difference of a color channel;
-/// `object` and `tile` of B.
+/// Writes an ImageData with one point per pixel, like `frame.vti`: `pixel_x` and `pixel_y` of B;
+/// `…_difference`, B - A, and `…_ratio`, B / A, of every metric; `RGB_difference`, the greatest
+/// difference of a color channel; `object` and `tile` of B.
 fn write(
     diff: &Diff,
     sides: &[Side; 2],
@@ -37,12 +37,14 @@ fn write(
             (total.metric, names)
         })
         .collect();
-    let mut arrays = Vec::new();
+    let [a, b] = sides;
+    let axes = ["pixel_x", "pixel_y"].into_iter().enumerate();
+    let coordinates = |(axis, name)| array(name, b, move |rows| Ok(b.coordinates(axis, rows)));
+    let mut arrays: Vec<Array> = axes.map(coordinates).collect();
     for (metric, [difference, ratio]) in &names {
         arrays.push(differences(*metric, difference, sides));
         arrays.push(ratios(*metric, ratio, sides));
     }
-    let [a, b] = sides;
     arrays.push(array("RGB_difference", b, move |rows| {
         let colors = [a.colors(rows.clone())?, b.colors(rows)?];
         Ok(picture::by_pixel(&colors[0], &colors[1]))

@@ -11,6 +11,7 @@ use std::process::Output;
 
 use serde_json::{Value, json};
 
+use crate::common::data_set::DataSet;
 use crate::common::{assert_success, raycost, replace_file};
 use output::results::Results;
 
@@ -236,6 +237,18 @@ fn the_same_windows_are_compared() {
     let (found, _) = json_report(folder.path(), &["a", "beside"]);
     assert_eq!(found["image"], json!({ "width": 3, "height": 12 }));
     assert_eq!(found["origin"], json!([30, 10]));
+    // Pixels have the numbers of B's files, the bottom row first.
+    assert_success(&diff(folder.path(), &["whole", "a", "--out", "cut"]));
+    let cut = DataSet::read(&folder.path().join("cut/diff.vti"));
+    let own = DataSet::read(&folder.path().join("a/frame.vti"));
+    assert_success(&diff(folder.path(), &["a", "whole", "--out", "back"]));
+    let back = DataSet::read(&folder.path().join("back/diff.vti"));
+    for (name, corners) in [("pixel_x", [13, 32]), ("pixel_y", [21, 7])] {
+        assert_eq!(cut.array(name), own.array(name));
+        let numbers = back.array(name).bytes.as_chunks().0;
+        let ends = [&numbers[0], &numbers[numbers.len() - 1]];
+        assert_eq!(ends.map(|end| u16::from_ne_bytes(*end)), corners);
+    }
     assert_eq!(found["picture"]["n_pixels"], 0);
     // A window of everything is the whole picture.
     render(

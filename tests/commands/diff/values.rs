@@ -53,8 +53,8 @@ fn assert_differences(folder: &Path, arrays: &[&str]) {
         let ratios = &found.array(&format!("{name}_ratio")).bytes;
         assert!(*ratios == expected, "{name}_ratio");
     }
-    assert_eq!(found.arrays.len(), 2 * arrays.len() + 3);
-    for name in ["object", "tile"] {
+    assert_eq!(found.arrays.len(), 2 * arrays.len() + 5);
+    for name in ["pixel_x", "pixel_y", "object", "tile"] {
         assert_eq!(found.array(name), b.array(name));
     }
 }
