@@ -7,6 +7,9 @@ use std::path::Path;
 
 use crate::text::numbers;
 
+/// The first bytes of the text that Git LFS keeps in the place of a file.
+pub const GIT_LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 /// Opens a regular file for reading.
 ///
 /// # Errors

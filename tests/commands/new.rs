@@ -368,6 +368,12 @@ fn files_that_cannot_be_shown_are_named_with_what_to_do() {
     let far = "v 0 0 0\nv 1e19 0 0\nv 0 1 0\nf 1 2 3\n";
     for (name, text, message, help) in [
         (
+            "a.yaml",
+            lfs,
+            "`a.yaml` is a pointer of Git LFS",
+            "git lfs pull",
+        ),
+        (
             "a.msh",
             "",
             "raycost does not read Gmsh files: `a.msh`",

@@ -497,15 +497,12 @@ fn length_of(path: &Path) -> Result<u64> {
     }
 }
 
-/// The first bytes of the text that Git LFS keeps in the place of a file.
-const GIT_LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
-
 fn open(path: &Path) -> Result<GeometryFileReader> {
     let mut file = Stoppable(files::open(path)?);
     let mut start = Vec::new();
-    let length = GIT_LFS.len() as u64;
+    let length = files::GIT_LFS.len() as u64;
     file.by_ref().take(length).read_to_end(&mut start)?;
-    if start == GIT_LFS {
+    if start == files::GIT_LFS {
         let problem = "it is a pointer of Git LFS, not the file itself";
         return Err(FileFault::new(
             problem,

@@ -99,7 +99,7 @@ impl Source {
     ///
     /// # Errors
     /// The file cannot be read, is longer than 64 MiB or than the free memory
-    /// allows, or is not UTF-8.
+    /// allows, is a pointer of Git LFS, or is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
         Self::read_from(&path.display().to_string(), |bytes| {
             files::open(path)?.take(MAX_BYTES + 1).read_to_end(bytes)
@@ -136,6 +136,10 @@ impl Source {
             let message = format!("the scene `{name}` needs more memory than is free");
             return Err(Diagnostic::new(message)
                 .with_help("describe many objects by a generator such as `sphere_cloud`"));
+        }
+        if bytes.starts_with(files::GIT_LFS) {
+            let message = format!("`{name}` is a pointer of Git LFS, not the file itself");
+            return Err(Diagnostic::new(message).with_help("fetch the file by `git lfs pull`"));
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::new(
