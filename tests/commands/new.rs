@@ -361,6 +361,46 @@ fn tables_series_and_points_are_rendered_by_themselves() {
     }
 }
 
+/// Identifiers of more than 53 bits, in a table and in a binary file of VTK.
+#[test]
+fn a_note_says_that_large_integers_are_rounded() {
+    let folder = tempfile::tempdir().unwrap();
+    for (least, is_noted) in [(1_i64 << 53, true), (1 << 40, false)] {
+        let ids = [1, 2, 3].map(|i| least + i);
+        let [a, b, c] = ids;
+        let table = format!("x,y,z,id\n0,0,0,{a}\n1,0,0,{b}\n0,1,0,{c}\n");
+        fs::write(folder.path().join("a.csv"), table).unwrap();
+        let mut mesh = b"# vtk DataFile Version 3.0\nids\nBINARY\nDATASET POLYDATA\n\
+            POINTS 3 float\n"
+            .to_vec();
+        let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        mesh.extend(corners.map(f32::to_be_bytes).concat());
+        mesh.extend(b"\nPOLYGONS 1 4\n");
+        mesh.extend([3_i32, 0, 1, 2].map(i32::to_be_bytes).concat());
+        mesh.extend(b"\nPOINT_DATA 3\nSCALARS id vtktypeint64 1\nLOOKUP_TABLE default\n");
+        mesh.extend(ids.map(i64::to_be_bytes).concat());
+        fs::write(folder.path().join("a.vtk"), mesh).unwrap();
+        for geometry in [
+            "mesh: { file: a.vtk }",
+            "spheres: { file: a.vtk, radius: 0.1 }",
+            "spheres: { file: a.csv, radius: 0.1 }",
+        ] {
+            let scene = format!(
+                "image: {{ width: 4, height: 3 }}\n\
+                 camera: {{ look_at: {{ eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
+                 lights: []\nmaterials: {{ seen: {{ color: {{ array: {{ name: id }} }} }} }}\n\
+                 objects: [{{ {geometry}, material: seen }}]\n"
+            );
+            fs::write(folder.path().join("a.yaml"), scene).unwrap();
+            let checked = run(folder.path(), &["check", "a.yaml"]);
+            assert_success(&checked);
+            let said = text(&checked.stdout) + &text(&checked.stderr);
+            let note = "integers of `id` from 2^53 on are rounded: neighbors may be equal";
+            assert_eq!(said.contains(note), is_noted, "{geometry}: {said}");
+        }
+    }
+}
+
 #[test]
 fn files_that_cannot_be_shown_are_named_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,7 @@
 //! The choice of the arrays that are read from a file.
 
+use super::fault::cut;
+
 /// The array of a file that gives colors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayChoice {
@@ -22,6 +24,12 @@ impl ArrayChoice {
             of: Some(ArrayOf::Points),
             is_color: false,
         }
+    }
+
+    /// Returns the note on integers that 64-bit floats round.
+    pub(super) fn rounded_note(&self) -> String {
+        let name = cut(&self.name);
+        format!("integers of `{name}` from 2^53 on are rounded: neighbors may be equal")
     }
 }
 

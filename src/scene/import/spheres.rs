@@ -99,6 +99,7 @@ pub(super) fn read(
         ..Spheres::default()
     };
     let (mut centers, mut radii) = (Vec::new(), Vec::new());
+    let mut is_rounded = false;
     let mut row = ByteRecord::new();
     while table.read_byte_record(&mut row).map_err(of_table)? {
         if centers.is_empty() {
@@ -114,8 +115,11 @@ pub(super) fn read(
         }
         if let Some(scalars) = &mut found.scalars {
             scalars.push(columns.number(&row).map_err(at_line)?);
+            is_rounded |= columns.is_rounded(&row);
         }
     }
+    let rounded = array.filter(|_| is_rounded);
+    found.notes.extend(rounded.map(ArrayChoice::rounded_note));
     if centers.is_empty() {
         return Err(FileFault::new("no sphere in the file", "a line for each"));
     }
@@ -229,6 +233,16 @@ impl Columns {
         } else {
             number(word).map(limited)
         }
+    }
+
+    /// Returns true if the number of a row is an integer that 64-bit floats may round.
+    fn is_rounded(&self, row: &ByteRecord) -> bool {
+        let word = self.number.map_or("", |column| word(row, column));
+        let is_long = word.len() >= f64::DIGITS as usize;
+        is_long
+            && word
+                .parse()
+                .is_ok_and(|n: i128| n.unsigned_abs() > 1 << f64::MANTISSA_DIGITS)
     }
 }
 

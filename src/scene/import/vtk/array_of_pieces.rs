@@ -10,6 +10,8 @@ pub(super) struct ArrayOfPieces {
     is_found: bool,
     /// The fault of the first piece without it.
     unknown: Option<FileFault>,
+    /// The sentence about its numbers if some are rounded.
+    note: Option<String>,
 }
 
 impl ArrayOfPieces {
@@ -19,21 +21,25 @@ impl ArrayOfPieces {
         piece: &Piece,
         choice: &ArrayChoice,
     ) -> Result<(ArrayOf, Vec<f64>)> {
-        if let Err(fault) = piece.chosen(choice) {
-            self.unknown.get_or_insert(fault);
-            return Ok((ArrayOf::Points, vec![f64::NAN; piece.n_points()]));
+        match piece.chosen(choice) {
+            Err(fault) => {
+                self.unknown.get_or_insert(fault);
+                return Ok((ArrayOf::Points, vec![f64::NAN; piece.n_points()]));
+            }
+            Ok((_, numbers)) if numbers.are_rounded() => self.note = Some(choice.rounded_note()),
+            Ok(_) => {}
         }
         self.is_found = true;
         piece.scalars(choice)
     }
 
-    /// Checks that a piece had the array.
+    /// Checks that a piece had the array; returns a note if some of its numbers are rounded.
     ///
     /// # Errors
     /// No piece had it.
-    pub(super) fn check(self) -> Result<()> {
+    pub(super) fn check(self) -> Result<Option<String>> {
         match self.unknown.filter(|_| !self.is_found) {
-            None => Ok(()),
+            None => Ok(self.note),
             Some(fault) => Err(fault),
         }
     }

@@ -137,7 +137,7 @@ impl<'a> Pieces<'a> {
             uvs,
             ..
         } = self;
-        self.numbers.check()?;
+        mesh.notes.extend(self.numbers.check()?);
         let triangles = &mesh.triangles;
         mesh.normals = self.has_normals.then(|| CornerValues {
             values: normals,

@@ -101,7 +101,8 @@ pub(super) fn read_spheres(
         }
         points::add(piece, radius, (array, &mut numbers), &mut spheres, budget)
     })?;
-    numbers.check().map(|()| spheres)
+    spheres.notes.extend(numbers.check()?);
+    Ok(spheres)
 }
 
 /// Reads the points of a data set as placements of instances.

@@ -2,6 +2,9 @@
 
 use super::super::{FileFault, Result};
 
+/// The least integer whose successor a 64-bit float rounds: 2^53.
+const LEAST_ROUNDED: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
+
 /// The type of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NumberType {
@@ -119,6 +122,12 @@ impl Numbers {
     /// Returns true if the numbers have a type of whole numbers.
     pub(super) fn are_whole(&self) -> bool {
         !matches!(self.kind, NumberType::F32 | NumberType::F64)
+    }
+
+    /// Returns true if some are integers that 64-bit floats may round.
+    pub(super) fn are_rounded(&self) -> bool {
+        let is_long = matches!(self.kind, NumberType::I64 | NumberType::U64);
+        is_long && self.iter().any(|number| number.abs() >= LEAST_ROUNDED)
     }
 
     /// Groups the numbers into tuples.
