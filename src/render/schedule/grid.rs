@@ -13,7 +13,7 @@ pub const MAX_PIXELS: usize = 2048;
 /// Paths of a group of pixels that are traced and timed together: enough to keep the kernel busy.
 pub const GROUP_PATHS: u32 = 1024;
 
-/// Greatest number of pixels of a group, and the side of a square of so many.
+/// Greatest number of pixels of a group, and the side of a square with that number.
 const GROUP_PIXELS: u32 = 256;
 const GROUP_SIDE: u32 = 16;
 

@@ -25,7 +25,7 @@ pub struct Picture {
     levels: Vec<MipLevel>,
     /// The texels of the whole picture, row by row, row 0 on top.
     texels: Texels,
-    /// Those of its smaller copies.
+    /// The texels of its smaller copies.
     smaller: SmallerTexels,
     /// True if no texel is transparent.
     is_opaque: bool,

@@ -178,7 +178,7 @@ fn subject_of_table(table: &Path, file: &Path) -> import::Result<Subject> {
 enum RadiusSource {
     /// One for all.
     OfAll,
-    /// Those of the file.
+    /// The radii of the file.
     OfFile,
 }
 

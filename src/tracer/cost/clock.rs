@@ -15,7 +15,8 @@ use math::statistics::median;
 /// Back-to-back readings whose median is the overhead of the clock.
 const N_READINGS: usize = 1001;
 
-/// A clock of CPU time is too coarse for pixels if it makes fewer steps in so many readings.
+/// Number of readings of a clock of CPU time, and the least number of its steps in them: with fewer it
+/// is too coarse for pixels.
 const N_CPU_READINGS: usize = 100;
 const LEAST_STEPS: usize = 3;
 
