@@ -12,9 +12,48 @@ use scene::geometry::Shape;
 /// Greatest number of names in a hint.
 const MOST_NAMES: usize = 5;
 
+/// A likely mistake in a scene.
+struct Hint {
+    kind: HintKind,
+    text: String,
+}
+
+/// The kinds of likely mistakes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum HintKind {
+    NothingSeen,
+    EyeInside,
+    PlaneFills,
+    White,
+    NoLight,
+    Unlit,
+    Radians,
+    LightInside,
+    UnusedMaterials,
+    EqualNames,
+}
+
+/// Hints on an animation: each kind once, with the first frame that has it.
+#[derive(Debug, Default)]
+pub(super) struct FrameHints(HashSet<HintKind>);
+
+impl FrameHints {
+    /// Returns one line for each likely mistake in a frame of a kind that no frame before has.
+    pub(super) fn lines(&mut self, frame: u32, config: &Config, look: Option<Look>) -> String {
+        let new = hints(config, look).filter(|hint| self.0.insert(hint.kind));
+        let line = |Hint { text, .. }| format!("hint    frame {frame}: {text}\n");
+        new.map(line).collect()
+    }
+}
+
 /// Returns one line for each likely mistake; empty if there is none. Without a look, only mistakes
 /// in the scene's text.
 pub(super) fn lines(config: &Config, look: Option<Look>) -> String {
+    let line = |Hint { text, .. }| format!("hint    {text}\n");
+    hints(config, look).map(line).collect()
+}
+
+fn hints(config: &Config, look: Option<Look>) -> impl Iterator<Item = Hint> {
     let of_look = look.into_iter().flat_map(|look| {
         [
             of_view(config, look),
@@ -23,37 +62,44 @@ pub(super) fn lines(config: &Config, look: Option<Look>) -> String {
         ]
     });
     let of_config = [unused_materials(config), equal_names(config)];
-    let hints = of_look.chain(of_config).flatten();
-    hints.map(|hint| format!("hint    {hint}\n")).collect()
+    let hints: Vec<Hint> = of_look.chain(of_config).flatten().collect();
+    hints.into_iter()
+}
+
+impl HintKind {
+    fn with(self, text: impl Into<String>) -> Option<Hint> {
+        let (kind, text) = (self, text.into());
+        Some(Hint { kind, text })
+    }
 }
 
 /// Returns the problem with the picture as a whole, if any.
-fn of_view(config: &Config, look: Look) -> Option<String> {
+fn of_view(config: &Config, look: Look) -> Option<Hint> {
     let named = |object: u32| {
         let geometry = &config.objects[object as usize].geometry;
         format!("`objects[{object}]`, a `{geometry}`,")
     };
-    if !look.has_hit {
-        return Some(
-            "the camera sees no object: check `eye`, `target` and the places of the objects"
-                .to_owned(),
+    if !look.has_hit() {
+        return HintKind::NothingSeen.with(
+            "the camera sees no object: check `eye`, `target` and the places of the objects",
         );
     }
-    if let Some(object) = look.only_object {
+    if let Some(object) = look.only_object() {
         let object_name = named(object);
         let hides = config.objects.len() > 1 || look.is_black;
-        if look.around_eye == look.only_object && hides {
-            return Some(format!(
+        if look.around_eye == look.only_object() && hides {
+            return HintKind::EyeInside.with(format!(
                 "the eye is inside {object_name} which fills the picture"
             ));
         }
         if is_plane(config, object) && config.objects.len() > 1 {
             let side = "the eye may be behind it, such as below a floor";
-            return Some(format!("{object_name} fills the picture: {side}"));
+            return HintKind::PlaneFills.with(format!("{object_name} fills the picture: {side}"));
         }
     }
     if look.is_white {
-        return Some("the picture is white: lower `exposure` in `film`, or the light".to_owned());
+        return HintKind::White
+            .with("the picture is white: lower `exposure` in `film`, or the light");
     }
     if !look.is_black {
         return None;
@@ -63,29 +109,28 @@ fn of_view(config: &Config, look: Look) -> Option<String> {
             ShadingModel::Path => "a light, a material with `emission`, or a `background`",
             _ => "a light, or `ambient` light in `shading`",
         };
-        return Some(format!(
+        return HintKind::NoLight.with(format!(
             "what the camera sees is black: nothing shines; add {remedy}"
         ));
     }
-    let reason = "no light reaches it";
-    Some(format!("what the camera sees is black: {reason}"))
+    HintKind::Unlit.with("what the camera sees is black: no light reaches it")
 }
 
 /// Returns the hint on an angle of view that is likely in radians: so narrow that it shows one
 /// object or none.
-fn of_angle(look: Look) -> Option<String> {
-    let shows_little = !look.has_hit || look.only_object.is_some();
+fn of_angle(look: Look) -> Option<Hint> {
+    let shows_little = !look.has_hit() || look.only_object().is_some();
     let radians = look
         .fov_y_deg
         .filter(|&degrees| degrees < PI && shows_little)?;
-    Some(format!(
+    HintKind::Radians.with(format!(
         "the angle of view is {radians:.1} degrees: if these are radians, write {:.1}",
         radians.to_degrees()
     ))
 }
 
 /// Returns the hint on a light inside an object that light does not leave.
-fn of_light(config: &Config, look: Look) -> Option<String> {
+fn of_light(config: &Config, look: Look) -> Option<Hint> {
     let (light, object) = look.light_inside?;
     let names = &config.objects[object as usize].material.0;
     let is_clear = |name: &String| {
@@ -94,9 +139,9 @@ fn of_light(config: &Config, look: Look) -> Option<String> {
             .is_none_or(|material| material.kind.medium().is_some() || material.opacity.is_some())
     };
     let is_closed = !names.is_empty() && !names.iter().any(is_clear);
-    is_closed.then(|| {
-        format!("`lights[{light}]` is inside `objects[{object}]`, which its light does not leave")
-    })
+    let text =
+        format!("`lights[{light}]` is inside `objects[{object}]`, which its light does not leave");
+    HintKind::LightInside.with(text).filter(|_| is_closed)
 }
 
 fn is_plane(config: &Config, object: u32) -> bool {
@@ -105,17 +150,21 @@ fn is_plane(config: &Config, object: u32) -> bool {
 }
 
 /// Returns the hint on two objects of the same name.
-fn equal_names(config: &Config) -> Option<String> {
+fn equal_names(config: &Config) -> Option<Hint> {
     let mut first_of = HashMap::new();
-    config.objects.iter().enumerate().find_map(|(index, object)| {
-        let name = object.name.as_ref()?;
-        let first = first_of.insert(name, index)?;
-        Some(format!(
+    config
+        .objects
+        .iter()
+        .enumerate()
+        .find_map(|(index, object)| {
+            let name = object.name.as_ref()?;
+            let first = first_of.insert(name, index)?;
+            HintKind::EqualNames.with(format!(
             "`objects[{first}]` and `objects[{index}]` are both named `{}`: reports cannot tell \
              them apart",
             one_line(name)
         ))
-    })
+        })
 }
 
 /// Returns true if anything in the scene shines.
@@ -128,7 +177,7 @@ fn has_light(config: &Config) -> bool {
 }
 
 /// Returns the materials that no object has.
-fn unused_materials(config: &Config) -> Option<String> {
+fn unused_materials(config: &Config) -> Option<Hint> {
     let objects = config.objects.iter();
     let used: HashSet<&String> = objects.flat_map(|object| &object.material.0).collect();
     let unused = config.materials.keys().filter(|name| !used.contains(name));
@@ -138,10 +187,11 @@ fn unused_materials(config: &Config) -> Option<String> {
         0 => String::new(),
         n => format!(" and {n} more"),
     };
+    let kind = HintKind::UnusedMaterials;
     match shown {
         [] => None,
-        [one] => Some(format!("no object has the material {one}")),
-        _ => Some(format!(
+        [one] => kind.with(format!("no object has the material {one}")),
+        _ => kind.with(format!(
             "no object has the materials {}{more}",
             shown.join(", ")
         )),

@@ -88,9 +88,8 @@ impl Session {
             attribution
         });
         stop::check()?;
-        let is_whole = scope.part.is_none() && film.has_rows();
         Ok(Measured {
-            look: is_whole.then(|| Look::new(&film, config, tracer)),
+            look: (scope.part.is_none()).then(|| Look::new(&film, config, tracer)),
             bvh: accel.statistics(),
             kernel: (accel.simd(), accel.traversal()),
             meter,

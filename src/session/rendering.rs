@@ -43,7 +43,7 @@ pub(super) struct Measured {
     pub(super) kernel: (Simd, Traversal),
     pub(super) meter: Meter,
     pub(super) film: Film,
-    /// The look of the picture, if the film has all of it.
+    /// The look of the pixels so far, except for a part of a picture.
     pub(super) look: Option<Look>,
     /// Number of tiles that were to be rendered.
     pub(super) n_tiles: u32,
@@ -61,7 +61,8 @@ impl Rendering<'_> {
         &self.measured.film
     }
 
-    /// Returns the look of the picture, if it is whole and in memory.
+    /// Returns the look of the picture, if it is whole; one larger than memory has to be written
+    /// first.
     pub(crate) fn look(&self) -> Option<Look> {
         self.measured.look.filter(|_| self.partial().is_none())
     }
@@ -143,9 +144,12 @@ impl Rendering<'_> {
         let film = &self.measured.film;
         let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
         let bands = self.bands(checkpoint, rows);
+        let mut look = self.measured.look;
         let survey = options.reported("survey", n_pixels, |report: Report| {
-            self.pool.install(|| bands.survey(report))
+            let look_at = |band: &Film| look.iter_mut().for_each(|look| look.add(band));
+            self.pool.install(|| bands.survey(look_at, report))
         });
+        self.measured.look = look;
         stop::check()?;
         let survey = survey.ok_or_else(unreadable)?;
         if let [repeat] = &mut self.measured.repeats[..] {

@@ -114,6 +114,31 @@ fn at_most_ten_mistakes_are_reported() {
 }
 
 #[test]
+fn an_animation_prints_a_hint_of_each_kind_once() {
+    let moving = "
+animation:
+  frames: 5
+  keyframes:
+    objects[0].sphere.center:
+      - { frame: 1, value: [0, 0, 0] }
+      - { frame: 2, value: [90, 0, 0] }
+";
+    let blue = "{ blue: { color: 1 }, ";
+    let scene = FINE.replace("materials: { ", &format!("materials: {blue}")) + moving;
+    let folder = Folder::with(&scene);
+    let text = folder.text(&["render", "scene.yaml"]);
+    let hints: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("hint    "))
+        .collect();
+    let expected = [
+        "frame 0: no object has the material `blue`",
+        "frame 2: the camera sees no object: check `eye`, `target` and the places of the objects",
+    ];
+    assert_eq!(hints, expected, "{text}");
+}
+
+#[test]
 fn a_file_of_another_program_is_named_with_the_way_out() {
     let folder = Folder::with(FINE);
     for (file, format) in [

@@ -134,6 +134,26 @@ fn pieces_have_the_pixels_of_a_whole_picture() {
 }
 
 #[test]
+fn hints_look_at_all_pieces() {
+    let folder = Folder::new();
+    let command = ["render", "configs/seed_sphere.yaml", "--out=out", MEMORY];
+    for (flags, hint) in [
+        (
+            &["--set=lights=[]", "--set=shading.ambient=0"][..],
+            Some("is black: nothing shines"),
+        ),
+        (&[], None),
+    ] {
+        let output = folder.run(&[&command, &SIZE[..], &["--cost=none"], flags].concat());
+        assert_success(&output);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("hint "), hint.is_some(), "{text}");
+        assert!(text.contains(hint.unwrap_or_default()), "{text}");
+        assert!(n_pieces(&folder.path("out")) > 1);
+    }
+}
+
+#[test]
 fn the_output_in_pieces_is_read_by_all_commands() {
     let folder = Folder::new();
     folder.render_whole("seed_sphere", &["--cost=counters"], "whole");

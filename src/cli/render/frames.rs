@@ -11,6 +11,7 @@ use super::picture_run::PictureRun;
 use super::ranks::Crew;
 use super::tiles;
 use super::{RenderArguments, start_profiler};
+use crate::cli::hints::FrameHints;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::{Failure, json, shell_word, shown};
 use crate::session::Frames;
@@ -19,6 +20,7 @@ use base::stop;
 use base::text::numbers::{counted, duration};
 use base::text::{self, Diagnostic};
 use output::memory::Memory;
+use output::prediction::Look;
 use output::results::complete_frame;
 use output::summary::Partial;
 use render::checkpoint::{PARTS, PicturePart};
@@ -51,6 +53,7 @@ pub(super) fn render(
         crew,
         deadline,
         hierarchies: FrameHierarchies::new(scene)?,
+        hints: FrameHints::default(),
     };
     let (mut n_rendered, mut n_kept, mut is_partial) = (0, 0, false);
     for number in wanted {
@@ -147,6 +150,7 @@ enum FrameRender {
         /// Lines about tiles of other runs.
         of_tiles: String,
         partial: Option<Partial>,
+        look: Option<Look>,
     },
     Part(PicturePart, PartDone),
 }
@@ -182,6 +186,7 @@ fn whole(run: PictureRun) -> Result<FrameRender, Failure> {
         times,
         of_tiles: picture.of_tiles,
         partial: picture.partial,
+        look: picture.rendering.look(),
     })
 }
 
@@ -198,6 +203,7 @@ struct FrameJob<'a> {
     deadline: Option<Instant>,
     /// The acceleration structures.
     hierarchies: FrameHierarchies<'a>,
+    hints: FrameHints,
 }
 
 impl FrameJob<'_> {
@@ -250,10 +256,15 @@ impl FrameJob<'_> {
             text::print(&match &done {
                 FrameRender::Part(part, done) => done.line(*part, folder),
                 FrameRender::Whole {
-                    times, of_tiles, ..
+                    times,
+                    of_tiles,
+                    look,
+                    ..
                 } => {
                     let hierarchy = hierarchies::line(session.hierarchy(), frame.keeps_hierarchy);
-                    format!("frame   {number} of {n_frames}: {times}{hierarchy}\n{of_tiles}")
+                    let hints = self.hints.lines(number, session.config(), *look);
+                    let hints = text::wrapped(&hints);
+                    format!("frame   {number} of {n_frames}: {times}{hierarchy}\n{of_tiles}{hints}")
                 }
             })?;
         }

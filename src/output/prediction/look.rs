@@ -13,14 +13,12 @@ use tracer::trace::Tracer;
 /// The camera's view in a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Look {
-    /// True if it sees any object.
-    pub has_hit: bool,
+    /// The least and the greatest number of an object in a pixel, -1 for none.
+    objects: [i32; 2],
     /// True if all pixels with an object are black.
     pub is_black: bool,
     /// True if all pixels are white.
     pub is_white: bool,
-    /// The object that all pixels show, if there is only one.
-    pub only_object: Option<u32>,
     /// The object around the eye.
     pub around_eye: Option<u32>,
     /// The first light inside an object that is not around the eye: its position in the scene's
@@ -31,18 +29,10 @@ pub struct Look {
 }
 
 impl Look {
-    /// Looks at a whole film of a scene.
+    /// Looks at a scene, and at all pixels of a film, which may have none yet.
     pub fn new(film: &Film, config: &Config, tracer: Tracer) -> Self {
         let scene = tracer.scene;
         let plane = scene.sensor(config).plane;
-        let of_strips = || {
-            film.strips
-                .iter()
-                .flat_map(|strip| strip.rgb.iter().zip(&strip.object))
-        };
-        let mut hits = of_strips().filter(|(_, object)| **object >= 0);
-        let mut objects = of_strips().map(|(_, object)| u32::try_from(*object).ok());
-        let first = objects.next().flatten();
         let around_eye = surrounding(tracer, plane.eye);
         let inside = |(index, light): (usize, &Light)| {
             let place = scene.space.point(light.position()?);
@@ -53,16 +43,40 @@ impl Look {
         let to_middle = plane.to_first
             + 0.5 * (plane.size[0] as f32 - 1.0) * plane.right
             + 0.5 * (plane.size[1] as f32 - 1.0) * plane.down;
-        Self {
-            has_hit: film.n_hits() > 0,
-            is_black: hits.all(|(rgb, _)| *rgb == [0; 3]),
-            is_white: of_strips().all(|(rgb, _)| *rgb == [u8::MAX; 3]),
-            only_object: first.filter(|_| objects.all(|object| object == first)),
+        let mut this = Self {
+            objects: [i32::MAX, i32::MIN],
+            is_black: true,
+            is_white: true,
             around_eye,
             light_inside: config.lights.iter().enumerate().find_map(inside),
             fov_y_deg: matches!(plane.projection, Projection::Perspective)
                 .then(|| 2.0 * (0.5 * height / to_middle.length()).atan().to_degrees()),
+        };
+        this.add(film);
+        this
+    }
+
+    /// Looks at more pixels of the picture.
+    pub fn add(&mut self, film: &Film) {
+        let [least, most] = &mut self.objects;
+        for strip in &film.strips {
+            for (rgb, &object) in strip.rgb.iter().zip(&strip.object) {
+                (*least, *most) = (object.min(*least), object.max(*most));
+                self.is_black &= object < 0 || *rgb == [0; 3];
+                self.is_white &= *rgb == [u8::MAX; 3];
+            }
         }
+    }
+
+    /// Returns true if the camera sees any object.
+    pub fn has_hit(&self) -> bool {
+        self.objects[1] >= 0
+    }
+
+    /// Returns the object that all pixels show, if there is only one.
+    pub fn only_object(&self) -> Option<u32> {
+        let [least, most] = self.objects;
+        u32::try_from(least).ok().filter(|_| least == most)
     }
 }
 

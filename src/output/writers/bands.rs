@@ -145,12 +145,14 @@ impl<'a> Bands<'a> {
         Self { report, ..self }
     }
 
-    /// Surveys all pixels on the current rayon pool; `None` if they cannot be read again, or
-    /// after a request to stop.
-    pub fn survey(&self, report: Report) -> Option<Survey> {
+    /// Surveys all pixels on the current rayon pool, and calls `look_at` with each band; `None` if
+    /// they cannot be read again, or after a request to stop.
+    pub fn survey(&self, mut look_at: impl FnMut(&Film), report: Report) -> Option<Survey> {
         let mut surveyor = Surveyor::new(self.picture.film);
         for rows in self.rows.ranges() {
-            surveyor.add(&self.band(&rows).ok()?);
+            let band = self.band(&rows).ok()?;
+            surveyor.add(&band);
+            look_at(&band);
             report(self.progress(&rows));
         }
         Some(surveyor.finish())
