@@ -229,10 +229,6 @@ fn limit_of_still(set: Option<u64>, available: u64, n_read: u64) -> u64 {
 /// Returns why a picture cannot be larger than memory, with the remedy; `None` if it can.
 fn against_bands(config: &Config) -> Option<&'static str> {
     let has = |output| config.output.has(output);
-    let is_repeated = !matches!(config.repeats, Repeats::Auto | Repeats::ONCE);
-    if config.cost.has_time() && is_repeated {
-        return Some("with one rendering, `--repeats 1`, it would be written in pieces");
-    }
     if has(OptionalOutput::Tests) {
         return Some("without the output `tests` it would be written in pieces");
     }

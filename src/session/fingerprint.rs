@@ -63,6 +63,7 @@ impl Session {
                 height: config.image.height,
                 tile_size: config.tiles.size,
                 n_renderings: least_repeats(config),
+                cost: config.cost,
                 bytes_per_pixel: n_bytes as u32,
             },
         })

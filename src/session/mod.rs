@@ -27,6 +27,7 @@ use output::memory::Memory;
 use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
 use render::film::{self, written_columns};
+use render::tiles::least_repeats;
 use scene::animation::HierarchyUpdate;
 use scene::config::Config;
 use scene::world::Scene;
@@ -281,7 +282,8 @@ impl Session {
 /// Returns a lower bound of the bytes of the files of tiles.
 fn stored_bytes(config: &Config) -> u64 {
     let per_pixel = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
-    (config.image.n_pixels() * per_pixel) as u64
+    let n_pixels = config.image.n_pixels() * usize::from(least_repeats(config));
+    (n_pixels * per_pixel) as u64
 }
 
 /// Returns a lower bound of the bytes of the files, whatever the camera sees and however well it

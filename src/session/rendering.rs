@@ -151,9 +151,9 @@ impl Rendering<'_> {
         });
         self.measured.look = look;
         stop::check()?;
-        let survey = survey.ok_or_else(unreadable)?;
-        if let [repeat] = &mut self.measured.repeats[..] {
-            repeat.pixels_ns = repeat.pixels_ns.map(|_| survey.time_ns);
+        let (survey, sums_ns) = survey.ok_or_else(unreadable)?;
+        for (repeat, ns) in self.measured.repeats.iter_mut().zip(sums_ns) {
+            repeat.pixels_ns = repeat.pixels_ns.map(|_| ns);
         }
         self.survey = survey.into();
         let mut stages = std::mem::take(&mut self.stages);

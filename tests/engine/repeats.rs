@@ -235,8 +235,10 @@ fn squares_in_the_times_are_said_in_the_same_words() {
             is_said,
             "{notes:?}"
         );
-        let state = fs::read_to_string(out.path().join("heatmap.pvsm")).unwrap();
-        assert_eq!(state.contains(sentence), is_said, "{arguments:?}");
+        for name in ["heatmap.pvsm", "overview.pvsm"] {
+            let state = fs::read_to_string(out.path().join(name)).unwrap();
+            assert_eq!(state.contains(sentence), is_said, "{name}, {arguments:?}");
+        }
     }
 }
 

@@ -67,6 +67,16 @@ fn ranks_render_the_same_picture_as_one_process() {
     }
 }
 
+#[test]
+fn repeats_of_ranks_move_groups() {
+    for (repeats, has_squares) in [("--repeats=1", true), ("--repeats=3", false)] {
+        let job = Job::new("seed_extended", &["--spp=1", SMALL[0], SMALL[1], repeats]);
+        job.render(2, "out", &["--quiet"]);
+        let notes = summary(&job.path("out"))["time_notes"].to_string();
+        assert_eq!(notes.contains("squares"), has_squares, "{notes}");
+    }
+}
+
 /// The numbers of an array of `tiles.vti`.
 fn of_tiles(out: &Path, name: &str) -> Vec<i32> {
     let tiles = DataSet::read(&out.join("tiles.vti"));

@@ -122,6 +122,50 @@ fn merged_parts_are_the_whole_picture() {
     }
 }
 
+/// The sentence on squares in the times of an output.
+pub fn squares(out: &Path) -> Option<String> {
+    let notes = summary(out)["time_notes"].clone();
+    let notes = notes.as_array().unwrap().iter();
+    let mut notes = notes.map(|note| note.as_str().unwrap().to_owned());
+    notes.find(|note| note.contains("squares"))
+}
+
+#[test]
+fn repeats_of_parts_and_of_resumed_pictures_move_groups() {
+    let folder = Folder::new();
+    for repeats in ["--repeats=1", "--repeats=3"] {
+        let flags = [
+            "--width=80",
+            "--height=64",
+            "--spp=1",
+            "--tile-size=16",
+            repeats,
+        ];
+        let (parts, kept) = (format!("parts{repeats}"), format!("kept{repeats}"));
+        folder.render_parts("seed_extended", &flags, &parts, 2);
+        // Tiles of a moved grid have their own numbers.
+        let files = ["part-1-of-2.tiles", "part-2-of-2.tiles"];
+        let files = files.map(|name| CheckpointFile::open(&folder.part(&parts, name)).unwrap());
+        let n_tiles: usize = files.iter().map(CheckpointFile::n_tiles).sum();
+        let expected = if repeats == "--repeats=1" {
+            5 * 4
+        } else {
+            5 * 4 + 2 * 6 * 5
+        };
+        assert_eq!(n_tiles, expected);
+        assert_success(&folder.run(&["merge", &parts]));
+        folder.render(
+            "seed_extended",
+            &[&flags[..], &["--resume"]].concat(),
+            &kept,
+        );
+        for out in [&parts, &kept] {
+            let said = squares(&folder.path(out));
+            assert_eq!(said.is_some(), repeats == "--repeats=1", "{out}: {said:?}");
+        }
+    }
+}
+
 #[test]
 fn frames_are_rendered_in_parts() {
     let folder = Folder::new();

@@ -5,7 +5,7 @@ use crate::writers;
 use render::checkpoint;
 use render::film::{self, RenderedTile};
 use render::schedule::{self, TileGrid, TileRun};
-use render::tiles::StoredPicture;
+use render::tiles::{StoredPicture, least_repeats};
 use scene::config::{Config, CostMode, Image};
 
 /// Bytes copied to survey and write a pixel of a band, with and without counters: measured.
@@ -22,11 +22,14 @@ pub(super) fn of_bands(config: &Config, preview: &Preview, n_rows: u32) -> u64 {
     let Image { width, height, .. } = config.image;
     let grid = TileGrid::new(width, height, config.tiles.size);
     let n_tiles = u64::from(grid.n_tiles());
-    let lasting = size_of::<RenderedTile>() + size_of::<TileRun>() + checkpoint::MEMORY_PER_TILE;
+    let n_repeats = usize::from(least_repeats(config));
+    let kept = n_repeats * checkpoint::MEMORY_PER_TILE;
+    let lasting = size_of::<RenderedTile>() + size_of::<TileRun>() + kept;
     let of_rendering = n_tiles * schedule::BYTES_PER_TILE as u64;
     let n_rows = height.min(n_rows + StoredPicture::row_unit(&grid));
     let n_pixels = u64::from(width) * u64::from(n_rows);
-    let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays())
+        + (n_repeats - 1) * size_of::<f32>();
     let (of_packed, copied) = match config.cost {
         CostMode::None => (0, COPIED_WITHOUT_COSTS),
         _ => (film::BYTES_PER_TILE as u64, COPIED),

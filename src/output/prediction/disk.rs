@@ -8,6 +8,7 @@ use render::attribution::{Hierarchy, Visits};
 use render::checkpoint;
 use render::film::{self, Column, written_columns};
 use render::schedule::TileGrid;
+use render::tiles::least_repeats;
 use scene::config::{Config, Image, OptionalOutput};
 use scene::world::Scene;
 use tracer::accel::BvhNode;
@@ -74,7 +75,8 @@ impl DiskUse {
             texts: SUMMARY + writers::state_bytes(config) + of_tiles,
             pictures: sample.of_picture() + sample.of_map(side) + writers::picture_texts(config),
             layers: writers::layer_bytes(config),
-            tiles: of_pixels as u64 + u64::from(grid.n_tiles()) * checkpoint::BYTES_PER_TILE,
+            tiles: u64::from(least_repeats(config))
+                * (of_pixels as u64 + u64::from(grid.n_tiles()) * checkpoint::BYTES_PER_TILE),
         }
     }
 

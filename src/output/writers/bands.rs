@@ -146,16 +146,25 @@ impl<'a> Bands<'a> {
     }
 
     /// Surveys all pixels on the current rayon pool, and calls `look_at` with each band; `None` if
-    /// they cannot be read again, or after a request to stop.
-    pub fn survey(&self, mut look_at: impl FnMut(&Film), report: Report) -> Option<Survey> {
+    /// they cannot be read again, or after a request to stop. Also returns the sum of the times of
+    /// each rendering, in nanoseconds.
+    pub fn survey(
+        &self,
+        mut look_at: impl FnMut(&Film),
+        report: Report,
+    ) -> Option<(Survey, Vec<f64>)> {
         let mut surveyor = Surveyor::new(self.picture.film);
+        let mut sums_ns = vec![0.0; self.picture.film.n_repeats.into()];
         for rows in self.rows.ranges() {
-            let band = self.band(&rows).ok()?;
+            let (band, more_ns) = self.band(&rows).ok()?;
+            for (sum, ns) in sums_ns.iter_mut().zip(more_ns) {
+                *sum += ns;
+            }
             surveyor.add(&band);
             look_at(&band);
             report(self.progress(&rows));
         }
-        Some(surveyor.finish())
+        Some((surveyor.finish(), sums_ns))
     }
 
     /// Writes the picture and all pieces.
@@ -165,7 +174,7 @@ impl<'a> Bands<'a> {
         let staged = staging.stage(picture::NAME, |out| {
             picture::write_bands(job, out, |take| {
                 for (i, rows) in self.rows.ranges().enumerate() {
-                    let band = self.band(&self.with_row_above(&rows))?;
+                    let (band, _) = self.band(&self.with_row_above(&rows))?;
                     take(&band, rows.clone())?;
                     let progress = self.progress(&rows);
                     match self.stage_pieces(i, rows, &band, job, staging) {
@@ -221,7 +230,7 @@ impl<'a> Bands<'a> {
         rows.start.saturating_sub(unit)..rows.end
     }
 
-    fn band(&self, rows: &Range<u32>) -> io::Result<Film> {
+    fn band(&self, rows: &Range<u32>) -> io::Result<(Film, Vec<f64>)> {
         if stop::is_requested() {
             return Err(io::ErrorKind::Interrupted.into());
         }

@@ -66,9 +66,7 @@ pub fn time_notes(rendering: &RenderingView) -> Vec<String> {
     let has_groups = matches!(rendering.meter, Meter::Time(_)) && film.n_grids < LEAST_GRIDS;
     let of_squares = has_groups.then(|| {
         let sides = group_sides(film.n_samples).map(|side| side.min(film.grid.tile_size));
-        let is_alone = rendering.ranks.is_none() && rendering.bands.is_none();
-        let can_move = is_alone && (film.n_repeats == 1 || film.n_grids > 1);
-        squares(sides, can_move, !film.counts_samples())
+        squares(sides, !film.counts_samples())
     });
     let notes = [
         doubt(rendering.survey.time_ns, cpu_ns),
@@ -89,17 +87,11 @@ fn doubt(pixels_ns: f64, cpu_ns: f64) -> Option<String> {
 }
 
 /// Returns the sentence on groups with these sides, unless they are pixels.
-fn squares([width, height]: [u32; 2], can_move: bool, can_shrink: bool) -> Option<String> {
-    let remedies = [
-        can_move.then(|| format!("{N_GRIDS} repeats")),
-        can_shrink.then(|| format!("{} samples", count(GROUP_PATHS.into()))),
-    ];
-    let remedies: Vec<String> = remedies.into_iter().flatten().collect();
-    let remedy = match &*remedies.join(" or ") {
-        "" => String::new(),
-        remedies => format!("; {remedies} avoid them"),
-    };
-    (width * height > 1).then(|| format!("timed in squares of {width} x {height} pixels{remedy}"))
+fn squares([width, height]: [u32; 2], can_shrink: bool) -> Option<String> {
+    let samples = can_shrink.then(|| format!(" or {} samples", count(GROUP_PATHS.into())));
+    let remedies = format!("{N_GRIDS} repeats{}", samples.unwrap_or_default());
+    (width * height > 1)
+        .then(|| format!("timed in squares of {width} x {height} pixels; {remedies} avoid them"))
 }
 
 #[cfg(test)]
@@ -123,9 +115,9 @@ mod tests {
     #[test]
     fn squares_are_named_with_their_remedies() {
         let all = "timed in squares of 16 x 8 pixels; 5 repeats or 1,024 samples avoid them";
-        assert_eq!(squares([16, 8], true, true).as_deref(), Some(all));
-        let none = "timed in squares of 16 x 16 pixels";
-        assert_eq!(squares([16, 16], false, false).as_deref(), Some(none));
-        assert_eq!(squares([1, 1], true, true), None);
+        assert_eq!(squares([16, 8], true).as_deref(), Some(all));
+        let one = "timed in squares of 16 x 16 pixels; 5 repeats avoid them";
+        assert_eq!(squares([16, 16], false).as_deref(), Some(one));
+        assert_eq!(squares([1, 1], true), None);
     }
 }

@@ -12,7 +12,7 @@ use super::{Header, RecordLayout};
 use base::files;
 
 /// The first bytes of a file; the number is the version of the format.
-pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 4\n";
+pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 5\n";
 /// Number of these bytes that is the same for every format.
 const N_OF_ALL_FORMATS: usize = 14;
 /// Greatest number of bytes of a header.
@@ -175,9 +175,7 @@ impl CheckpointFile {
 
     /// Returns true if the file has each tile of each rendering of the picture.
     pub fn has_all_tiles(&self) -> bool {
-        let layout = &self.header.layout;
-        let n_tiles = layout.grid().n_tiles() as usize * usize::from(layout.n_renderings);
-        self.n_tiles() == n_tiles
+        self.n_tiles() == self.header.layout.tiles().count()
     }
 
     /// Reads a tile again.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::schedule::TileGrid;
-use scene::config::{MAX_SIDE, Tiling};
+use scene::config::{CostMode, MAX_SIDE, Tiling};
 
 /// The quantities that determine the sizes of the records of a rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,8 @@ pub struct RecordLayout {
     pub tile_size: u32,
     /// Number of renderings of the picture.
     pub n_renderings: u8,
+    /// The cost mode: if groups of pixels are timed, each rendering has another grid.
+    pub cost: CostMode,
     /// Bytes of a pixel in all arrays of the film.
     pub bytes_per_pixel: u32,
 }
@@ -34,8 +36,18 @@ impl RecordLayout {
             && (1..=MAX_BYTES_PER_PIXEL).contains(&self.bytes_per_pixel)
     }
 
-    /// Returns the tiles.
-    pub fn grid(&self) -> TileGrid {
-        TileGrid::new(self.width, self.height, self.tile_size)
+    /// Returns the tiles of a rendering, given its number from 0.
+    pub fn grid(&self, rendering: u8) -> TileGrid {
+        let grid = TileGrid::new(self.width, self.height, self.tile_size);
+        grid.of_rendering(rendering, self.cost)
+    }
+
+    /// Returns the numbers of all tiles, each after the number of its rendering.
+    pub fn tiles(&self) -> impl Iterator<Item = (u8, u32)> {
+        let of_rendering = |rendering| {
+            let numbers = 0..self.grid(rendering).n_tiles();
+            numbers.map(move |number| (rendering, number))
+        };
+        (0..self.n_renderings).flat_map(of_rendering)
     }
 }

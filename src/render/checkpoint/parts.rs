@@ -160,8 +160,6 @@ impl PartFaults {
 
     /// Checks that each tile of each rendering is in one part.
     fn check_tiles(&mut self, parts: &BTreeMap<u32, CheckpointFile>, expected: &Header) {
-        let layout = &expected.layout;
-        let n_tiles = layout.grid().n_tiles();
         let mut owners: HashMap<(u8, u32), u32> = HashMap::new();
         for (&number, file) in parts {
             for stored in &file.tiles {
@@ -175,8 +173,8 @@ impl PartFaults {
                 }
             }
         }
-        let mut keys = (0..layout.n_renderings).flat_map(|r| (0..n_tiles).map(move |t| (r, t)));
-        if let Some((_, tile)) = keys.find(|key| !owners.contains_key(key)) {
+        let mut tiles = expected.layout.tiles();
+        if let Some((_, tile)) = tiles.find(|key| !owners.contains_key(key)) {
             self.lines.push(format!("no part has tile {tile}"));
         }
     }

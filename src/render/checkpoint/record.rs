@@ -69,7 +69,7 @@ impl<'a> TileRecord<'a> {
         let mut bytes = Bytes(bytes);
         let [rendering] = bytes.array()?;
         let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
-        let grid = layout.grid();
+        let grid = layout.grid(rendering);
         if rendering >= layout.n_renderings || tile >= grid.n_tiles() {
             return None;
         }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use scene::config::CostMode;
+
 /// Pixels along the side of a block within a tile: a block has 16 pixels, one for each ray of a
 /// packet.
 const BLOCK_SIDE: u32 = 4;
@@ -63,10 +65,13 @@ impl TileGrid {
         }
     }
 
-    /// Returns the grid for a later rendering of the image, given its number from 0. Its tiles, and
-    /// the groups in them, have other edges: five grids are moved by a lattice in which no two
-    /// share a column or a row.
-    pub fn of_rendering(self, number: u8) -> Self {
+    /// Returns the grid for a later rendering of the image, given its number from 0. If groups of
+    /// pixels are timed, its tiles, and the groups in them, have other edges: five grids are moved
+    /// by a lattice in which no two share a column or a row.
+    pub fn of_rendering(self, number: u8, cost: CostMode) -> Self {
+        if cost != CostMode::Time {
+            return self;
+        }
         let side = GROUP_SIDE.min(self.tile_size);
         let n = u32::from(number) % N_GRIDS;
         let shift = [n, 2 * n % N_GRIDS].map(|n| n * side / N_GRIDS);
@@ -237,7 +242,9 @@ mod tests {
         for (width, height) in [(1, 1), (16, 16), (17, 33), (50, 7)] {
             for tile_size in [2, 3, 16, 256] {
                 for number in 0..6 {
-                    check(TileGrid::new(width, height, tile_size).of_rendering(number));
+                    let grid = TileGrid::new(width, height, tile_size);
+                    check(grid.of_rendering(number, CostMode::Time));
+                    assert_eq!(grid.of_rendering(number, CostMode::SingleRayTime), grid);
                 }
             }
         }
@@ -277,7 +284,7 @@ mod tests {
             let grid = TileGrid::new(100, 100, 32);
             for side in [0, 1] {
                 let edges = (0..5).map(|number| {
-                    let tile = grid.of_rendering(number).tile(4 + 1);
+                    let tile = grid.of_rendering(number, CostMode::Time).tile(4 + 1);
                     let edge = [tile.columns, tile.rows][side][0];
                     edge % group_sides(n_samples)[side]
                 });
@@ -286,7 +293,7 @@ mod tests {
             }
         }
         assert_eq!(
-            TileGrid::new(9, 9, 4).of_rendering(5),
+            TileGrid::new(9, 9, 4).of_rendering(5, CostMode::Time),
             TileGrid::new(9, 9, 4)
         );
     }

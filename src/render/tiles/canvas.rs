@@ -1,6 +1,6 @@
 //! Concurrent writes to a film.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::checkpoint::TileRecord;
@@ -13,10 +13,10 @@ pub(super) struct Canvas<'a> {
     strips: Vec<Mutex<&'a mut Strip>>,
     /// Empty if the counters of the tiles are not stored.
     tiles: Vec<Mutex<&'a mut RenderedTile>>,
-    /// True if the film has room for only one tile of the picture at a time.
-    has_one_tile: bool,
-    /// The first row of the film.
-    first_row: u32,
+    /// The tiles of the picture, if the film has room for only one of them at a time.
+    one_of: Option<TileGrid>,
+    /// The rows of the film.
+    rows: Range<u32>,
     /// Pixels per row.
     width: usize,
     /// Bytes of a pixel in all arrays that a rendering writes.
@@ -30,15 +30,15 @@ impl<'a> Canvas<'a> {
     /// Creates a canvas that writes the tiles of a grid to a film, which may hold an earlier
     /// rendering: by another grid, it has stored the same counters.
     pub(super) fn new(film: &'a mut Film, grid: &TileGrid) -> Self {
-        let first_row = film.row_range().start;
+        let rows = film.row_range();
         let tiles = if film.grid == *grid {
             &mut film.tiles[..]
         } else {
             &mut []
         };
         Self {
-            has_one_tile: false,
-            first_row,
+            one_of: None,
+            rows,
             tile_size: film.grid.tile_size,
             bytes_per_pixel: film.strips.first().map_or(0, Strip::stored_bytes_per_pixel),
             width: film.grid.width as usize,
@@ -48,34 +48,33 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Creates a canvas that writes one tile of a picture after the other to a film of one tile.
-    pub(super) fn of_one_tile(film: &'a mut Film) -> Self {
-        let grid = film.grid;
+    /// Creates a canvas that writes one tile of the picture's grid after the other to a film of one
+    /// tile.
+    pub(super) fn of_one_tile(film: &'a mut Film, grid: TileGrid) -> Self {
+        let of_film = film.grid;
         Self {
-            has_one_tile: true,
-            ..Self::new(film, &grid)
+            one_of: Some(grid),
+            ..Self::new(film, &of_film)
         }
     }
 
     /// Returns the position of a tile of the picture, or of its next rows, in the film.
     fn placed(&self, tile: &Tile) -> Tile {
-        if !self.has_one_tile {
+        let Some(grid) = self.one_of else {
             return *tile;
-        }
-        let in_tile = |span: [u32; 2]| {
-            let first = span[0] - span[0] % self.tile_size;
-            span.map(|place| place - first)
         };
+        let whole = grid.tile(tile.number);
         Tile {
             number: 0,
-            columns: in_tile(tile.columns),
-            rows: in_tile(tile.rows),
+            columns: tile.columns.map(|x| x - whole.columns[0]),
+            rows: tile.rows.map(|y| y - whole.rows[0]),
         }
     }
 
-    /// Returns the numbers of the strips that a tile crosses.
+    /// Returns the numbers of the strips that a tile crosses; some of its rows are the film's.
     fn strips_of(&self, tile: &Tile) -> RangeInclusive<usize> {
-        let [top, bottom] = tile.rows.map(|y| y - self.first_row);
+        let Range { start, end } = self.rows;
+        let [top, bottom] = tile.rows.map(|y| y.clamp(start, end) - start);
         (top / STRIP_ROWS) as usize..=((bottom - 1) / STRIP_ROWS) as usize
     }
 
@@ -115,23 +114,28 @@ impl<'a> Canvas<'a> {
         for number in self.strips_of(&place) {
             lock(&self.strips[number]).store_pixels(&place, &mut pixels);
         }
+        let counted = self.tiles.get(place.number as usize);
+        let counters = counted.map(|stored| lock(stored).counters.clone());
         TileRecord {
             rendering,
             tile: tile.number,
             run,
-            counters: lock(&self.tiles[place.number as usize]).counters.clone(),
+            counters: counters.unwrap_or_default(),
             pixels: pixels.into(),
         }
     }
 
     /// Writes the pixels and counters of a record of this tile. Returns false, with arbitrary
-    /// pixels, if it shows none of `n_ids` objects and materials, or its size is wrong.
+    /// pixels, if it shows none of `n_ids` objects and materials, or its size is wrong. Rows that
+    /// the film lacks are left out.
     pub(super) fn restore(&self, tile: &Tile, record: TileRecord, n_ids: [usize; 2]) -> bool {
         let tile = &self.placed(tile);
         if record.pixels.len() != tile.n_pixels() * self.bytes_per_pixel {
             return false;
         }
-        lock(&self.tiles[tile.number as usize]).counters = record.counters;
+        if let Some(stored) = self.tiles.get(tile.number as usize) {
+            lock(stored).counters = record.counters;
+        }
         self.strips_of(tile).all(|number| {
             let mut strip = lock(&self.strips[number]);
             strip.restore_pixels(tile, &record.pixels);

@@ -46,14 +46,6 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Returns true if the picture is rendered as a whole by this process, which keeps no tiles.
-    pub(super) fn is_alone(&self) -> bool {
-        let Limits {
-            checkpoint, team, ..
-        } = self.limits;
-        checkpoint.is_none() && team.is_none()
-    }
-
     /// Returns true if the result is discarded.
     pub(super) fn is_canceled(&self) -> bool {
         let Limits {

@@ -13,7 +13,7 @@ use super::time_hottest::{limit_after, time_hottest_again};
 use super::{Report, TilePlan, View, render_onto};
 use crate::film::Film;
 use crate::schedule::{N_GRIDS, Schedule, TileRun};
-use scene::config::{Config, Repeats};
+use scene::config::{Config, CostMode, Repeats};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
@@ -116,8 +116,9 @@ pub fn repeat_within(
         // Render all tiles.
         let started = Instant::now();
         let pass = Pass::new(done.len() as u8, tracer.scene, *limits);
-        let has_groups = matches!(meter, Meter::Time(_)) && pass.is_alone();
-        let moved = (has_groups && pass.number > 0).then(|| plan.of_rendering(pass.number));
+        let has_groups = meter.mode() == CostMode::Time;
+        let moved =
+            (has_groups && pass.number > 0).then(|| plan.of_rendering(pass.number, meter.mode()));
         let plan = moved.as_ref().unwrap_or(plan);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, report);

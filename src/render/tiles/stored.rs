@@ -49,14 +49,16 @@ impl<'a> StoredPicture<'a> {
     }
 
     /// Reads some rows on the current rayon pool, from a multiple of the [unit](Self::row_unit) to
-    /// another one or the last row. Returns `None` if a file cannot be read, which the checkpoint
-    /// records.
-    pub fn band(&self, rows: Range<u32>) -> Option<Film> {
+    /// another one or the last row, and the sum of the times of each rendering, in nanoseconds.
+    /// Returns `None` if a file cannot be read, which the checkpoint records.
+    pub fn band(&self, rows: Range<u32>) -> Option<(Film, Vec<f64>)> {
         let mut film = self.film.clone().with_rows(rows.clone());
         let has_spread = film.cost.has_time() && film.repeats.has_spread();
         let mut samples = has_spread.then(|| Samples::new(&film));
+        let mut sums_ns = Vec::new();
         for rendering in 0..film.n_repeats {
             self.read_tiles(rendering, &rows, &mut film);
+            sums_ns.push(film.total_time_ns());
             if let Some(samples) = &mut samples {
                 samples.take(&film);
             }
@@ -64,18 +66,15 @@ impl<'a> StoredPicture<'a> {
         if let Some(samples) = samples {
             samples.summarize(&mut film);
         }
-        (!self.checkpoint.has_failed()).then_some(film)
+        (!self.checkpoint.has_failed()).then_some((film, sums_ns))
     }
 
     /// Writes the tiles of some rows to the film; missing ones are black.
     fn read_tiles(&self, rendering: u8, rows: &Range<u32>, film: &mut Film) {
-        let grid = self.film.grid;
-        let [first, end] = [
-            rows.start / grid.tile_size,
-            rows.end.div_ceil(grid.tile_size),
-        ];
+        let grid = film.grid.of_rendering(rendering, film.cost);
         let canvas = Canvas::new(film, &grid);
-        let numbers = first * grid.n_columns..end * grid.n_columns;
+        let last = (grid.width - 1, rows.end - 1);
+        let numbers = grid.number_at((0, rows.start))..grid.number_at(last) + 1;
         numbers.clone().into_par_iter().for_each(|number| {
             let tile = grid.tile(number);
             let Some(record) = self.checkpoint.tile(rendering, number) else {
@@ -85,6 +84,8 @@ impl<'a> StoredPicture<'a> {
                 self.checkpoint.refuse(rendering, number);
             }
         });
-        clear_missing(self.schedule, numbers, &canvas);
+        if rendering == 0 {
+            clear_missing(self.schedule, numbers, &canvas);
+        }
     }
 }

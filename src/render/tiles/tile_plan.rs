@@ -86,20 +86,22 @@ impl TilePlan {
         }
     }
 
-    /// Returns the plan for a later rendering of the whole picture, given its number from 0: with the
-    /// grid of that rendering, and about the same order.
-    pub(super) fn of_rendering(&self, number: u8) -> Self {
-        let grid = self.grid.of_rendering(number);
+    /// Returns the plan for a later rendering of the picture or the part, given its number from 0:
+    /// with the grid of that rendering, and about the same order. A tile belongs to the part that
+    /// has its first pixel in the first rendering.
+    pub(super) fn of_rendering(&self, number: u8, cost: CostMode) -> Self {
+        let grid = self.grid.of_rendering(number, cost);
         let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
         let first_pixels = tiles.map(|tile| (tile.columns[0], tile.rows[0]));
         let here: Vec<usize> = first_pixels
             .map(|place| self.grid.number_at(place) as usize)
             .collect();
-        let mut positions = vec![0; self.grid.n_tiles() as usize];
+        let mut positions = vec![None; self.grid.n_tiles() as usize];
         for (position, &number) in self.sequence.iter().enumerate() {
-            positions[number as usize] = position;
+            positions[number as usize] = Some(position);
         }
         let mut sequence: Vec<u32> = (0..grid.n_tiles()).collect();
+        sequence.retain(|&number| positions[here[number as usize]].is_some());
         sequence.sort_by_key(|&number| positions[here[number as usize]]);
         let times = self.times.as_ref();
         let this = Self {

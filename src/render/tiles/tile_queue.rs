@@ -18,9 +18,9 @@ pub(super) type TileRuns = Vec<(u32, TileRun)>;
 pub(super) enum Target<'f> {
     /// The film of the picture.
     Film(Canvas<'f>),
-    /// Films of one tile, one for each thread, like this one without rows: the pass keeps the
-    /// tiles.
-    Tiles(&'f Film),
+    /// Films of one tile of the grid, one for each thread, like this one without rows: the pass
+    /// keeps the tiles.
+    Tiles(&'f Film, TileGrid),
 }
 
 impl<'f> Target<'f> {
@@ -28,7 +28,7 @@ impl<'f> Target<'f> {
     /// if tiles are `stored` elsewhere.
     pub(super) fn new(film: &'f mut Film, grid: &TileGrid, stored: bool) -> Self {
         if stored {
-            return Self::Tiles(film);
+            return Self::Tiles(film, *grid);
         }
         if !film.has_rows() {
             *film = film.clone().with_rows(0..film.grid.height);
@@ -40,7 +40,7 @@ impl<'f> Target<'f> {
     fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
         match self {
             Self::Film(canvas) => work(canvas),
-            Self::Tiles(film) => work(&Canvas::of_one_tile(&mut film.of_one_tile())),
+            Self::Tiles(film, grid) => work(&Canvas::of_one_tile(&mut film.of_one_tile(), *grid)),
         }
     }
 }

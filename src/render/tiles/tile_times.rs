@@ -162,7 +162,7 @@ fn measured<R: TileRenderer>(
     let measure_some = |_: rayon::BroadcastContext| {
         let mut renderer = renderer();
         let mut film = film.of_one_tile();
-        let canvas = Canvas::of_one_tile(&mut film);
+        let canvas = Canvas::of_one_tile(&mut film, plan.grid);
         let mut measured = Vec::new();
         while let Some(tile) = tiles.get(n_taken.fetch_add(1, Ordering::Relaxed)) {
             // The first tile of a thread is rendered twice: its memory is new.

@@ -76,15 +76,8 @@ fn render_dealt<R: TileRenderer>(
         start_in_scope(scope, || post.carry(to_threads))?;
         rayon::broadcast(|context| {
             let thread = context.index() as u32;
-            let mut film = film.of_one_tile();
-            let canvas = Canvas::of_one_tile(&mut film);
-            render_some(
-                thread,
-                renderer(),
-                (ranks, plan, &canvas),
-                &dealt,
-                &to_rank_0,
-            );
+            let film = film.of_one_tile();
+            render_some(thread, renderer(), (ranks, plan, film), &dealt, &to_rank_0);
         });
         Ok(())
     })
@@ -94,12 +87,14 @@ fn render_dealt<R: TileRenderer>(
 fn render_some(
     thread: u32,
     mut renderer: impl TileRenderer,
-    (ranks, plan, canvas): (&Ranks, &TilePlan, &Canvas),
+    (ranks, plan, mut film): (&Ranks, &TilePlan, Film),
     dealt: &DealtTiles,
     to_rank_0: &Sender<TileRecord<'static>>,
 ) {
     while let Some((rendering, number)) = dealt.next() {
-        let tile = plan.grid.tile(number);
+        let grid = plan.grid.of_rendering(rendering, film.cost);
+        let tile = grid.tile(number);
+        let canvas = &Canvas::of_one_tile(&mut film, grid);
         let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
         let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);
