@@ -7,6 +7,7 @@
 //! else the system's temporary folder), so that no disk is measured. Only compression uses more
 //! than one thread.
 
+use scene::build::{Geometries, Sensor};
 use std::fs::File;
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
@@ -20,7 +21,6 @@ use output::writers::{write_frame, write_hits};
 use render::film::Film;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode};
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
@@ -149,10 +149,10 @@ fn film(width: u32, height: u32) -> Film {
         .unwrap();
     (config.image.width, config.image.height) = (width, height);
     let geometries = Geometries::read(&mut config, Path::new("configs"), u64::MAX).unwrap();
-    let scene = Scene::new(&config, geometries).unwrap();
+    let scene = scene::build::scene(&config, geometries).unwrap();
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
     render(tracer, &plan, &Meter::new(CostMode::Time), &|_| {}).0
 }
 

@@ -10,6 +10,7 @@
 #[path = "render/scenes.rs"]
 mod scenes;
 
+use scene::build::{Geometries, Sensor};
 use std::fs;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,6 @@ use render::film::Film;
 use render::schedule::{Schedule, TileRun};
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode};
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
@@ -125,7 +125,7 @@ fn compare(path: &Path, options: &Options) -> Result<Value, Diagnostic> {
     (image.width, image.height) = (options.width, options.height);
     image.samples_per_pixel = options.spp;
     let geometries = Geometries::read(&mut config, source.folder(), u64::MAX);
-    let scene = geometries.and_then(|geometries| Scene::new(&config, geometries));
+    let scene = geometries.and_then(|geometries| scene::build::scene(&config, geometries));
     let scene = scene.map_err(|fault| source.point_at(fault))?;
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
@@ -156,7 +156,7 @@ impl World<'_> {
     /// Renders the picture. Returns the CPU time, and the time that the thread spent on tiles, in
     /// nanoseconds, and the film.
     fn render(&self, meter: &Meter) -> (f64, f64, Film) {
-        let sensor = self.tracer.scene.sensor(self.config);
+        let sensor = Sensor::new(self.tracer.scene, self.config);
         let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
         let begin = ThreadTime::now();
         let (film, schedule) = render(self.tracer, &plan, meter, &|_| {});
@@ -180,7 +180,7 @@ impl World<'_> {
                 .config
                 .image
                 .cropped([place[0], place[1], SIDE, SIDE])?;
-            let sensor = self.tracer.scene.sensor_of(self.config, cropped);
+            let sensor = Sensor::of_image(self.tracer.scene, self.config, cropped);
             let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
             Some(Window { place, plan })
         };

@@ -20,12 +20,12 @@
 //! The crates below `src/` stand in the order of the data; each uses only the crates above it.
 //!
 //! 1. `base` has files and folders, `math` numbers and SIMD lanes, `vtk` files of VTK.
-//! 2. `scene` reads a YAML file and the files that it names, and places everything in
-//!    render space.
+//! 2. `world` has what rays meet: shapes, materials, lights, fog and cameras in render space.
 //! 3. `tracer` finds hits and makes colors of them, and counts and times both.
-//! 4. `render` does so tile by tile on all threads, onto a film.
-//! 5. `output` writes files: pictures, VTK files, ParaView states and the summary.
-//! 6. `tools` reads them again, for `view`, `diff` and `study`.
+//! 4. `scene` reads a YAML file and the files that it names, and builds a world of them.
+//! 5. `render` traces it tile by tile on all threads, onto a film.
+//! 6. `output` writes files: pictures, VTK files, ParaView states and the summary.
+//! 7. `tools` reads them again, for `view`, `diff` and `study`.
 //!
 //! [`session`] runs these steps; `cli` is its command line. The crates are public for the tests and
 //! the benchmarks; programs use only the names listed here.
@@ -38,11 +38,9 @@ pub mod cli;
 pub use ::{
     output::results,
     render::{attribution, film, schedule},
-    scene::{
-        animation, background, camera, color, config, fog, geometry, light, material, picture,
-        world, yaml,
-    },
+    scene::{animation, build, config, yaml},
     tracer::cost,
+    world::{self, background, camera, color, fog, geometry, light, material, picture},
 };
 
 pub use cost::Metric;

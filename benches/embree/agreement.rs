@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use tracer::accel::Hit;
-
 use crate::kernel::Kernel;
 use crate::rays::Rays;
+use tracer::accel::Hit;
 
 /// Tolerance of distances, relative to the distance: the kernels round differently.
 const TOLERANCE: f32 = 1e-4;

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use math::simd::Simd;
 use scene::config::{self, Acceleration};
-use scene::geometry::Shape;
-use scene::world::Primitive;
 use tracer::accel::Accel;
+use world::geometry::Shape;
+use world::scene::Primitive;
 
 use crate::agreement::Agreement;
 use crate::contest::{self, fastest, rivals};

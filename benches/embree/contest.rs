@@ -2,14 +2,13 @@
 
 use std::fmt;
 
-use tracer::accel::Accel;
-
 use crate::device::{Mode, Scene};
 use crate::kernel::{BareStream, CountingStream, Kernel, Single};
 use crate::race::{Course, median};
 use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
 use crate::trace::{Packets, Singles};
+use tracer::accel::Accel;
 
 /// The way in which Embree traces rays.
 #[derive(Clone, Copy, PartialEq, Eq)]

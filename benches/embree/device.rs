@@ -5,10 +5,9 @@
 use std::collections::HashMap;
 use std::ffi::{CString, c_int};
 
-use scene::geometry::Shape;
-use scene::world::Primitive;
-
 use crate::ffi::{self, Functions, Handle, Quality};
+use world::geometry::Shape;
+use world::scene::Primitive;
 
 /// A mesh or a cloud of spheres in Embree's layout.
 pub struct Geometry {

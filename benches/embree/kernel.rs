@@ -1,8 +1,8 @@
 //! The interface of all kernels: they trace batches of rays.
 
-use scene::geometry::RayStream;
 use tracer::accel::{Accel, Hit, ShadowRay, ShadowStream};
 use tracer::cost::{Cost, NoProbe, Probe, StreamProbe, Traversals};
+use world::geometry::RayStream;
 
 /// Traces batches of rays, on several threads at once.
 pub trait Kernel: Sync {

@@ -25,7 +25,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use scene::world::Primitive;
 
 use arena::Arena;
 use device::Device;
@@ -33,6 +32,8 @@ use ffi::Functions;
 use race::Course;
 use scenes::View;
 use selection::Selection;
+
+use world::scene::Primitive;
 
 /// Compare the speed of raycost's kernels with Embree's.
 #[derive(Debug, Parser)]

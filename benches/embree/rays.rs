@@ -4,10 +4,10 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 use math::sampling::uniform;
-use scene::geometry::{Aabb, Ray, RayStream};
-use scene::world::Primitive;
 use tracer::accel::{Accel, ShadowRay, ShadowStream};
 use tracer::cost::NoProbe;
+use world::geometry::{Aabb, Ray, RayStream};
+use world::scene::Primitive;
 
 use crate::scenes::View;
 

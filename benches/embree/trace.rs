@@ -5,14 +5,13 @@
 use std::array::from_fn;
 use std::ptr;
 
-use scene::geometry::{Ray, RayStream};
-use tracer::accel::{Hit, ShadowStream};
-
 use crate::device::Scene;
 use crate::ffi::{
     Context, HitFields, INVALID_ID, Ray1, Ray16, RayFields, RayHit1, RayHit16, Valid16,
 };
 use crate::kernel::Kernel;
+use tracer::accel::{Hit, ShadowStream};
+use world::geometry::{Ray, RayStream};
 
 /// `rtcIntersect1` and `rtcOccluded1`.
 pub struct Singles<'a>(pub &'a Scene<'a>);

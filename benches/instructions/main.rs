@@ -11,12 +11,12 @@ use glam::Vec3;
 use math::sampling::uniform;
 use math::simd::Simd;
 use scene::config::Acceleration;
-use scene::geometry::{Ray, RayStream, Shape, Sphere, Triangle};
 use scene::import::read_mesh;
-use scene::world::{MaterialId, ObjectId, Primitive};
 use serde_json::json;
 use tracer::accel::{Accel, ShadowRay, ShadowStream};
 use tracer::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};
+use world::geometry::{Ray, RayStream, Shape, Sphere, Triangle};
+use world::scene::{MaterialId, ObjectId, Primitive};
 
 /// The file of the scene `mesh`.
 const MESH: &str = "configs/meshes/spot.obj";

@@ -18,11 +18,11 @@ use math::sampling::uniform;
 use math::simd::Simd;
 use math::statistics::upper_median;
 use scene::config::{Acceleration, Quality};
-use scene::geometry::Ray;
-use scene::world::Primitive;
 use scenes::View;
 use tracer::accel::Accel;
 use tracer::cost::{Cost, NoProbe, Probe};
+use world::geometry::Ray;
+use world::scene::Primitive;
 
 const N_ROUNDS: usize = 9;
 const N_BUILDS: usize = 3;

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use glam::Vec3;
 use math::sampling::uniform;
-use scene::geometry::{Ray, Shape, Sphere, Triangle};
 use scene::import::read_mesh;
-use scene::world::{MaterialId, ObjectId, Primitive};
+use world::geometry::{Ray, Shape, Sphere, Triangle};
+use world::scene::{MaterialId, ObjectId, Primitive};
 
 /// A camera that looks at a point, and a light.
 pub struct View {

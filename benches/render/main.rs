@@ -8,6 +8,7 @@
 
 mod scenes;
 
+use scene::build::{Geometries, Sensor};
 use std::fs;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -19,12 +20,12 @@ use clap::Parser;
 use math::statistics::median;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode};
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
+use world::scene::Scene;
 
 const N_ROUNDS: usize = 9;
 const MODES: [CostMode; 4] = [
@@ -80,7 +81,7 @@ fn read(path: &Path) -> Result<(Config, Scene), Diagnostic> {
     let source = Source::read(path)?;
     let mut config: Config = source.parse()?;
     let geometries = Geometries::read(&mut config, source.folder(), u64::MAX);
-    let scene = geometries.and_then(|geometries| Scene::new(&config, geometries));
+    let scene = geometries.and_then(|geometries| scene::build::scene(&config, geometries));
     Ok((config, scene.map_err(|fault| source.point_at(fault))?))
 }
 
@@ -88,7 +89,7 @@ fn compare(path: &Path) -> Result<Value, Diagnostic> {
     let (config, scene) = read(path)?;
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
     let meters = MODES.map(Meter::new);
     let mut times = [[0.0; N_ROUNDS]; MODES.len()];
     let mut n_rays = 0;

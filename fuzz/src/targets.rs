@@ -6,18 +6,19 @@ use std::path::{Path, PathBuf};
 use base::text::Diagnostic;
 use output::memory::Memory;
 use output::results::{self, FrameFile, HitsFile};
+use scene::build::Geometries;
 use scene::config::Config;
 use scene::import::{
-    ArrayChoice, IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface,
-    read_lines, read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
+    IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface, read_lines,
+    read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
 };
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use serde_json::Value;
 use tempfile::TempDir;
 use tools::diff::{Diff, Side};
 use tools::study::{self, StudyPlan, statistics_rows, write_csv};
 use tools::view::Page;
+use world::material::ArrayChoice;
 
 /// Memory that a scene may take, in bytes.
 const AVAILABLE: u64 = 64 << 20;
@@ -52,7 +53,7 @@ fn build(text: &str) -> Result<(), Diagnostic> {
     let geometries = Geometries::read(&mut config, source.folder(), 0).map_err(point_at)?;
     let memory = Memory::estimate(&config, &geometries);
     memory.check(AVAILABLE).map_err(point_at)?;
-    Scene::new(&config, geometries).map_err(point_at)?;
+    scene::build::scene(&config, geometries).map_err(point_at)?;
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use base::provenance::Checksum;
 use base::text::Diagnostic;
 use output::memory::Memory;
 use render::instruments::Stages;
-use scene::animation::HierarchyUpdate;
+use scene::config::HierarchyUpdate;
 use tracer::accel::FrameBase;
 
 /// The first frame of a scene, whose hierarchy other frames may reuse.

@@ -5,9 +5,9 @@ use std::f32::consts::PI;
 
 use base::text::one_line;
 use output::prediction::Look;
-use scene::background::Background;
 use scene::config::{Config, Geometry, ShadingModel};
-use scene::geometry::Shape;
+use world::background::Background;
+use world::geometry::Shape;
 
 /// Greatest number of names in a hint.
 const MOST_NAMES: usize = 5;

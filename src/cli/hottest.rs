@@ -6,6 +6,7 @@ use super::{Failure, shell_word};
 use base::text::Diagnostic;
 use render::film::{Film, HotPixel};
 use render::tiles::{TilePlan, least_repeats, repeat};
+use scene::build::Sensor;
 use scene::config::{Config, CostMode, Repeats};
 use tracer::cost::{Meter, Metric, MetricUnit};
 use tracer::trace::Tracer;
@@ -73,7 +74,7 @@ pub(super) fn search(config: &Config, tracer: Tracer, quiet: bool) -> Film {
     let n_rendered = u64::from(least_repeats(config)) * config.image.n_pixels() as u64;
     let meter = Meter::new(config.cost);
     with_bar(n_rendered, quiet, |report| {
-        let plan = TilePlan::new(tracer, &tracer.scene.sensor(config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(tracer.scene, config), config.tiles);
         repeat(config.repeats, tracer, &plan, &meter, report).0
     })
 }

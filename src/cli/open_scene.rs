@@ -7,8 +7,8 @@ use super::study;
 use crate::session::{Frames, Input, scene_files};
 use base::text::Diagnostic;
 use output::memory::Memory;
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::world::Geometries;
 use scene::yaml::{Document, Fault, Source};
 
 /// A scene whose text was read: a still, or all frames of an animation.

@@ -1,5 +1,6 @@
 //! The summary of a run, printed at the end of `raycost render`.
 
+use scene::build::Sensor;
 use std::time::Duration;
 
 use super::scene::SceneArguments;
@@ -13,7 +14,7 @@ use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, i
 use render::instruments::Stages;
 use render::schedule::Schedule;
 use scene::config::{Config, OptionalOutput};
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// Returns the lines on the picture, the stages and the speed.
 pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
@@ -100,7 +101,7 @@ pub(super) fn notes(config: &Config, scene: &Scene) -> String {
     };
     let left_out = config.output.left_out().iter().map(line);
     let of_files = scene.notes.iter().map(|note| one_line(note).into_owned());
-    let displacement = scene.sensor(config).plane.displacement();
+    let displacement = Sensor::new(scene, config).plane.displacement();
     let of_eye = (displacement >= VISIBLE).then(|| {
         format!(
             "the eye is so far from the objects that rays of 32 bits are off by up to \

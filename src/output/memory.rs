@@ -8,10 +8,11 @@ use render::attribution::CostAttribution;
 use render::film;
 use render::schedule::{self, TileGrid};
 use render::tiles::{StoredPicture, repeat_bytes_per_pixel};
+use scene::build::Geometries;
 use scene::config::{Acceleration, Config, Image, OptionalOutput, Repeats};
-use scene::world::{Geometries, Instance, Primitive, SurfaceClass};
 use scene::yaml::{Fault, FieldPath};
 use tracer::accel::{Bvh, TooLarge};
+use world::scene::{Instance, Primitive, SurfaceClass};
 
 pub use base::host::{available_memory as available, limit_memory as set_limit};
 
@@ -118,7 +119,7 @@ impl Memory {
         let n_primitives = geometries.n_primitives();
         Self {
             film: 0,
-            // The geometries as read, and their attributes in world space.
+            // The geometries as read, and their attributes in render space.
             scene: n_primitives as u64 * per_primitive as u64
                 + (geometries.n_instances() * size_of::<Instance>()) as u64
                 + 2 * geometries.n_bytes()

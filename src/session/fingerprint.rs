@@ -10,14 +10,14 @@ use output::summary::{Build, FrameSection};
 use render::checkpoint::{Header, PicturePart, RecordLayout};
 use render::film;
 use render::tiles::least_repeats;
-use scene::background::Background;
+use scene::build::SceneFrame;
 use scene::config::{Config, Geometry};
 use scene::import;
-use scene::world::SceneFrame;
 
 use super::this_build;
 use base::text::Diagnostic;
 use scene::yaml::{Document, FieldPath, Folders};
+use world::background::Background;
 
 impl Session {
     /// Returns a hash of the contents of the scene and of its files.

@@ -5,9 +5,9 @@ use base::provenance::Checksum;
 use base::text::Diagnostic;
 use output::memory;
 use output::summary::FrameSection;
-use scene::animation::{self, HierarchyUpdate};
-use scene::config::Config;
-use scene::world::{SceneFrame, Timeline};
+use scene::animation;
+use scene::build::{SceneFrame, Timeline};
+use scene::config::{Config, HierarchyUpdate};
 use scene::yaml::Document;
 
 /// A scene that changes over time.

@@ -4,8 +4,8 @@ use super::Memory;
 use base::text::Diagnostic;
 use output::memory;
 use output::summary::FrameSection;
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::world::Geometries;
 use scene::yaml::Document;
 
 /// A scene's text, its config, and the geometries of the files that it names.

@@ -28,11 +28,10 @@ use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
 use render::film::{self, written_columns};
 use render::tiles::least_repeats;
-use scene::animation::HierarchyUpdate;
-use scene::config::Config;
-use scene::world::Scene;
+use scene::config::{Config, HierarchyUpdate};
 use scene::yaml::{Document, Source, yaml_of_json};
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
+use world::scene::Scene;
 
 #[doc(inline)]
 pub use base::folder::{WriteError, Written};
@@ -129,7 +128,8 @@ impl Session {
             frame,
             memory,
         } = input;
-        let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+        let scene =
+            scene::build::scene(&config, geometries).map_err(|fault| document.point_at(fault))?;
         let name = Path::new(document.name()).file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
@@ -160,7 +160,7 @@ impl Session {
         &self.config
     }
 
-    /// Returns the scene in world space.
+    /// Returns the scene in render space.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -5,6 +5,7 @@ use base::text::Diagnostic;
 use render::checkpoint::{CheckpointFailure, PicturePart};
 use render::ranks::Team;
 use render::tiles::{Limits, TilePlan};
+use scene::build::Sensor;
 use scene::config::Config;
 use tracer::trace::Tracer;
 
@@ -22,7 +23,7 @@ pub(crate) struct Scope<'a> {
 impl Scope<'_> {
     /// Returns the tiles in their order.
     pub(super) fn plan(&self, tracer: Tracer, config: &Config) -> TilePlan {
-        let plan = TilePlan::new(tracer, &tracer.scene.sensor(config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(tracer.scene, config), config.tiles);
         match (self.part, self.limits.team) {
             (Some(part), _) => plan.of_part(tracer, part),
             (None, Some(_)) => plan.most_expensive_first(tracer),

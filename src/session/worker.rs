@@ -6,6 +6,7 @@ use base::stop;
 use render::instruments::Stages;
 use render::ranks::Ranks;
 use render::tiles::{self, TilePlan};
+use scene::build::Sensor;
 use scene::config::{TileOrder, Tiling};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
@@ -25,7 +26,7 @@ impl Session {
                 order: TileOrder::Scanline,
                 ..self.config.tiles
             };
-            let plan = TilePlan::new(tracer, &self.scene.sensor(&self.config), tiling);
+            let plan = TilePlan::new(tracer, &Sensor::new(&self.scene, &self.config), tiling);
             let done = tiles::work(ranks, tracer, &plan, &meter);
             done.map_err(|error| RenderError::Machine(without_thread(&error)))?;
             Ok(stop::check()?)

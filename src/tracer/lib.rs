@@ -1,6 +1,6 @@
 //! A ray → a hit, a color, and their cost: the kernels.
 //!
-//! In: a [`Scene`](scene::world::Scene), and rays one by one or as streams. Out: hits, surface
+//! In: a [`Scene`](world::scene::Scene), and rays one by one or as streams. Out: hits, surface
 //! points, radiance and the next rays; a probe counts the work where one is given.
 //!
 //! Read [`cost`], the counters and the clock; [`accel`], the hierarchy, its builds and its

@@ -109,12 +109,16 @@ fn first(path: &str) -> &str {
 #[test]
 fn a_crate_uses_only_those_above_it() {
     let crates = crates();
-    assert_eq!(crates.len(), 9);
+    assert_eq!(crates.len(), 10);
     let names = crates.iter().map(|folder| folder.file_name().unwrap());
     let names: Vec<&str> = names.map(|name| name.to_str().unwrap()).collect();
     for (index, folder) in crates.iter().take(crates.len() - 1).enumerate() {
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
-        for line in manifest.lines() {
+        // Tests of a crate may read its types from YAML.
+        let (dependencies, _) = manifest
+            .split_once("[dev-dependencies]")
+            .unwrap_or((&manifest, ""));
+        for line in dependencies.lines() {
             let used = line.strip_prefix("raycost-");
             let used = used.and_then(|line| line.split_once('.'));
             if let Some((used, _)) = used {

@@ -10,21 +10,26 @@ use std::path::PathBuf;
 
 use crate::common::in_repository;
 
-/// The folders whose doc comments describe the keys of scene and study files.
-const DOCUMENTED: [&str; 13] = [
+/// The folders and files whose doc comments describe the keys of scene and study files.
+const DOCUMENTED: [&str; 18] = [
     "math/sampling",
     "vtk/codec",
     "scene/animation",
-    "scene/background",
-    "scene/camera",
-    "scene/color",
     "scene/config",
-    "scene/fog",
-    "scene/geometry",
-    "scene/light",
-    "scene/material",
-    "scene/material/image",
     "tools/study",
+    "tracer/accel/acceleration.rs",
+    "tracer/cost/arrays.rs",
+    "tracer/cost/cost_mode.rs",
+    "tracer/cost/ratio.rs",
+    "world/shading.rs",
+    "world/background",
+    "world/camera",
+    "world/color",
+    "world/fog",
+    "world/geometry",
+    "world/light",
+    "world/material",
+    "world/material/image",
 ];
 
 /// `RAYCOST_BLESS=1 cargo test --test commands doc_comments::` writes them anew; then build, and
@@ -45,12 +50,15 @@ fn they_are_those_of_the_sources() {
 /// Returns lines of type, name and comment, which may be empty, with tabs between them.
 fn collect() -> String {
     let src = in_repository("src");
-    let mut files: Vec<PathBuf> = DOCUMENTED
-        .iter()
-        .flat_map(|folder| fs::read_dir(src.join(folder)).unwrap())
+    let (mut files, folders): (Vec<PathBuf>, Vec<PathBuf>) =
+        (DOCUMENTED.iter().map(|path| src.join(path))).partition(|path| path.is_file());
+    files.extend(
+        (folders
+            .iter()
+            .flat_map(|folder| fs::read_dir(folder).unwrap()))
         .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
-        .collect();
+        .filter(|path| path.extension().is_some_and(|e| e == "rs")),
+    );
     files.sort();
     let mut found = String::new();
     for file in files {

@@ -21,8 +21,8 @@ use std::path::PathBuf;
 
 use base::text::Diagnostic;
 use output::memory::Memory;
+use scene::build::{Geometries, Timeline};
 use scene::config::Config;
-use scene::world::{Geometries, Scene, Timeline};
 use scene::yaml::Source;
 
 /// A scene without a mistake, a section a line.
@@ -123,7 +123,7 @@ fn check(text: &str, available: u64) -> Result<(), Diagnostic> {
         Timeline::parse(&config, source.folder())?;
         let geometries = Geometries::read(&mut config, source.folder(), available)?;
         Memory::estimate(&config, &geometries).check(available)?;
-        Scene::new(&config, geometries).map(drop)
+        scene::build::scene(&config, geometries).map(drop)
     };
     check().map_err(|fault| source.point_at(fault))
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 use base::text::Diagnostic;
 use output::memory::Memory;
 use proptest::prelude::*;
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 
 /// Tokens that break YAML or change a value.
@@ -160,7 +160,7 @@ fn check(source: &Source) -> Result<(), Diagnostic> {
     let mut check = || {
         let geometries = Geometries::read(&mut config, Path::new("configs"), MEMORY)?;
         Memory::estimate(&config, &geometries).check(MEMORY)?;
-        Scene::new(&config, geometries).map(drop)
+        scene::build::scene(&config, geometries).map(drop)
     };
     check().map_err(|fault| source.point_at(fault))
 }

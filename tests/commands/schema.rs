@@ -45,7 +45,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
                 .is_none_or(|text| text.chars().count() <= n(rule)),
             "pattern" => value.as_str().is_none_or(|text| {
                 assert_eq!(rule, "^#[0-9a-fA-F]{6}$");
-                scene::yaml::hex_color(text).is_some()
+                world::values::hex_color(text).is_some()
             }),
             "items" => list.is_none_or(|list| list.iter().all(|item| of(rule, item))),
             "minItems" => list.is_none_or(|list| list.len() >= n(rule)),

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use scene::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
-use scene::world::{MaterialId, ObjectId, Primitive};
+
+use world::geometry::{Capsule, Ray, Shape, Sphere, Triangle};
+use world::scene::{MaterialId, ObjectId, Primitive};
 
 /// The settings of a property test: `default` cases, or as many as the environment asks for:
 /// `PROPTEST_CASES=50000 cargo test --test engine rounding`.

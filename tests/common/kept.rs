@@ -3,11 +3,12 @@
 use render::attribution::CostAttribution;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
+use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput};
-use scene::world::Scene;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
+use world::scene::Scene;
 
 use super::scene_of;
 
@@ -31,7 +32,7 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         .build()
         .unwrap();
     let (mut film, mut attribution) = pool.install(|| {
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
         let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let sensor = &plan.sensor;
         let attribution =

@@ -12,6 +12,7 @@ pub mod same_output;
 pub mod scenes;
 pub mod twins;
 
+use scene::build::{Geometries, Sensor};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -23,12 +24,12 @@ use render::film::{Film, Strip};
 use render::schedule::Schedule;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode, OptionalOutput};
-use scene::geometry::RenderSpace;
-use scene::world::{Geometries, Scene};
 use scene::yaml::Source;
 use tracer::accel::Accel;
 use tracer::cost::{self, Counter, Meter, Metric};
 use tracer::trace::Tracer;
+use world::geometry::RenderSpace;
+use world::scene::Scene;
 
 /// The names of the counters, as arrays and totals have them; all but the last add up.
 pub const COUNTERS: [&str; 8] = [
@@ -124,13 +125,13 @@ pub fn parse(text: &str) -> Config {
 /// Builds the scene of a config whose files are relative to `configs/`.
 pub fn scene_of(config: &Config) -> Scene {
     let (config, geometries) = with_geometries(config);
-    Scene::new(&config, geometries).unwrap()
+    scene::build::scene(&config, geometries).unwrap()
 }
 
 /// The same scene in world space, for rays that are given there.
 pub fn scene_in_world(config: &Config) -> Scene {
     let (config, geometries) = with_geometries(config);
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 fn with_geometries(config: &Config) -> (Config, Geometries) {
@@ -173,7 +174,7 @@ pub fn rendered(config: &Config, n_threads: usize, simd: Simd) -> (Film, Schedul
         .build()
         .unwrap();
     pool.install(|| {
-        let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, config), config.tiles);
         render(tracer, &plan, &Meter::new(config.cost), &|_| {})
     })
 }

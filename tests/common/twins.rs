@@ -5,10 +5,10 @@ use std::fmt::Debug;
 use math::simd::Simd;
 use proptest::prelude::*;
 use scene::config::{Acceleration, Quality};
-use scene::geometry::{Ray, RayStream};
-use scene::world::{ObjectId, World};
 use tracer::accel::{Accel, Hit, ShadowRay, ShadowStream};
 use tracer::cost::{Cost, StreamProbe, Traversals};
+use world::geometry::{Ray, RayStream};
+use world::scene::{ObjectId, World};
 
 /// A query's answer and its cost.
 type Answer<A> = (A, Cost);

@@ -7,10 +7,10 @@ use glam::{DAffine3, DVec3, Vec3};
 use math::sampling::uniform;
 use proptest::prelude::*;
 use scene::config::{Acceleration, Quality};
-use scene::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
-use scene::world::{MaterialId, ObjectId, Primitive, Scene};
 use tracer::accel::Accel;
 use tracer::cost::{Cost, NoProbe};
+use world::geometry::{Ray, Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
+use world::scene::{MaterialId, ObjectId, Primitive, Scene};
 
 fn list([x, y, z]: [f32; 3]) -> String {
     format!("[{x}, {y}, {z}]")

@@ -9,8 +9,8 @@ use render::attribution::{
 };
 use render::film::Strip;
 use scene::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
-use scene::world::Instances;
 use tracer::cost::{Counter, RayKind, StepCounter};
+use world::scene::Instances;
 
 const SCENES: [&str; 6] = [
     "seed_extended",

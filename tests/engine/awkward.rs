@@ -6,7 +6,7 @@ use crate::common::generators::{
 use crate::common::twins::compare;
 use glam::Vec3;
 use proptest::prelude::*;
-use scene::geometry::{Aabb, Cuboid, Plane, Ray, Shape, Triangle};
+use world::geometry::{Aabb, Cuboid, Plane, Ray, Shape, Triangle};
 
 /// Triangles, and rays in their planes or through their edges and vertices.
 fn aimed() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {

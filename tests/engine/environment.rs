@@ -5,8 +5,8 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use math::simd::Vector;
 use scene::config::OptionalOutput;
-use scene::light::LitPoint;
-use scene::world::{LightNumbers, Scene};
+use world::light::LitPoint;
+use world::scene::{LightNumbers, Scene};
 
 use crate::common::{film, in_repository, parse, scene_of};
 

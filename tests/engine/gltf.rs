@@ -5,15 +5,16 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::geometry::{Ray, RenderSpace};
 use scene::import::{Finish, Mesh, MeshOpacity, read_mesh, read_mesh_with_materials};
-use scene::material::MaterialKind;
-use scene::world::{Geometries, Scene};
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::Tracer;
+use world::geometry::{Ray, RenderSpace};
+use world::material::MaterialKind;
+use world::scene::Scene;
 
 use crate::common::parse;
 
@@ -175,7 +176,7 @@ fn read_scene(folder: &Path, rest: &str) -> (Config, Geometries) {
 fn scene_of(folder: &Path, rest: &str) -> Scene {
     let (config, geometries) = read_scene(folder, rest);
     // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The color of the surface that a ray along -z meets.

@@ -6,14 +6,15 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use scene::animation;
+use scene::build::{Geometries, Timeline};
 use scene::config::Config;
 use scene::import::{
-    ArrayChoice, PlaceArrays, RadiusChoice, read_mesh, read_mesh_with, read_places, read_series,
-    read_spheres, read_tubes,
+    PlaceArrays, RadiusChoice, read_mesh, read_mesh_with, read_places, read_series, read_spheres,
+    read_tubes,
 };
-use scene::world::{Geometries, Scene, Timeline};
 use scene::yaml::{Document, Source};
 use tools::study::StudyPlan;
+use world::material::ArrayChoice;
 
 /// Most doublings of the time for a doubling of the length: between those of `n log n` and of
 /// the square, with room for noise.
@@ -79,7 +80,7 @@ fn scene(path: &Path) {
 
 fn place(mut config: Config, document: &Document) {
     let geometries = Geometries::read(&mut config, document, u64::MAX).unwrap();
-    Scene::new(&config, geometries).unwrap();
+    scene::build::scene(&config, geometries).unwrap();
 }
 
 /// Sets a value of each material that it did not have, and last a wrong one.

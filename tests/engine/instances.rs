@@ -8,13 +8,15 @@ use crate::common::{film, mean, parse, radiance, scene_in_world, with_cost};
 use glam::Vec3;
 use math::sampling::uniform;
 use proptest::prelude::*;
+use scene::build::Geometries;
 use scene::config::{Acceleration, Config, CostMode};
-use scene::geometry::{InstanceTransform, Ray};
-use scene::import::{self, ArrayChoice, RadiusChoice};
-use scene::world::{Geometries, InstanceId, PlacedPrimitive, Scene};
+use scene::import::{self, RadiusChoice};
 use tracer::accel::{Accel, TraversalStep};
 use tracer::cost::{Cost, NoProbe, RayKind};
 use tracer::trace::{SurfacePoint, Tracer};
+use world::geometry::{InstanceTransform, Ray};
+use world::material::ArrayChoice;
+use world::scene::{InstanceId, PlacedPrimitive, Scene};
 
 const MESHES: [&str; 3] = [
     "{ file: ../tests/files/tile.obj }",
@@ -298,7 +300,7 @@ fn too_many_lights_are_refused() {
     let mut config = parse(&lit(&group.placed()));
     let folder = crate::common::in_repository("configs");
     let geometries = Geometries::read(&mut config, folder.as_path(), u64::MAX).unwrap();
-    let fault = Scene::new(&config, geometries).unwrap_err();
+    let fault = scene::build::scene(&config, geometries).unwrap_err();
     assert!(
         fault.message.contains("emit light from 1171200 triangles"),
         "{fault:?}"

@@ -1,6 +1,7 @@
 //! Light through clear media, against formulas.
 
 use glam::Vec3;
+use scene::build::Sensor;
 
 use crate::common::{mean, parse, radiance, scene_of};
 use render::attribution::{Observer, RayTree};
@@ -27,7 +28,7 @@ objects: [{objects}]
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let mut tree = RayTree::default();
-    Observer::new(tracer, &scene.sensor(&config), None).observe((2, 2), &mut tree);
+    Observer::new(tracer, &Sensor::new(&scene, &config), None).observe((2, 2), &mut tree);
     tree
 }
 

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use crate::common::parse;
 use glam::Vec3;
-use scene::geometry::{Ray, RenderSpace};
-use scene::world::{Geometries, Scene};
+use scene::build::Geometries;
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::{SurfacePoint, Tracer};
+use world::geometry::{Ray, RenderSpace};
+use world::scene::Scene;
 
 /// Rows and columns of the sphere's quads.
 const N: usize = 24;
@@ -58,7 +59,7 @@ fn scene(folder: &Path, object: &str) -> Scene {
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The surface points that rays from all directions toward the center hit.

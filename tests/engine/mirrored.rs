@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 use proptest::prelude::*;
-use scene::geometry::{Patch, Ray};
-use scene::world::Scene;
-use tracer::accel::Accel;
-use tracer::cost::{NoProbe, RayKind};
-use tracer::trace::{SurfacePoint, Tracer};
 
 use crate::common::generators::{cases, direction};
 use crate::common::{mean, parse, radiance, scene_in_world};
+use tracer::accel::Accel;
+use tracer::cost::{NoProbe, RayKind};
+use tracer::trace::{SurfacePoint, Tracer};
+use world::geometry::{Patch, Ray};
+use world::scene::Scene;
 
 /// One object of each kind, about as large as the unit sphere.
 const OBJECTS: [&str; 13] = [

@@ -4,12 +4,13 @@ use std::fmt::Write;
 
 use glam::Vec3;
 use proptest::prelude::*;
+use scene::build::Geometries;
 use scene::config::Acceleration;
-use scene::geometry::{Ray, RenderSpace};
-use scene::world::{Geometries, Scene};
 use tracer::accel::{Accel, ShadowRay};
 use tracer::cost::{Cost, NoProbe, RayKind};
 use tracer::trace::Tracer;
+use world::geometry::{Ray, RenderSpace};
+use world::scene::Scene;
 
 use crate::common::{mean, parse, radiance};
 
@@ -42,7 +43,7 @@ lights: []
     ));
     let geometries = Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
     // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// Rectangles from x = -2 to `right`, one behind the other.

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use glam::Vec3;
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::geometry::{Ray, RenderSpace};
 use scene::import::{Finish, read_mesh_with_materials};
-use scene::world::{Geometries, Scene};
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::Tracer;
+use world::geometry::{Ray, RenderSpace};
+use world::scene::Scene;
 
 use crate::common::parse;
 
@@ -22,7 +23,7 @@ fn scene(folder: &Path, rest: &str) -> Scene {
     ));
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 /// The color of the surface that a ray along -z meets.

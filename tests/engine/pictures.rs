@@ -1,5 +1,6 @@
 //! Pictures: files of every format, and where on a surface each of their points lies.
 
+use scene::build::{Geometries, Sensor};
 use std::fs;
 use std::path::Path;
 
@@ -7,15 +8,15 @@ use exr::prelude::{Image, SpecificChannels, Vec2 as Place, WritableImage};
 use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageFormat};
 use proptest::prelude::*;
-use scene::color::Transfer;
 use scene::config::{Config, CostMode};
-use scene::geometry::{Ray, RenderSpace};
 use scene::import::{FileFault, Mesh, read_mesh, read_picture};
-use scene::picture::{Picture, Sampling, TexelFilter, Wrap};
-use scene::world::{Geometries, Scene};
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::{SurfacePoint, Tracer};
+use world::color::Transfer;
+use world::geometry::{Ray, RenderSpace};
+use world::picture::{Picture, Sampling, TexelFilter, Wrap};
+use world::scene::Scene;
 
 use crate::common::generators::cases;
 use crate::common::{film, in_repository, parse};
@@ -248,7 +249,7 @@ fn scene_of(folder: &Path, material: &str, object: &str) -> Scene {
     let mut config = config_of(material, object);
     let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
     // Rays are given in world space.
-    Scene::in_space(&config, geometries, RenderSpace::default()).unwrap()
+    scene::build::scene_in_space(&config, geometries, RenderSpace::default()).unwrap()
 }
 
 fn config_of(material: &str, object: &str) -> Config {
@@ -397,7 +398,7 @@ fn a_ray_sees_as_much_of_a_picture_as_its_cone_is_wide() {
     // One sample of three pixels in a height of 40 degrees.
     let spread = 2.0 * 20.0_f32.to_radians().tan() / 3.0;
     let accel = Accel::new(&scene, Default::default());
-    let sensor = scene.sensor(&config_of("{ color: 1 }", object));
+    let sensor = Sensor::new(&scene, &config_of("{ color: 1 }", object));
     let tracer = Tracer::new(&scene, &accel).with_cone(sensor.cone);
     let (up, across) = (Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.0, -0.8, 0.6));
     for i in 0..500 {

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use render::film::Film;
-use scene::color::{Development, ToneCurve, Transfer};
 use scene::config::{Config, CostMode, ExtraArrays, OptionalOutput};
+use world::color::{Development, ToneCurve, Transfer};
 
 use crate::common::{config, film, parse, with_cost};
 

@@ -5,9 +5,9 @@ use crate::common::twins::{QUALITIES, compare_built};
 use glam::Vec3;
 use proptest::prelude::*;
 use scene::config::{Acceleration, Quality};
-use scene::geometry::{Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
-use scene::world::{MaterialId, ObjectId, Primitive};
 use tracer::accel::Accel;
+use world::geometry::{Shape, Sphere, Transform, TransformStep, Triangle, world_from_object};
+use world::scene::{MaterialId, ObjectId, Primitive};
 
 /// A shape, where it moves in a unit of time, and the factor by which it grows.
 type Moving = (Shape, Vec3, f32);

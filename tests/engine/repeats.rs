@@ -1,6 +1,7 @@
 //! Repeated renderings change only the times; the overhead of measurement is
 //! reported.
 
+use scene::build::Sensor;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -35,7 +36,7 @@ fn repeated(config: &Config, n_repeats: u8) -> (Film, Vec<Repeat>) {
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     let (film, _, repeats) = pool.install(|| {
-        let plan = TilePlan::new(tracer, &scene.sensor(config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, config), config.tiles);
         repeat(exactly(n_repeats), tracer, &plan, &meter, &|_| {})
     });
     (film, repeats)
@@ -79,7 +80,7 @@ fn each_repeat_reports_its_pixels() {
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
-    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
     let n_pixels = std::sync::atomic::AtomicU64::new(0);
     let report = |progress: render::tiles::Progress| {
         n_pixels.fetch_add(progress.n_pixels, std::sync::atomic::Ordering::Relaxed);
@@ -115,7 +116,7 @@ fn beside_other_work_the_times_are_those_of_the_pixels() {
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let meter = Meter::new(config.cost);
-    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2);
     let pool = threads.build().unwrap();
     // The part of the CPU time that is known, and the shares of objects.
@@ -298,7 +299,7 @@ fn a_single_rendering_of_auto_has_a_spread_of_zero() {
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+    let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
     let meter = Meter::new(CostMode::Time);
     // A rendering that is reported so slowly that no second one is made.
     let wait = std::time::Duration::from_millis(300);
@@ -317,7 +318,7 @@ fn auto_renders_once_without_times() {
         let scene = scene_of(&config);
         let accel = Accel::new(&scene, config.acceleration);
         let tracer = Tracer::new(&scene, &accel);
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
         let meter = Meter::new(mode);
         let (_, _, repeats) = repeat(Repeats::Auto, tracer, &plan, &meter, &|_| {});
         assert_eq!(repeats.len(), 1);

@@ -4,7 +4,7 @@ use crate::common::generators::{cases, direction, primitives};
 use crate::common::twins::compare;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use scene::geometry::{Ray, Shape, Shear, Triangle};
+use world::geometry::{Ray, Shape, Shear, Triangle};
 
 /// A number up to 1 in magnitude, often a round one.
 fn fraction() -> impl Strategy<Value = f32> {
@@ -114,7 +114,7 @@ fn aimed(
     })
 }
 
-fn triangles(triangles: Vec<[Vec3; 3]>) -> Vec<scene::world::Primitive> {
+fn triangles(triangles: Vec<[Vec3; 3]>) -> Vec<world::scene::Primitive> {
     let shapes = triangles.into_iter().map(|vertices| Triangle { vertices });
     primitives(shapes.map(Shape::Triangle))
 }

@@ -7,6 +7,7 @@ use math::simd::Simd;
 use proptest::prelude::*;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
+use scene::build::Sensor;
 use scene::config::{Config, CostMode, OptionalOutput, Traversal};
 use tracer::accel::Accel;
 use tracer::cost::{Counter, Meter};
@@ -62,7 +63,7 @@ fn every_kernel_gives_the_same_film() {
                 let accel = Accel::new(&scene, config.acceleration);
                 let accel = accel.with_simd(simd).with_traversal(traversal);
                 let tracer = Tracer::new(&scene, &accel);
-                let plan = TilePlan::new(tracer, &scene.sensor(&config), config.tiles);
+                let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), config.tiles);
                 let meter = Meter::new(CostMode::Time);
                 films.push(lasting(render(tracer, &plan, &meter, &|_| {}).0));
             }

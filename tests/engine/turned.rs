@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use scene::geometry::{Capsule, Cone, Cylinder, Intersectable, Ray, Shape};
 
 use crate::common::generators::{cases, direction};
+use world::geometry::{Capsule, Cone, Cylinder, Intersectable, Ray, Shape};
 
 /// A shape between two ends with a radius at each.
 #[derive(Debug, Clone, Copy)]

@@ -6,10 +6,10 @@ use crate::common::twins::{QUALITIES, kernels};
 use glam::Vec3;
 use math::sampling::uniform;
 use rayon::prelude::*;
-use scene::geometry::{Ray, Shape, Triangle};
 use scene::import::read_mesh;
 use tracer::accel::Accel;
 use tracer::cost::NoProbe;
+use world::geometry::{Ray, Shape, Triangle};
 
 /// Rays per stream.
 const N_IN_STREAM: usize = 10_000;

@@ -14,11 +14,10 @@ use glam::Vec3;
 use output::writers::{write_nodes, write_surface};
 use render::attribution::{Hierarchy, Visits};
 use scene::config::{BvhLimits, Config, CostMode};
-use scene::geometry::RenderSpace;
-use scene::geometry::Shape;
-use scene::world::Scene;
 use tracer::cost::RayKind;
 use vtk::Codec;
+use world::geometry::{RenderSpace, Shape};
+use world::scene::Scene;
 
 read_both_ways! {
     triangles: small("spot", CostMode::Time);
@@ -141,7 +140,7 @@ fn expected_surface(scene: &Scene, visits: &[Visits], cost: CostMode) -> DataSet
         .filter(|(_, primitive)| !primitive.is_unbounded())
         .collect();
     let shown = || shown.iter();
-    let radius = |primitive: &scene::world::Primitive| match primitive.world_shape() {
+    let radius = |primitive: &world::scene::Primitive| match primitive.world_shape() {
         Some(Shape::Sphere(sphere)) => scene.space.world_length(sphere.radius),
         _ => 0.0,
     };

@@ -1,5 +1,6 @@
 //! `rays.vtp` holds the rays, bit for bit, and VTK reads it as the format says.
 
+use scene::build::Sensor;
 use std::fs::File;
 use std::path::Path;
 
@@ -10,11 +11,11 @@ use render::attribution::{Observer, TracedRay};
 use render::film::Film;
 use render::schedule::TileGrid;
 use scene::config::{Config, CostMode};
-use scene::world::Primitive;
 use tracer::accel::Accel;
 use tracer::cost::Clock;
 use tracer::trace::Tracer;
 use vtk::Codec;
+use world::scene::Primitive;
 
 /// Two tests of the rays of some pixels.
 macro_rules! rays {
@@ -61,13 +62,13 @@ fn with_rays(
     let scene = scene_in_world(config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &scene.sensor(config), clock);
+    let observer = Observer::new(tracer, &Sensor::new(&scene, config), clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {
         name: "scene",
         time: None,
         scene: &scene,
-        plane: &scene.sensor(config).plane,
+        plane: &Sensor::new(&scene, config).plane,
         pixels: &pixels.unwrap(),
         is_timed: clock.is_some(),
         cloud: &Film::new(TileGrid::new(1, 1, 16), 1, CostMode::None),

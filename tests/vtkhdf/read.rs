@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scene::import::{
-    ArrayChoice, DataFile, Mesh, RadiusChoice, Spheres, read_isosurface, read_mesh_with,
-    read_points,
+    DataFile, FileFault, IsosurfaceChoice, Mesh, RadiusChoice, Spheres, read_isosurface,
+    read_mesh_with, read_points, time_steps,
 };
-use scene::import::{FileFault, IsosurfaceChoice, time_steps};
+use world::material::ArrayChoice;
 
 use serde_json::json;
 

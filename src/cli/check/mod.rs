@@ -19,7 +19,7 @@ use output::memory::{self, Memory};
 use output::prediction::Prediction;
 use output::writers::{self, Request};
 use scene::config::Config;
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// Check scenes and studies without rendering them, or verify output folders
 ///
@@ -186,7 +186,7 @@ impl CheckedScene<'_> {
     }
 }
 
-/// Returns the config of a frame, or of a still, the scene in world space, and the memory of its
+/// Returns the config of a frame, or of a still, the scene in render space, and the memory of its
 /// rendering.
 fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memory), Diagnostic> {
     let Input {
@@ -199,6 +199,7 @@ fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memor
         None => scene.load(frame, Memory::of_still)?,
         Some(_) => scene.load(frame, Memory::estimate)?,
     };
-    let placed = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+    let placed =
+        scene::build::scene(&config, geometries).map_err(|fault| document.point_at(fault))?;
     Ok((config, placed, memory))
 }

@@ -10,9 +10,9 @@ use output::memory::{self, Memory};
 use output::prediction::{ArrayFile, DiskUse, Prediction};
 use render::schedule::TileGrid;
 use render::tiles::most_repeats;
-use scene::color::{ToneCurve, Transfer};
 use scene::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
-use scene::world::Scene;
+use world::color::{ToneCurve, Transfer};
+use world::scene::Scene;
 
 /// Returns the lines of the report.
 pub(super) fn lines(checked: &CheckedScene) -> String {

@@ -14,8 +14,8 @@ use base::provenance::Checksum;
 use output::memory::Memory;
 use output::summary::FrameSection;
 use render::instruments::Stages;
+use scene::build::Geometries;
 use scene::config::Config;
-use scene::world::Geometries;
 use scene::yaml::Document;
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 

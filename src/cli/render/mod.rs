@@ -37,8 +37,8 @@ use render::checkpoint::PicturePart;
 use render::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use render::ranks::{Order, Ranks};
 use scene::animation::FrameRange;
+use scene::build::Geometries;
 use scene::config::{Config, Pinning, SimdSet, Traversal};
-use scene::world::Geometries;
 
 pub(super) use merge::{MergeArguments, run as run_merge};
 pub(super) use ranks::fail_on_a_rank;

@@ -10,7 +10,6 @@ use base::folder::SUMMARY;
 use base::text::{Diagnostic, keyword_name};
 use crop::Crop;
 use output::summary::Summary;
-use scene::color::ToneCurve;
 use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
     RatioMetrics, Repeats, Structure, TileOrder, Tiling,
@@ -20,6 +19,7 @@ use scene::yaml::{self, Document, Fault, Source};
 use tools::series::frame_folder;
 use tools::starter::{self, UpAxis};
 use vtk::Codec;
+use world::color::ToneCurve;
 
 /// The name of standard input as a scene.
 const STANDARD_INPUT: &str = "-";

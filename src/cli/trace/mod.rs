@@ -3,6 +3,7 @@
 mod json;
 mod tree;
 
+use scene::build::{Geometries, Sensor};
 use std::path::Path;
 
 use super::open_scene::OpenScene;
@@ -22,7 +23,6 @@ use render::attribution::{ObservedPixel, Observer, TooManyRays};
 use render::film::HotPixel;
 use render::tiles::{Progress, TilePlan, render};
 use scene::config::{Config, Image, Tiling, WrittenArrays};
-use scene::world::{Geometries, Scene};
 use tracer::accel::Accel;
 use tracer::cost::{Meter, Metric};
 use tracer::trace::Tracer;
@@ -115,7 +115,8 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         rectangle.check(&image)?;
     }
     let meter = Meter::new(config.cost);
-    let scene = Scene::new(&config, geometries).map_err(|fault| document.point_at(fault))?;
+    let scene =
+        scene::build::scene(&config, geometries).map_err(|fault| document.point_at(fault))?;
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
@@ -130,7 +131,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let pixels = pool.install(|| TracedPixels::choose(arguments, &config, tracer))?;
 
     // The cloud is a small picture of the scene, sharp without a lens.
-    let mut small = scene.sensor_of(&config, small(&image));
+    let mut small = Sensor::of_image(&scene, &config, small(&image));
     small.plane = small.plane.of_pinhole();
     // Its state needs arrays that `output.arrays` may leave out.
     small.extra_arrays.written = WrittenArrays::default();
@@ -139,7 +140,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
         render(tracer, &plan, &Meter::Off, &|_| {})
     });
     stop::check()?;
-    let sensor = scene.sensor(&config);
+    let sensor = Sensor::new(&scene, &config);
     let observer = Observer::new(tracer, &sensor, meter.clock()).without_steps();
     let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
     stop::check()?;

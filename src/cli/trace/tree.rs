@@ -10,8 +10,8 @@ use base::text::one_line;
 use output::writers::Traced;
 use render::attribution::{ObservedPixel, RayTree, TracedRay};
 use scene::config::Config;
-use scene::world::LightOrigin;
 use tracer::cost::RayKind;
+use world::scene::LightOrigin;
 
 /// Greatest number of pixels that are shown.
 const MAX_PIXELS: usize = 3;

@@ -9,7 +9,7 @@ use image::Rgb;
 
 use super::range::{Range, is_drawable};
 use super::ticks::Scale;
-use scene::color::{ColorMap, Palette, rgb8};
+use world::color::{ColorMap, Palette, rgb8};
 
 /// The color of pixels without a value on the scale: a gray that no color map contains.
 pub const NO_VALUE: Rgb<u8> = Rgb([128; 3]);

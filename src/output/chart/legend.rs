@@ -12,7 +12,7 @@ use super::surface::{
     Anchor, DrawingSurface, INK, LINE, LINE_EM, PAPER, PixelPosition, Rect, line_px, px,
 };
 use super::text::{CAP_HEIGHT_EM, Style};
-use scene::color::Palette;
+use world::color::Palette;
 
 /// A color bar with a title.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use image::Rgb;
 
 use super::colors::NO_VALUE;
 use super::*;
-use scene::color::{ColorMap, rgb8};
+use world::color::{ColorMap, rgb8};
 
 fn map(values: &[f32], width: u32) -> CostMap<'_> {
     let height = values.len() as u32 / width;

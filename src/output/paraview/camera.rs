@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::panels::{Panel, Panels};
 use super::template::StateValue;
-use scene::camera::{ImagePlane, Projection};
+use world::camera::{ImagePlane, Projection};
 
 /// The scene's camera, converted to ParaView's: on-axis and right-handed. Positions and directions
 /// are in world space.
@@ -171,11 +171,11 @@ fn direction(plane: &ImagePlane) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene::geometry::RenderSpace;
+    use world::geometry::RenderSpace;
 
     #[test]
     fn a_left_handed_plane_is_mirrored_about_the_eye() {
-        let camera: scene::camera::Camera =
+        let camera: world::camera::Camera =
             scene::yaml::from_str("window: { eye: [3, 0, -1], x: [2, 4], y: [-1, 1], z: 0 }")
                 .unwrap();
         let camera = ViewCamera::new(&camera.image_plane([10, 10], &RenderSpace::default()), None);
@@ -189,7 +189,7 @@ mod tests {
     fn an_off_axis_camera_looks_straight_at_its_window_where_it_can() {
         let focal_point = |eye: &str| {
             let text = format!("window: {{ eye: {eye}, x: [-1, 1], y: [-1, 1], z: 0 }}");
-            let camera: scene::camera::Camera = scene::yaml::from_str(&text).unwrap();
+            let camera: world::camera::Camera = scene::yaml::from_str(&text).unwrap();
             ViewCamera::new(
                 &camera.image_plane([10, 10], &RenderSpace::default()),
                 Some(1.0),
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_look_at_camera_is_not_mirrored() {
-        let camera: scene::camera::Camera =
+        let camera: world::camera::Camera =
             scene::yaml::from_str("look_at: { eye: [0, 0, 5], target: [0, 0, 0], fov_y_deg: 90 }")
                 .unwrap();
         let camera = ViewCamera::new(

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use scene::color::ColorMap;
+use world::color::ColorMap;
 
 /// Every fifth color of a 256-color map: interpolation restores the others within 1/255.
 const N_COLORS: usize = 52;

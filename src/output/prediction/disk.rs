@@ -10,9 +10,9 @@ use render::film::{self, Column, written_columns};
 use render::schedule::TileGrid;
 use render::tiles::least_repeats;
 use scene::config::{Config, Image, OptionalOutput};
-use scene::world::Scene;
 use tracer::accel::BvhNode;
 use vtk::Codec;
+use world::scene::Scene;
 
 /// Bytes of the header of a VTK file of pixels, with its field data.
 const HEADER: u64 = 6_000;

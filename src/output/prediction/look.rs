@@ -1,14 +1,15 @@
 //! The look of a picture of a scene: what speaks for a mistake in the scene.
 
 use glam::Vec3;
+use scene::build::Sensor;
 
 use render::film::Film;
-use scene::camera::Projection;
 use scene::config::Config;
-use scene::geometry::Ray;
-use scene::light::Light;
 use tracer::cost::NoProbe;
 use tracer::trace::Tracer;
+use world::camera::Projection;
+use world::geometry::Ray;
+use world::light::Light;
 
 /// The camera's view in a picture.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +33,7 @@ impl Look {
     /// Looks at a scene, and at all pixels of a film, which may have none yet.
     pub fn new(film: &Film, config: &Config, tracer: Tracer) -> Self {
         let scene = tracer.scene;
-        let plane = scene.sensor(config).plane;
+        let plane = Sensor::new(scene, config).plane;
         let around_eye = surrounding(tracer, plane.eye);
         let inside = |(index, light): (usize, &Light)| {
             let place = scene.space.point(light.position()?);

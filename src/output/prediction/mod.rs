@@ -27,9 +27,9 @@ use render::schedule::{self, TileGrid};
 use render::tiles::most_repeats;
 use sample::RowSample;
 use scene::config::{Config, OptionalOutput, Repeats};
-use scene::world::Scene;
 use tracer::accel::{Accel, BvhNode, TooLarge};
 use tracer::trace::Tracer;
+use world::scene::Scene;
 
 /// The predicted resources of a rendering.
 #[derive(Debug, Clone)]

@@ -1,5 +1,6 @@
 //! Renders a small picture of a scene, for all that depends on the camera.
 
+use scene::build::Sensor;
 use std::time::Instant;
 
 use super::look::Look;
@@ -54,7 +55,11 @@ impl Preview {
             CostMode::None => Meter::Off,
             _ => Meter::new(CostMode::Counters),
         };
-        let plan = TilePlan::new(tracer, &tracer.scene.sensor_of(config, small), tiling);
+        let plan = TilePlan::new(
+            tracer,
+            &Sensor::of_image(tracer.scene, config, small),
+            tiling,
+        );
         let begin = Instant::now();
         let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let n_pixels = small.n_pixels() as f64;

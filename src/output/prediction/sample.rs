@@ -1,5 +1,6 @@
 //! Renders some rows of the picture, to measure their compression.
 
+use scene::build::Sensor;
 use std::num::NonZeroU8;
 
 use super::length::Length;
@@ -35,7 +36,7 @@ impl<'a> RowSample<'a> {
         let repeats = if has_spread { TWICE } else { Repeats::ONCE };
         let (image, n_rows) = rows(config, if has_spread { 2 } else { 1 });
         let plan = TilePlan::of_some_rows(
-            &tracer.scene.sensor_of(config, image),
+            &Sensor::of_image(tracer.scene, config, image),
             config.tiles.size,
             n_rows,
         );

@@ -8,7 +8,7 @@ use crate::summary::FILE as SUMMARY;
 use crate::writers::{OBJECTS_CSV, rows_per_thing};
 use base::files;
 use base::text::{Diagnostic, numbers, text_of_cell};
-use scene::yaml::MAX_NAME;
+use world::values::MAX_NAME;
 
 /// Maximum number of bytes of a row: a quoted name of the longest characters, and the numbers.
 const MAX_ROW: u64 = 2 * 4 * MAX_NAME as u64 + 1024;

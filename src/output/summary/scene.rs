@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use base::provenance::Checksum;
 use base::text::keyword_name;
 use math::simd::Simd;
-use scene::camera::{ImagePlane, Projection};
-use scene::color::{Development, ToneCurve, Transfer};
 use scene::config::{
     Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,
     ShadingModel, Traversal,
 };
 use tracer::accel::BvhStatistics;
+use world::camera::{ImagePlane, Projection};
+use world::color::{Development, ToneCurve, Transfer};
 
 /// The scene file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

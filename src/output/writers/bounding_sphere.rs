@@ -3,9 +3,9 @@
 use glam::Vec3;
 
 use render::attribution::TracedRay;
-use scene::camera::{ImagePlane, Projection};
-use scene::geometry::{Aabb, Ray};
-use scene::world::Scene;
+use world::camera::{ImagePlane, Projection};
+use world::geometry::{Aabb, Ray};
+use world::scene::Scene;
 
 /// Maximum distance, in radii, of a light to which shadow rays are drawn.
 const FAR_LIGHT: f32 = 10.0;

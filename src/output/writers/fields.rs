@@ -3,9 +3,9 @@
 use super::Survey;
 use crate::paraview::ViewCamera;
 use base::provenance::{self, RunId};
-use scene::camera::{ImagePlane, Projection};
 use scene::config::Config;
 use vtk::Field;
+use world::camera::{ImagePlane, Projection};
 
 /// Maximum number of bytes of a list of names: they stand in the header of the file, whose readers
 /// have limits.

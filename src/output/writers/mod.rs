@@ -31,6 +31,7 @@ mod tiles;
 mod trace_events;
 mod traced;
 
+use scene::build::Sensor;
 use std::path::Path;
 use std::time::Duration;
 
@@ -73,12 +74,12 @@ use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
 use render::tiles::{Overhead, Repeat};
-use scene::camera::ImagePlane;
 use scene::config::{Config, CostMode, OptionalOutput, Traversal};
-use scene::world::Scene;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
 use vtk::{Codec, compressed};
+use world::camera::ImagePlane;
+use world::scene::Scene;
 
 /// Upper bound of the bytes per pixel to write pictures and files: a copy of the times or counts, the
 /// cost map and its PNG.
@@ -245,7 +246,7 @@ pub struct RenderingView<'a> {
     pub frame: Option<&'a FrameSection>,
     /// The settings of the scene file, as changed by the command line.
     pub config: &'a Config,
-    /// The scene in world space.
+    /// The scene in render space.
     pub scene: &'a Scene,
     /// The size of the hierarchy, if there is one.
     pub bvh: Option<BvhStatistics>,
@@ -286,7 +287,10 @@ pub struct RenderingView<'a> {
 impl RenderingView<'_> {
     /// Returns the image plane of the pixels: for a window, a part of the scene's.
     pub fn image_plane(&self) -> ImagePlane {
-        let (plane, image) = (self.scene.sensor(self.config).plane, &self.config.image);
+        let (plane, image) = (
+            Sensor::new(self.scene, self.config).plane,
+            &self.config.image,
+        );
         match image.window {
             None => plane,
             Some(window) => plane.part(window.origin, [image.width, image.height]),

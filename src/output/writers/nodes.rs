@@ -9,14 +9,14 @@ use super::file::{FileContent, OutputFile};
 use super::points::points;
 use render::attribution::{Hierarchy, Visits};
 use scene::config::{BvhLimits, CostMode, OptionalOutput};
-use scene::geometry::RenderSpace;
-use scene::world::Instances;
 use tracer::accel::BvhNode;
 use tracer::cost::Metric;
 use vtk::appended;
 use vtk::array::{Array, Entry, separate_cells};
 use vtk::data_set::{CellMesh, DataSet};
 use vtk::encoding::Encoding;
+use world::geometry::RenderSpace;
+use world::scene::Instances;
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {

@@ -17,10 +17,10 @@ use crate::chart::{self, ColorLegend, LegendKey, Scale, Swatch, draw_legends, pn
 use base::folder::FileWriter;
 use base::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS, Strip};
-use scene::color::rgb8;
 use scene::config::Config;
-use scene::material::{ArrayScale, ArrayTexture};
-use scene::world::Scene;
+use world::color::rgb8;
+use world::material::{ArrayScale, ArrayTexture};
+use world::scene::Scene;
 
 /// The file's name.
 pub(super) const NAME: &str = "image.png";

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use scene::geometry::{LENGTH_UNIT, RenderSpace};
 use vtk::array::Array;
+use world::geometry::{LENGTH_UNIT, RenderSpace};
 
 /// Returns the array of `n` points: 64-bit if the coordinates in world space need more than 32
 /// bits.

@@ -8,14 +8,14 @@ use super::bounding_sphere::BoundingSphere;
 use super::points::points;
 use render::attribution::{ObservedPixel, TracedRay};
 use render::film::Film;
-use scene::camera::ImagePlane;
-use scene::geometry::LENGTH_UNIT;
-use scene::world::{Primitive, Scene};
 use tracer::cost::Metric;
 use vtk::appended;
 use vtk::array::{Array, Entry, separate_cells};
 use vtk::data_set::{CellMesh, DataSet};
 use vtk::encoding::Encoding;
+use world::camera::ImagePlane;
+use world::geometry::LENGTH_UNIT;
+use world::scene::{Primitive, Scene};
 
 /// The name of the file.
 pub const FILE: &str = "rays.vtp";

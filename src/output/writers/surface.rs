@@ -8,13 +8,13 @@ use super::file::{FileContent, OutputFile};
 use super::points::points;
 use render::attribution::Visits;
 use scene::config::{CostMode, OptionalOutput};
-use scene::geometry::{InstanceTransform, LENGTH_UNIT, Patch, RenderSpace};
-use scene::world::{Instances, Primitive, Scene};
 use tracer::cost::Metric;
 use vtk::appended;
 use vtk::array::{Array, Entry, Integers};
 use vtk::data_set::{CellMesh, DataSet};
 use vtk::encoding::Encoding;
+use world::geometry::{InstanceTransform, LENGTH_UNIT, Patch, RenderSpace};
+use world::scene::{Instances, Primitive, Scene};
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {

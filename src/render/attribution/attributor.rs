@@ -4,11 +4,12 @@ use super::CostAttribution;
 use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use super::tally::{Tally, TallyCache};
 use crate::attribution::{Observer, RayTree, TracedRay};
+use scene::build::Sensor;
 use scene::config::{OptionalOutput, Outputs};
-use scene::world::{Instances, Primitive, Scene, Sensor};
 use tracer::accel::{BvhNode, Hit, TraversalStep};
 use tracer::cost::{Clock, RayKind, StepCounter, StepCounts};
 use tracer::trace::Tracer;
+use world::scene::{Instances, Primitive, Scene};
 
 /// Sums that all threads add to.
 pub(super) struct Tallies {

@@ -22,8 +22,8 @@ use rayon::prelude::*;
 use crate::film::Film;
 use crate::tiles::{Progress, Report};
 use base::stop;
+use scene::build::Sensor;
 use scene::config::{Acceleration, OptionalOutput, Outputs};
-use scene::world::Sensor;
 use tracer::accel::{Bvh, BvhNode};
 use tracer::cost::{Meter, StepCounts};
 use tracer::trace::Tracer;
@@ -37,9 +37,9 @@ pub use tree::{RayTree, TracedRay};
 /// The cost of a picture, attributed to the parts of its scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostAttribution {
-    /// Indexed by [`ObjectId`](scene::world::ObjectId); the last entry is for rays without a hit.
+    /// Indexed by [`ObjectId`](world::scene::ObjectId); the last entry is for rays without a hit.
     pub objects: Vec<AttributedCost>,
-    /// Indexed by [`MaterialId`](scene::world::MaterialId); the last entry is for rays without a
+    /// Indexed by [`MaterialId`](world::scene::MaterialId); the last entry is for rays without a
     /// hit.
     pub materials: Vec<AttributedCost>,
     /// For each primitive of the scene, if [`OptionalOutput::Surface`] is requested.

@@ -7,12 +7,12 @@ use glam::Vec3;
 
 use crate::attribution::{RayTree, TracedRay};
 use crate::tiles::{PathProbe, View, follow};
-use scene::light::Illumination;
-use scene::world::Sensor;
+use scene::build::Sensor;
 use tracer::accel::{Hit, TraversalStep};
 use tracer::cost::{Clock, Cost, RayKind};
 use tracer::shade::{LightSample, PathRay};
 use tracer::trace::{SurfacePoint, Tracer};
+use world::light::Illumination;
 
 /// Renders pixels and records their rays.
 #[derive(Clone, Copy)]

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use scene::geometry::Ray;
 use tracer::accel::{Hit, TraversalStep};
 use tracer::cost::{Cost, Probe, RayKind};
+use world::geometry::Ray;
 
 /// The rays of a pixel, each after its parent, and the steps of their traversals.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -91,7 +91,7 @@ impl RayTree {
     }
 
     /// Returns the pixel's color: the mean of the samples, each channel of which is limited to
-    /// `most`, as by [`Sensor::sample_limit`](scene::world::Sensor::sample_limit).
+    /// `most`, as by [`Sensor::sample_limit`](scene::build::Sensor::sample_limit).
     pub fn limited_color(&self, most: f32) -> Vec3 {
         let n_samples = self.rays.last().map_or(0, |ray| ray.sample + 1);
         let most = Vec3::splat(most / n_samples as f32);

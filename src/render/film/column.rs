@@ -4,8 +4,8 @@ use vtkio::model::ScalarType;
 
 use super::{Film, Strip};
 use scene::config::{Config, CostMode, ExtraArrays, Repeats};
-use scene::geometry::LENGTH_UNIT;
 use tracer::cost::{Metric, MetricSource};
+use world::geometry::LENGTH_UNIT;
 
 /// An array of the film as in files.
 #[derive(Debug, Clone, Copy)]

@@ -33,10 +33,10 @@ pub use tile::RenderedTile;
 use crate::schedule::TileGrid;
 use base::host::grow_heap;
 use math::statistics::sum;
-use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays, Repeats};
-use scene::geometry::RenderSpace;
 use tracer::cost::{Cost, RaysByBounce, StepCounts};
+use world::color::Development;
+use world::geometry::RenderSpace;
 
 /// Rows of a strip, except for the last one: fewer than a tile has by default, so that threads with
 /// tiles side by side wait for each other only briefly, and enough for a large write to a file.

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use scene::world::InstanceId;
 use tracer::cost::{Counters, RaysByBounce};
 use tracer::trace::SurfacePoint;
+use world::scene::InstanceId;
 
 /// Pixels of a tile and their cost, row by row.
 #[derive(Debug, Clone, Copy)]

@@ -5,9 +5,9 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::{PixelColumns, Rendered};
-use scene::color::Development;
 use scene::config::{CostMode, ExtraArrays};
 use tracer::cost::{RaysByBounce, StepCounts};
+use world::color::Development;
 
 /// Some rows of a film. Every array is row-major, `width * n_rows` long, with the uppermost row
 /// first. Arrays of times are empty without times.

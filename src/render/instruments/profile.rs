@@ -100,11 +100,12 @@ mod sampler {
     }
 
     /// The program's crates, as the names of their functions begin.
-    const CRATES: [&str; 9] = [
+    const CRATES: [&str; 10] = [
         "raycost::",
         "base::",
         "math::",
         "vtk::",
+        "world::",
         "scene::",
         "tracer::",
         "render::",

@@ -16,16 +16,16 @@ mod message;
 mod hello;
 mod team;
 #[cfg(feature = "mpi")]
-mod world;
+mod mpi_world;
 #[cfg(not(feature = "mpi"))]
-mod no_world;
+mod no_mpi_world;
 
 use std::time::Instant;
 
-#[cfg(not(feature = "mpi"))]
-use no_world::NoMpiWorld as MpiWorld;
 #[cfg(feature = "mpi")]
-use world::MpiWorld;
+use mpi_world::MpiWorld;
+#[cfg(not(feature = "mpi"))]
+use no_mpi_world::NoMpiWorld as MpiWorld;
 
 use crate::checkpoint::Header;
 use base::stop;
@@ -35,11 +35,11 @@ use pauses::Pauses;
 pub use hello::{Hello, Order, SceneText};
 pub use launch::{local_rank, n_launched};
 pub use message::{Message, MessageKind, RankFailure};
-#[cfg(not(feature = "mpi"))]
-pub use no_world::abort;
-pub use team::{Member, RankWork, Team};
 #[cfg(feature = "mpi")]
-pub use world::abort;
+pub use mpi_world::abort;
+#[cfg(not(feature = "mpi"))]
+pub use no_mpi_world::abort;
+pub use team::{Member, RankWork, Team};
 
 /// True if this program can be one of several ranks.
 pub const IS_BUILT: bool = cfg!(feature = "mpi");

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::checkpoint::TileRecord;
 use crate::film::{Film, PackedCounters, PixelColumns, Rendered, RenderedTile, STRIP_ROWS, Strip};
 use crate::schedule::{Tile, TileGrid, TileRun};
-use scene::color::Development;
+use world::color::Development;
 
 /// A film whose strips and tiles each have a lock.
 pub(super) struct Canvas<'a> {

@@ -7,7 +7,7 @@ use crate::checkpoint::{Checkpoint, TileRecord};
 use crate::ranks::Team;
 use crate::schedule::{Tile, TileRun};
 use base::stop;
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// The tiles that renderings of a picture take over and keep, and when they end.
 #[derive(Debug, Clone, Copy, Default)]

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::stream::StreamRenderer;
 use super::view::View;
 use crate::schedule::{Tile, TileGrid};
+use scene::build::Sensor;
 use scene::config::Image;
-use scene::world::Sensor;
 use tracer::cost::{Cost, Counters, RayKind};
 use tracer::trace::Tracer;
 

@@ -10,7 +10,7 @@ use super::samples::Samples;
 use crate::checkpoint::Checkpoint;
 use crate::film::{Film, STRIP_ROWS};
 use crate::schedule::{Schedule, TileGrid};
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// A rendered picture whose pixels are read band by band.
 #[derive(Debug, Clone, Copy)]

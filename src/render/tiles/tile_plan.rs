@@ -7,9 +7,10 @@ use super::{MAX_PIXELS, prepass};
 use crate::checkpoint::PicturePart;
 use crate::film::Film;
 use crate::schedule::{Tile, TileGrid, hilbert_curve};
+use scene::build::Sensor;
 use scene::config::{CostMode, Image, TileOrder, Tiling};
-use scene::world::{Scene, Sensor};
 use tracer::trace::Tracer;
+use world::scene::Scene;
 
 /// A picture divided into tiles, which can be rendered any number of times.
 #[derive(Debug, Clone)]

@@ -146,8 +146,8 @@ fn before((x, y): (u32, u32), width: u32) -> impl Iterator<Item = (u32, u32)> {
 mod tests {
     use super::*;
     use crate::tiles::render;
+    use scene::build::{Geometries, Sensor};
     use scene::config::{Config, CostMode, Tiling};
-    use scene::world::{Geometries, Scene};
     use scene::yaml::Source;
     use tracer::accel::Accel;
     use tracer::cost::Meter;
@@ -163,10 +163,10 @@ mod tests {
         let mut config: Config = source.parse().unwrap();
         (config.image.width, config.image.height) = (40, 30);
         let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
-        let scene = Scene::new(&config, geometries).unwrap();
+        let scene = scene::build::scene(&config, geometries).unwrap();
         let accel = Accel::new(&scene, config.acceleration);
         let tracer = Tracer::new(&scene, &accel);
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), Tiling::default());
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), Tiling::default());
         let meter = Meter::new(CostMode::Time);
         let (mut film, _) = render(tracer, &plan, &meter, &|_| {});
         // Neighbors, so that they are trusted; one of them is at the left edge.

@@ -282,8 +282,8 @@ mod tests {
     use super::*;
     use crate::tiles::TilePlan;
     use crate::tiles::stream::StreamRenderer;
+    use scene::build::{Geometries, Sensor};
     use scene::config::{Config, Tiling};
-    use scene::world::{Geometries, Scene};
     use scene::yaml::Source;
     use tracer::accel::Accel;
     use tracer::trace::Tracer;
@@ -297,10 +297,10 @@ mod tests {
         let source = Source::read(file.as_ref()).unwrap();
         let mut config: Config = source.parse().unwrap();
         let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
-        let scene = Scene::new(&config, geometries).unwrap();
+        let scene = scene::build::scene(&config, geometries).unwrap();
         let accel = Accel::new(&scene, config.acceleration);
         let tracer = Tracer::new(&scene, &accel);
-        let plan = TilePlan::new(tracer, &scene.sensor(&config), Tiling::default());
+        let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), Tiling::default());
         let view = View::new(tracer, &plan.sensor);
         let clock = Clock::calibrated();
         let mut cold = StreamRenderer::<Counters>::new(view);

@@ -6,11 +6,11 @@ use super::rounds::Rounds;
 use crate::film::Pixel;
 use math::sampling::{Dimension, FilterSampler, Sampler};
 use math::simd::{Integer, Mask, Real, Vector};
-use scene::camera::ImagePlane;
-use scene::geometry::Ray;
-use scene::world::Sensor;
+use scene::build::Sensor;
 use tracer::shade::{EyeMedia, PathRay, SampleId, Shader};
 use tracer::trace::Tracer;
+use world::camera::ImagePlane;
+use world::geometry::Ray;
 
 /// Everything that rendering a pixel needs.
 #[derive(Clone, Copy)]

@@ -6,7 +6,8 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use crate::yaml::{self, Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath};
+use world::values;
 
 /// Moves the camera along a smooth path through all eyes, at constant speed.
 ///
@@ -53,10 +54,10 @@ impl PartialEq for MeasuredPath {
 /// A point of a scene.
 #[derive(Deserialize)]
 #[serde(transparent)]
-struct Point(#[serde(deserialize_with = "yaml::point")] glam::DVec3);
+struct Point(#[serde(deserialize_with = "values::point")] glam::DVec3);
 
 fn points<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 3]>, D::Error> {
-    let points: Vec<Point> = yaml::non_empty(d, "point")?;
+    let points: Vec<Point> = values::non_empty(d, "point")?;
     let point = |Point(point): Point| point.to_array();
     Ok(points.into_iter().map(point).collect())
 }

@@ -7,7 +7,8 @@ use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 
 use super::MAX_FRAMES;
 use super::interpolation::Interpolation;
-use crate::yaml::{self, integers_as_f64};
+use world::integers_as_f64;
+use world::values;
 
 /// A value at a frame.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -17,7 +18,7 @@ use crate::yaml::{self, integers_as_f64};
 )]
 pub struct Keyframe {
     /// The number of the frame; the first is 0.
-    #[serde(deserialize_with = "yaml::between::<_, _, 0, { MAX_FRAMES - 1 }>")]
+    #[serde(deserialize_with = "values::between::<_, _, 0, { MAX_FRAMES - 1 }>")]
     pub frame: u32,
     /// The value at this frame.
     pub value: KeyframeValue,
@@ -94,13 +95,13 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<KeyframeValue, E> {
-        yaml::exact_coordinate(number.into_deserializer()).map(KeyframeValue::Number)
+        values::exact_coordinate(number.into_deserializer()).map(KeyframeValue::Number)
     }
 
     integers_as_f64!();
 
     fn visit_str<E: Error>(self, text: &str) -> Result<KeyframeValue, E> {
-        let rgb = yaml::hex_color(text)
+        let rgb = values::hex_color(text)
             .ok_or_else(|| E::invalid_type(serde::de::Unexpected::Str(text), &self))?;
         let channels = rgb.map(|channel| f64::from(f32::from(channel) / 255.0));
         Ok(KeyframeValue::List(channels.to_vec()))
@@ -126,4 +127,4 @@ impl<'de> Visitor<'de> for ValueVisitor {
 
 /// A number of a list.
 #[derive(Deserialize)]
-struct Coordinate(#[serde(deserialize_with = "yaml::exact_coordinate")] f64);
+struct Coordinate(#[serde(deserialize_with = "values::exact_coordinate")] f64);

@@ -11,7 +11,6 @@ mod track;
 mod orbit;
 mod fly_through;
 mod frame_range;
-mod hierarchy_update;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -19,13 +18,14 @@ use serde::de::Deserializer;
 
 pub use fly_through::FlyThrough;
 pub use frame_range::FrameRange;
-pub use hierarchy_update::HierarchyUpdate;
 pub use interpolation::Interpolation;
 pub use keyframe::{Keyframe, KeyframeValue};
 pub use orbit::Orbit;
 
-use crate::yaml::{self, Document, Fault, FieldPath};
+use crate::yaml::{Document, Fault, FieldPath};
 use base::text::Diagnostic;
+use tracer::accel::HierarchyUpdate;
+use world::values;
 
 /// Values of the scene that change from frame to frame.
 ///
@@ -49,7 +49,7 @@ use base::text::Diagnostic;
 pub struct Animation {
     /// The number of frames, 1 to 100,000; by default the number of time steps of the longest data
     /// series.
-    #[serde(default, deserialize_with = "yaml::between::<_, _, 1, MAX_FRAMES>")]
+    #[serde(default, deserialize_with = "values::between::<_, _, 1, MAX_FRAMES>")]
     pub frames: Option<u32>,
     /// Frames per second of the video, and of time if no data series gives it; 24 by default.
     #[serde(default = "default_fps", deserialize_with = "fps")]
@@ -83,7 +83,7 @@ fn default_fps() -> f32 {
 }
 
 fn fps<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    yaml::within(d, 0.001..=1000.0, "frames per second from 0.001 to 1000")
+    values::within(d, 0.001..=1000.0, "frames per second from 0.001 to 1000")
 }
 
 /// No keyframes, for scenes that only show a data series.

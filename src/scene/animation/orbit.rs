@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde::de::Deserializer;
 
 use super::Pose;
-use crate::yaml;
+use world::values;
 
 /// Moves the camera around its target, about its `up`, at the same distance and height. After a
 /// whole number of turns, the frame after the last would equal the first.
@@ -18,7 +18,7 @@ pub struct Orbit {
 }
 
 fn turns<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
-    yaml::within(d, -1000.0..=1000.0, "a number of turns from -1000 to 1000")
+    values::within(d, -1000.0..=1000.0, "a number of turns from -1000 to 1000")
 }
 
 impl Orbit {

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use crate::yaml;
 use base::text::numbers::counted;
+use world::values;
 
 /// Maximum number of camera rays through a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -28,7 +28,7 @@ pub struct Adaptive {
     /// Samples that each pixel gets, at least 2 and at most the image's samples per pixel;
     /// 16 if not given.
     #[serde(
-        deserialize_with = "yaml::between::<_, _, 2, MAX_SAMPLES>",
+        deserialize_with = "values::between::<_, _, 2, MAX_SAMPLES>",
         default = "sixteen"
     )]
     pub min_samples: u32,
@@ -48,7 +48,7 @@ impl Adaptive {
 }
 
 fn noise<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    yaml::within(d, 1e-4..=1.0, "a standard error from 0.0001 to 1")
+    values::within(d, 1e-4..=1.0, "a standard error from 0.0001 to 1")
 }
 
 fn sixteen() -> u32 {

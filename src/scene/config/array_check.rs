@@ -27,7 +27,7 @@ impl Config {
                 let message = format!("`output.arrays` has `{name}` twice");
                 return Err(fault(message, "expected each array once"));
             }
-            if let Some([what, help]) = array.lacks(self) {
+            if let Some([what, help]) = lacks(array, self) {
                 let message = format!("the array `{name}` requires {what}");
                 return Err(fault(message, "this rendering does not have it").with_help(help));
             }
@@ -36,40 +36,41 @@ impl Config {
     }
 }
 
-impl PixelArray {
-    /// Returns the missing condition for a rendering with these settings to have the array, and the
-    /// setting that fulfills it; `None` if the array is available.
-    pub(super) fn lacks(self, config: &Config) -> Option<[String; 2]> {
-        let cost = config.cost;
-        let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
-        let asks_for = |output: OptionalOutput| {
-            let name = keyword_name(&output);
-            let help = format!("add `also: [{name}]` to `output`, or `--also {name}`");
-            (!config.output.has(output)).then(|| [format!("the output `{name}`"), help])
-        };
-        match self {
-            Self::Rgb | Self::Normals | Self::Distance | Self::Footprint => None,
-            Self::PixelX | Self::PixelY | Self::Pixel | Self::Horizon => None,
-            Self::Object | Self::Material => None,
-            Self::Instance if config.has_instances() => None,
-            Self::Instance => lacks("instances", "only scenes with `instances` have it"),
-            Self::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
-            Self::TimeMadNs if !cost.has_time() => Some(of_mode(CostMode::Time, cost)),
-            Self::TimeMadNs if config.repeats.has_spread() => None,
-            Self::TimeMadNs => lacks("repeats", "use `repeats: auto` or `--repeats 10`"),
-            Self::Samples if cost.has_counters() && config.image.adaptive.is_none() => lacks(
-                "adaptive sampling",
-                "only scenes with `image.adaptive` have it: all pixels have as many samples",
-            ),
-            Self::Radiance => asks_for(OptionalOutput::Radiance),
-            Self::RaysByBounce => asks_for(OptionalOutput::Bounces),
-            Self::Group => asks_for(OptionalOutput::Groups),
-            Self::BoxTests | Self::BoxHits | Self::PrimitiveHits | Self::InstanceVisits => {
-                asks_for(OptionalOutput::Tests)
-            }
-            _ if cost.has_counters() => None,
-            _ => Some(of_mode(CostMode::Counters, cost)),
+/// Returns the missing condition for a rendering with these settings to have the array, and the
+/// setting that fulfills it; `None` if the array is available.
+pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
+    let cost = config.cost;
+    let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
+    let asks_for = |output: OptionalOutput| {
+        let name = keyword_name(&output);
+        let help = format!("add `also: [{name}]` to `output`, or `--also {name}`");
+        (!config.output.has(output)).then(|| [format!("the output `{name}`"), help])
+    };
+    match array {
+        PixelArray::Rgb | PixelArray::Normals | PixelArray::Distance | PixelArray::Footprint => {
+            None
         }
+        PixelArray::PixelX | PixelArray::PixelY | PixelArray::Pixel | PixelArray::Horizon => None,
+        PixelArray::Object | PixelArray::Material => None,
+        PixelArray::Instance if config.has_instances() => None,
+        PixelArray::Instance => lacks("instances", "only scenes with `instances` have it"),
+        PixelArray::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
+        PixelArray::TimeMadNs if !cost.has_time() => Some(of_mode(CostMode::Time, cost)),
+        PixelArray::TimeMadNs if config.repeats.has_spread() => None,
+        PixelArray::TimeMadNs => lacks("repeats", "use `repeats: auto` or `--repeats 10`"),
+        PixelArray::Samples if cost.has_counters() && config.image.adaptive.is_none() => lacks(
+            "adaptive sampling",
+            "only scenes with `image.adaptive` have it: all pixels have as many samples",
+        ),
+        PixelArray::Radiance => asks_for(OptionalOutput::Radiance),
+        PixelArray::RaysByBounce => asks_for(OptionalOutput::Bounces),
+        PixelArray::Group => asks_for(OptionalOutput::Groups),
+        PixelArray::BoxTests
+        | PixelArray::BoxHits
+        | PixelArray::PrimitiveHits
+        | PixelArray::InstanceVisits => asks_for(OptionalOutput::Tests),
+        _ if cost.has_counters() => None,
+        _ => Some(of_mode(CostMode::Counters, cost)),
     }
 }
 

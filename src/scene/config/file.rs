@@ -9,10 +9,9 @@ use serde::de::{Deserializer, MapAccess};
 use super::isosurface::Isosurface;
 use super::normals::MeshNormals;
 use super::same_or_array::{NumberArray, SameOrArray};
-use crate::import::{
-    self, ArrayChoice, DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes,
-};
-use crate::yaml;
+use crate::import::{self, DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes};
+use world::material::ArrayChoice;
+use world::values;
 
 /// A file of shapes.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,7 +123,7 @@ pub struct MeshFile {
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
     /// A factor on the lights of a glTF file, at least 0; 1 by default.
-    #[serde(default = "yaml::one", deserialize_with = "yaml::intensity")]
+    #[serde(default = "values::one", deserialize_with = "values::intensity")]
     pub lights: f32,
 }
 
@@ -209,7 +208,7 @@ pub struct RadiusArray {
     /// The name of the array of points, or of the column of a table.
     pub array: String,
     /// The factor from its numbers to radii, greater than 0; 1 by default.
-    #[serde(default = "yaml::one", deserialize_with = "yaml::positive")]
+    #[serde(default = "values::one", deserialize_with = "values::positive")]
     pub scale: f32,
 }
 
@@ -218,7 +217,7 @@ impl NumberArray for RadiusArray {
 }
 
 fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
-    yaml::whole(d, 0..=MAX_STEP).map(|step| Some(step as usize))
+    values::whole(d, 0..=MAX_STEP).map(|step| Some(step as usize))
 }
 
 /// The maximum time step of a file with several.

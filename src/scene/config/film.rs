@@ -5,15 +5,16 @@ use std::ops::RangeInclusive;
 use serde::de::DeserializeSeed;
 use serde::{Deserialize, Deserializer};
 
-use super::ShadingModel;
-use crate::color::{Development, ToneCurve, Transfer};
-use crate::yaml::{self, Number};
+use world::color::{Development, ToneCurve, Transfer};
+use world::shading::ShadingModel;
+use world::values;
+use world::values::Number;
 
 /// The conversion of a pixel's light to the numbers of the picture.
 ///
 /// ```
 /// # use scene::config::FilmSettings;
-/// # use scene::color::ToneCurve;
+/// # use world::color::ToneCurve;
 /// let film: FilmSettings = scene::yaml::from_str("
 /// { exposure: 1.5, tone_curve: agx, bits: 16 }
 /// ").unwrap();
@@ -39,7 +40,7 @@ pub struct FilmSettings {
     /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
     /// the mean is taken, which removes single bright pixels and some light; none, and 1 for the
     /// shading model `seed`, by default.
-    #[serde(deserialize_with = "yaml::positive")]
+    #[serde(deserialize_with = "values::positive")]
     pub sample_limit: Option<f32>,
 }
 
@@ -64,7 +65,7 @@ impl FilmSettings {
 }
 
 fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    yaml::within(d, FilmSettings::STOPS, "a number of stops from -32 to 32")
+    values::within(d, FilmSettings::STOPS, "a number of stops from -32 to 32")
 }
 
 fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {

@@ -6,9 +6,9 @@ use glam::{DVec3, UVec3, Vec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, Unexpected};
 
-use crate::geometry::{Located, Sphere, located};
-use crate::yaml;
 use math::sampling::uniform;
+use world::geometry::{Located, Sphere, located};
+use world::values;
 
 /// Maximum number of shapes of one generator.
 pub const MAX_SHAPES: u32 = 1_000_000_000;
@@ -96,19 +96,19 @@ impl fmt::Display for Generator {
 #[serde(deny_unknown_fields)]
 pub struct SphereCloud {
     /// The number of spheres, at least 1.
-    #[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")]
+    #[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")]
     pub count: u32,
     /// One corner of the box of the centers.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub min: DVec3,
     /// The opposite corner.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub max: DVec3,
     /// Least and greatest radius, or a single one for all.
-    #[serde(deserialize_with = "yaml::positive_range")]
+    #[serde(deserialize_with = "values::positive_range")]
     pub radius: [f32; 2],
     /// The seed of centers, radii and materials; 0 if not given.
-    #[serde(deserialize_with = "yaml::unsigned", default)]
+    #[serde(deserialize_with = "values::unsigned", default)]
     pub seed: u64,
 }
 
@@ -148,13 +148,13 @@ pub struct SphereGrid {
     #[serde(deserialize_with = "counts")]
     pub counts: UVec3,
     /// The center of the first sphere.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub min: DVec3,
     /// The center of the last sphere.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub max: DVec3,
     /// The radius of all spheres, greater than 0.
-    #[serde(deserialize_with = "yaml::positive")]
+    #[serde(deserialize_with = "values::positive")]
     pub radius: f32,
 }
 
@@ -174,7 +174,7 @@ impl SphereGrid {
 /// Reads `[nx, ny, nz]`, with a product of at most [`MAX_SHAPES`].
 fn counts<'de, D: Deserializer<'de>>(d: D) -> Result<UVec3, D::Error> {
     #[derive(Deserialize)]
-    struct AxisCount(#[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")] u32);
+    struct AxisCount(#[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")] u32);
 
     let counts = <[AxisCount; 3]>::deserialize(d)?.map(|AxisCount(n)| n);
     let product = counts

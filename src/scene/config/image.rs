@@ -4,8 +4,9 @@ use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
 
 use super::adaptive::{Adaptive, MAX_SAMPLES};
-use crate::yaml::{self, Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath};
 use math::sampling::{PixelFilter, PixelPattern};
+use world::values;
 
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 65_535;
@@ -26,19 +27,19 @@ pub const MAX_SIDE: u32 = 65_535;
 )]
 pub struct Image {
     /// Columns, 1 to 65,535.
-    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    #[serde(deserialize_with = "values::count::<_, MAX_SIDE>")]
     pub width: u32,
     /// Rows, 1 to 65,535.
-    #[serde(deserialize_with = "yaml::count::<_, MAX_SIDE>")]
+    #[serde(deserialize_with = "values::count::<_, MAX_SIDE>")]
     pub height: u32,
     /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
     #[serde(
-        deserialize_with = "yaml::count::<_, MAX_SAMPLES>",
-        default = "yaml::one"
+        deserialize_with = "values::count::<_, MAX_SAMPLES>",
+        default = "values::one"
     )]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
-    #[serde(deserialize_with = "yaml::unsigned", default)]
+    #[serde(deserialize_with = "values::unsigned", default)]
     pub seed: u64,
     /// The pattern of the samples in a pixel; `stratified` if not given.
     #[serde(default)]
@@ -165,5 +166,5 @@ impl Image {
 }
 
 fn filter_radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    yaml::within(d, 0.1..=10.0, "a radius in pixels from 0.1 to 10")
+    values::within(d, 0.1..=10.0, "a radius in pixels from 0.1 to 10")
 }

@@ -9,10 +9,11 @@ use serde::de::Deserializer;
 use super::file::MeshFile;
 use super::generator::MAX_SHAPES;
 use super::place_scale::PlaceScale;
-use crate::geometry::TransformStep;
-use crate::import::{self, ArrayChoice, InstancePlace, PlaceArrays};
-use crate::yaml;
+use crate::import::{self, InstancePlace, PlaceArrays};
 use math::sampling::uniform;
+use world::geometry::TransformStep;
+use world::material::ArrayChoice;
+use world::values;
 
 /// Instances of a mesh: it is stored once, and each instance costs only the memory of its
 /// placement. The object's `transform` applies to all of them.
@@ -102,7 +103,7 @@ impl InstancedMesh {
 }
 
 fn places<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec<Vec<TransformStep>>>, D::Error> {
-    yaml::non_empty(d, "place").map(Some)
+    values::non_empty(d, "place").map(Some)
 }
 
 /// A table of places: comma-separated values below a header with the columns `x`, `y` and `z`, and
@@ -130,7 +131,7 @@ pub struct PlacePoints {
 )]
 pub struct OrientArray {
     /// The name of the array of vectors of points.
-    #[serde(deserialize_with = "yaml::name")]
+    #[serde(deserialize_with = "values::name")]
     array: String,
 }
 
@@ -164,22 +165,22 @@ impl PlacePoints {
 #[serde(deny_unknown_fields)]
 pub struct PlaceCloud {
     /// The number of instances, at least 1.
-    #[serde(deserialize_with = "yaml::count::<_, MAX_SHAPES>")]
+    #[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")]
     pub count: u32,
     /// One corner of the box of the positions.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub min: DVec3,
     /// The opposite corner.
-    #[serde(deserialize_with = "yaml::point")]
+    #[serde(deserialize_with = "values::point")]
     pub max: DVec3,
     /// Least and greatest scale, or a single one for all; 1 if not given.
-    #[serde(default = "same_size", deserialize_with = "yaml::positive_range")]
+    #[serde(default = "same_size", deserialize_with = "values::positive_range")]
     pub scale: [f32; 2],
     /// The axis about which each instance is rotated by a random angle; no rotation if not given.
-    #[serde(default, deserialize_with = "yaml::direction")]
+    #[serde(default, deserialize_with = "values::direction")]
     pub turn: Option<Vec3>,
     /// The seed of positions, scales and angles; 0 if not given.
-    #[serde(deserialize_with = "yaml::unsigned", default)]
+    #[serde(deserialize_with = "values::unsigned", default)]
     pub seed: u64,
 }
 

@@ -3,8 +3,10 @@
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use crate::import::{ArrayChoice, ArrayOf, IsosurfaceChoice};
-use crate::yaml::{self, OneOrList};
+use crate::import::IsosurfaceChoice;
+use world::material::{ArrayChoice, ArrayOf};
+use world::values;
+use world::values::OneOrList;
 
 /// The surfaces within a data set where an array of its points has a value.
 ///
@@ -24,10 +26,10 @@ use crate::yaml::{self, OneOrList};
 )]
 pub struct Isosurface {
     /// The name of the array of points.
-    #[serde(deserialize_with = "yaml::name")]
+    #[serde(deserialize_with = "values::name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "yaml::between::<_, _, 0, 255>")]
+    #[serde(default, deserialize_with = "values::between::<_, _, 0, 255>")]
     component: Option<u32>,
     /// The value, or a list with one per surface.
     #[serde(deserialize_with = "values")]
@@ -50,7 +52,7 @@ impl Isosurface {
 }
 
 fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f64>, D::Error> {
-    match yaml::coordinate_or_list(d, "a value, or a list of values")? {
+    match values::coordinate_or_list(d, "a value, or a list of values")? {
         OneOrList::One(value) => Ok(vec![value]),
         OneOrList::List(values) => Ok(values),
     }

@@ -1,5 +1,4 @@
-//! The vector instructions, the traversal of rays and the places of threads, which do not change
-//! the results.
+//! The vector instructions and the places of threads, which do not change the results.
 
 use serde::Serialize;
 
@@ -18,18 +17,6 @@ pub enum SimdSet {
     Avx2,
     /// 16 numbers at a time, on x86-64
     Avx512,
-}
-
-/// How the kernel takes the rays of a wave.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-#[value(rename_all = "snake_case")]
-pub enum Traversal {
-    /// One after the other
-    Single,
-    /// Many at a time
-    #[default]
-    Stream,
 }
 
 /// Where the threads may run.
@@ -61,4 +48,4 @@ impl SimdSet {
     }
 }
 
-deserialize_keywords!(SimdSet, Pinning, Traversal);
+deserialize_keywords!(SimdSet, Pinning);

@@ -4,10 +4,7 @@
 //! defaults and checks the range of each value. [`scene`](crate::world) resolves
 //! references between sections, such as the names of materials.
 
-mod acceleration;
 mod adaptive;
-mod arrays;
-mod cost_mode;
 mod isosurface;
 mod metrics;
 mod normals;
@@ -24,7 +21,7 @@ mod object;
 mod outputs;
 mod array_check;
 mod repeats;
-mod shading;
+
 mod tiling;
 
 use std::path::PathBuf;
@@ -32,37 +29,37 @@ use std::path::PathBuf;
 use indexmap::IndexMap;
 use serde::Deserialize;
 
-pub use acceleration::{Acceleration, Quality, Structure};
 pub use adaptive::{Adaptive, MAX_SAMPLES};
-pub use arrays::{PixelArray, WrittenArrays};
-pub use cost_mode::CostMode;
 pub use file::{GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE, PictureWindow};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
-pub use kernels::{Pinning, SimdSet, Traversal};
-pub use metrics::{MAX_METRICS, RatioMetric, RatioMetrics};
+pub use kernels::{Pinning, SimdSet};
 pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
 pub use place_scale::{PlaceScale, ScaleArray};
 pub use repeats::Repeats;
 pub use same_or_array::SameOrArray;
-pub use shading::{LightSampling, Shading, ShadingModel};
 pub use tiling::{TileOrder, Tiling};
 pub use tube::Tube;
 
 use crate::animation::Animation;
-use crate::background::Background;
-use crate::camera::Camera;
-use crate::fog::Fog;
-use crate::light::Light;
-use crate::material::Material;
 use crate::yaml::{Fault, FieldPath, Merging, Refusal, YamlFile, deserialize};
 pub use math::sampling::{PixelFilter, PixelPattern};
+pub use tracer::accel::{Acceleration, HierarchyUpdate, Quality, Structure, Traversal};
+pub use tracer::cost::{
+    CostMode, MAX_METRICS, PixelArray, RatioMetric, RatioMetrics, WrittenArrays,
+};
 use vtk::Codec;
+use world::background::Background;
+use world::camera::Camera;
+use world::fog::Fog;
+use world::light::Light;
+use world::material::Material;
+pub use world::shading::{LightSampling, Shading, ShadingModel};
 
 /// A whole scene file.
 ///

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
 
-use crate::yaml;
+use world::values;
 
 /// The shading normals of a mesh.
 ///
@@ -40,7 +40,7 @@ pub struct Creases {
 }
 
 fn crease_angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    yaml::within(d, 0.0..=180.0, "an angle from 0 to 180")
+    values::within(d, 0.0..=180.0, "an angle from 0 to 180")
 }
 
 /// Normals as a word.

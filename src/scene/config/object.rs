@@ -10,8 +10,8 @@ use super::file::GeometryFile;
 use super::generator::Generator;
 use super::instances::InstancedMesh;
 use super::tube::Tube;
-use crate::geometry::{Located, Shape, TransformStep};
-use crate::yaml;
+use world::geometry::{Located, Shape, TransformStep};
+use world::values;
 
 /// One of the scene file's `objects`: a geometry under its own key, a material,
 /// and optionally a name and a transform.
@@ -146,7 +146,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
 
 /// An object's name.
 #[derive(serde::Deserialize)]
-struct Name(#[serde(deserialize_with = "yaml::name")] String);
+struct Name(#[serde(deserialize_with = "values::name")] String);
 
 /// A value whose deserialization always fails, at the position of the second shape.
 struct SecondShape;

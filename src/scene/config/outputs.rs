@@ -8,8 +8,9 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
 use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
-use crate::yaml::{self, Fault, FieldPath};
+use crate::yaml::{Fault, FieldPath};
 use base::text;
+use world::values;
 
 /// The optional outputs of a run, and the arrays of its VTK files.
 ///
@@ -88,10 +89,10 @@ pub struct ExtraArrays {
 #[serde(deny_unknown_fields, default)]
 pub struct BvhLimits {
     /// Greatest depth of a node; the root has depth 0.
-    #[serde(deserialize_with = "yaml::between::<_, _, 0, { u32::MAX }>")]
+    #[serde(deserialize_with = "values::between::<_, _, 0, { u32::MAX }>")]
     pub max_depth: u32,
     /// Least number of rays that visited a node.
-    #[serde(deserialize_with = "yaml::unsigned")]
+    #[serde(deserialize_with = "values::unsigned")]
     pub min_visits: u64,
 }
 

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::same_or_array::{NumberArray, SameOrArray};
-use crate::import::ArrayChoice;
-use crate::yaml;
+use world::material::ArrayChoice;
+use world::values;
 
 /// The scale of instances: one number, or an array of a VTK file.
 pub type PlaceScale = SameOrArray<ScaleArray>;
@@ -17,13 +17,13 @@ pub type PlaceScale = SameOrArray<ScaleArray>;
 )]
 pub struct ScaleArray {
     /// The name of the array of points.
-    #[serde(deserialize_with = "yaml::name")]
+    #[serde(deserialize_with = "values::name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "yaml::between::<_, _, 0, 255>")]
+    #[serde(default, deserialize_with = "values::between::<_, _, 0, 255>")]
     component: Option<u32>,
     /// The factor from its numbers to scales, greater than 0; 1 by default.
-    #[serde(default = "yaml::one", deserialize_with = "yaml::positive")]
+    #[serde(default = "values::one", deserialize_with = "values::positive")]
     factor: f32,
 }
 

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 
-use crate::yaml::{self, integers_as_f64};
+use world::integers_as_f64;
+use world::values;
 
 /// A number greater than 0, or an array.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +41,7 @@ impl<'de, A: NumberArray> Visitor<'de> for SameOrArrayVisitor<A> {
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<Self::Value, E> {
-        yaml::positive(found.into_deserializer()).map(SameOrArray::Same)
+        values::positive(found.into_deserializer()).map(SameOrArray::Same)
     }
 
     integers_as_f64!();

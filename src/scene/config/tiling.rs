@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::yaml;
 use base::deserialize_keywords;
 use base::text;
+use world::values;
 
 /// The division of the picture among threads. It changes neither the picture nor its counters.
 ///
@@ -24,7 +24,7 @@ use base::text;
 pub struct Tiling {
     /// Side of a tile in pixels, 2 to 256; 16 if not given.
     #[serde(
-        deserialize_with = "yaml::between::<_, _, { Tiling::MIN_SIZE }, { Tiling::MAX_SIZE }>"
+        deserialize_with = "values::between::<_, _, { Tiling::MIN_SIZE }, { Tiling::MAX_SIZE }>"
     )]
     pub size: u32,
     /// The order in which threads take tiles.

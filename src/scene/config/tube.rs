@@ -4,9 +4,10 @@ use glam::DVec3;
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use crate::geometry::{Sphere, origin_near};
 use crate::import::Tubes;
-use crate::yaml::{self, OneOrList};
+use world::geometry::{Sphere, origin_near};
+use world::values;
+use world::values::OneOrList;
 
 /// A tube along the line through points, with round joints and ends.
 ///
@@ -34,7 +35,7 @@ struct TubeKeys {
 }
 
 #[derive(Deserialize)]
-struct LinePoint(#[serde(deserialize_with = "yaml::point")] DVec3);
+struct LinePoint(#[serde(deserialize_with = "values::point")] DVec3);
 
 impl TryFrom<TubeKeys> for Tube {
     type Error = String;
@@ -74,7 +75,7 @@ impl Tube {
 }
 
 fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<OneOrList, D::Error> {
-    yaml::positive_or_list(
+    values::positive_or_list(
         d,
         "a radius greater than 0, or a list with one for each point",
     )

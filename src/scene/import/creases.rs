@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::mesh::{CornerValues, Mesh, angle};
+use super::mesh::{Mesh, angle};
+use world::scene::CornerValues;
 
 /// Groups of triangle corners, as a disjoint-set forest whose roots are their own parents.
 struct CornerGroups(Vec<u32>);

@@ -9,8 +9,8 @@ use glam::Vec3;
 use super::fault::READABLE;
 use super::picture::{PictureBytes, read_picture_of};
 use super::{FileFault, Result};
-use crate::color::Transfer;
-use crate::picture::{Picture, Sampling};
+use world::color::Transfer;
+use world::picture::{Picture, Sampling};
 
 /// Maximum number of materials of a file.
 pub(super) const MAX_MATERIALS: usize = 4096;

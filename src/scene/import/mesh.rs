@@ -5,9 +5,10 @@ use glam::{DVec3, Vec2, Vec3};
 use super::left_out::LeftOut;
 use super::materials::{MeshMaterial, picture_bytes};
 use super::{FileFault, FileLocation, Result};
-use crate::color::Transfer;
-use crate::geometry::{Aabb, Triangle, origin_near};
-use crate::light::Light;
+use world::color::Transfer;
+use world::geometry::{Aabb, Triangle, origin_near};
+use world::light::Light;
+use world::scene::CornerValues;
 
 /// Maximum number of nodes of a file that are told apart.
 const MAX_NODES: usize = 4096;
@@ -57,37 +58,6 @@ pub struct Mesh {
     pub left_out: LeftOut,
     /// The lights of the file, if its materials were read.
     pub lights: Vec<Light>,
-}
-
-/// A value for each corner of each triangle of a mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CornerValues<T> {
-    /// Values, each for one or more corners.
-    pub values: Vec<T>,
-    /// Three indices of `values` per triangle of the mesh.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-impl<T> Default for CornerValues<T> {
-    fn default() -> Self {
-        Self {
-            values: Vec::new(),
-            triangles: Vec::new(),
-        }
-    }
-}
-
-impl<T: Copy> CornerValues<T> {
-    /// Returns the values at the corners of triangle `i`.
-    #[inline]
-    pub fn at(&self, i: usize) -> [T; 3] {
-        self.triangles[i].map(|corner| self.values[corner as usize])
-    }
-
-    /// Returns the memory in bytes.
-    fn n_bytes(&self) -> u64 {
-        (size_of_val(&self.values[..]) + size_of_val(&self.triangles[..])) as u64
-    }
 }
 
 impl Mesh {
@@ -221,41 +191,6 @@ pub(super) fn angle(a: Vec3, b: Vec3) -> f32 {
 /// Placeholder indices for a triangle without values.
 pub(super) const MISSING: [u32; 3] = [u32::MAX; 3];
 
-impl<T: Copy> CornerValues<T> {
-    /// Appends values at the vertices of triangles, after `n_before` others.
-    ///
-    /// # Errors
-    /// There are too many values.
-    pub(super) fn append(
-        &mut self,
-        values: Vec<T>,
-        triangles: &[[u32; 3]],
-        n_before: usize,
-    ) -> Result<()> {
-        let first = count(self.values.len() + values.len())? - values.len() as u32;
-        self.triangles.resize(n_before, MISSING);
-        self.triangles.extend(moved(triangles, first));
-        self.values.extend(values);
-        Ok(())
-    }
-
-    /// Completes the values of `n` triangles with a default for those without; `None` if none has
-    /// any.
-    pub(super) fn completed(mut self, n: usize, default: T) -> Option<Self> {
-        if self.triangles.is_empty() {
-            return None;
-        }
-        self.triangles.resize(n, MISSING);
-        let missing = self
-            .triangles
-            .iter_mut()
-            .filter(|corners| **corners == MISSING);
-        missing.for_each(|corners| *corners = [self.values.len() as u32; 3]);
-        self.values.push(default);
-        Some(self)
-    }
-}
-
 /// Returns triangles whose vertices follow `n` others.
 pub(super) fn moved(triangles: &[[u32; 3]], n: u32) -> impl Iterator<Item = [u32; 3]> {
     triangles
@@ -326,4 +261,39 @@ pub(super) fn count(n: usize) -> Result<u32> {
 pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let pairs = corners.windows(2).skip(1);
     pairs.map(|pair| [corners[0], pair[0], pair[1]])
+}
+
+/// Appends values at the vertices of triangles, after `n_before` others.
+///
+/// # Errors
+/// There are too many values.
+pub(super) fn append_corners<T>(
+    corners: &mut CornerValues<T>,
+    values: Vec<T>,
+    triangles: &[[u32; 3]],
+    n_before: usize,
+) -> Result<()> {
+    let first = count(corners.values.len() + values.len())? - values.len() as u32;
+    corners.triangles.resize(n_before, MISSING);
+    corners.triangles.extend(moved(triangles, first));
+    corners.values.extend(values);
+    Ok(())
+}
+
+/// Completes the values of `n` triangles with a default for those without; `None` if none has
+/// any.
+pub(super) fn completed<T>(
+    mut corners: CornerValues<T>,
+    n: usize,
+    default: T,
+) -> Option<CornerValues<T>> {
+    if corners.triangles.is_empty() {
+        return None;
+    }
+    corners.triangles.resize(n, MISSING);
+    let n_values = corners.values.len() as u32;
+    let missing = (corners.triangles.iter_mut()).filter(|corners| **corners == MISSING);
+    missing.for_each(|corners| *corners = [n_values; 3]);
+    corners.values.push(default);
+    Some(corners)
 }

@@ -38,13 +38,14 @@ use glam::Vec3;
 
 use base::files;
 use base::stop;
+use world::material::ArrayChoice;
 
 use budget::Budget;
-pub use choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
+pub use choice::{IsosurfaceChoice, RadiusChoice};
 pub use fault::{FileFault, FileLocation};
 pub use left_out::LeftOut;
 pub use materials::{Finish, MeshMaterial, MeshOpacity, MeshPicture, picture_bytes};
-pub use mesh::{CornerValues, Mesh};
+pub use mesh::Mesh;
 pub use parts::MeshPart;
 pub use picture::read_picture;
 pub use pieces::pieces_of;

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::materials::MeshMaterial;
-use super::mesh::{CornerValues, Mesh};
+use super::mesh::Mesh;
+use world::scene::CornerValues;
 
 /// The triangles of one material and one node of a mesh's file.
 #[derive(Debug)]
@@ -79,20 +80,15 @@ impl Mesh {
             origin: self.origin,
             vertices,
             triangles: corners,
-            normals: self.normals.as_ref().map(|of| of.only(triangles)),
-            uvs: self.uvs.as_ref().map(|of| of.only(triangles)),
-            colors: self.colors.as_ref().map(|of| of.only(triangles)),
-            opacities: self.opacities.as_ref().map(|of| of.only(triangles)),
+            normals: self.normals.as_ref().map(|of| only_corners(of, triangles)),
+            uvs: self.uvs.as_ref().map(|of| only_corners(of, triangles)),
+            colors: self.colors.as_ref().map(|of| only_corners(of, triangles)),
+            opacities: self
+                .opacities
+                .as_ref()
+                .map(|of| only_corners(of, triangles)),
             ..Self::default()
         }
-    }
-}
-
-impl<T: Copy> CornerValues<T> {
-    /// Returns the values of these triangles.
-    fn only(&self, triangles: &[usize]) -> Self {
-        let (values, triangles) = only(&self.values, &self.triangles, triangles);
-        Self { values, triangles }
     }
 }
 
@@ -112,4 +108,10 @@ fn only<T: Copy>(
     }
     let values = used.into_iter().map(|index| values[index as usize]);
     (values.collect(), corners)
+}
+
+/// Returns the values of these triangles.
+fn only_corners<T: Copy>(corners: &CornerValues<T>, triangles: &[usize]) -> CornerValues<T> {
+    let (values, triangles) = only(&corners.values, &corners.triangles, triangles);
+    CornerValues { values, triangles }
 }

@@ -15,9 +15,9 @@ use image::{
 
 use super::gray_exr::{GrayExr, gray_header};
 use super::{FileFault, Result, length_of, open};
-use crate::color::Transfer;
-use crate::picture::{Picture, Texels};
 use base::text::numbers::memory_sizes;
+use world::color::Transfer;
+use world::picture::{Picture, Texels};
 
 /// Reads a picture, to be shared by materials. Its numbers are decoded by `transfer`; by default
 /// sRGB in PNG and JPEG files, and linear in others.

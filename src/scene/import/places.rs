@@ -10,8 +10,9 @@ use glam::{DAffine3, DQuat, DVec3, Vec3};
 use super::fault::cut;
 use super::mesh::{finite, point};
 use super::table::{missing_column, named_twice, number, of_table, open_table, word};
-use super::{ArrayChoice, FileFault, FileLocation, GeometryFileReader, Result};
+use super::{FileFault, FileLocation, GeometryFileReader, Result};
 use base::text::did_you_mean;
+use world::material::ArrayChoice;
 
 /// The placement of an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]

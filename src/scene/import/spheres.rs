@@ -7,14 +7,15 @@ use glam::{DVec3, Vec3};
 
 use csv::{ByteRecord, Position};
 
-use super::choice::{ArrayChoice, ArrayOf, RadiusChoice};
+use super::choice::{RadiusChoice, rounded_note};
 use super::fault::cut;
 use super::mesh::{Mesh, limited, point};
 use super::table::{columns, missing_column, named_twice, number, of_table, open_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
-use crate::geometry::{Located, Sphere, located_points};
-use crate::yaml::hex_color;
 use base::text::did_you_mean;
+use world::geometry::{Located, Sphere, located_points};
+use world::material::{ArrayChoice, ArrayOf};
+use world::values::hex_color;
 
 /// The spheres of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -119,7 +120,7 @@ pub(super) fn read(
         }
     }
     let rounded = array.filter(|_| is_rounded);
-    found.notes.extend(rounded.map(ArrayChoice::rounded_note));
+    found.notes.extend(rounded.map(rounded_note));
     if centers.is_empty() {
         return Err(FileFault::new("no sphere in the file", "a line for each"));
     }

@@ -16,7 +16,7 @@ use super::lines::{BYTE_ORDER_MARK, Lines};
 use super::mesh::{Mesh, count};
 use super::obj::vector;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
-use crate::geometry::{Located, located_points};
+use world::geometry::{Located, located_points};
 
 /// Bytes before the triangles of a binary file: a comment, and their number.
 const HEADER: u64 = 84;

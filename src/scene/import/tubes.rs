@@ -3,12 +3,13 @@
 use csv::{ByteRecord, Position};
 use glam::DVec3;
 
-use super::choice::{ArrayChoice, RadiusChoice};
+use super::choice::RadiusChoice;
 use super::mesh::count;
 use super::spheres::Columns;
 use super::table::{of_table, open_table};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
-use crate::geometry::{Aabb, Capsule, Sphere, origin_near};
+use world::geometry::{Aabb, Capsule, Sphere, origin_near};
+use world::material::ArrayChoice;
 
 /// The column of a table that names the line of each point.
 pub(super) const LINE: &str = "line";

@@ -5,10 +5,6 @@
 //! events of saphyr-parser give the position of each key and value, so that every error, including
 //! one found later, is shown in its place.
 
-mod default;
-mod color;
-mod name;
-mod number;
 mod field_path;
 mod fault;
 mod quote;
@@ -30,22 +26,12 @@ mod origins;
 mod include;
 mod document;
 
-pub use color::{ColorOr, ColorPattern, RadianceOr, channels, color, hex_color, radiance};
-pub use default::{half, one, white};
 pub use deserialize::{Refusal, YamlFile, deserialize};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub use json::{quoted, yaml_of_json};
 pub(crate) use missing::why_missing;
-pub use name::{MAX_NAME, name};
-pub(crate) use number::integers_as_f64;
-pub use number::{
-    Number, OneOrList, between, byte, cone_radii, coordinate, coordinate_or_list, count, direction,
-    exact_coordinate, exact_positive, fraction, intensity, non_empty, non_negative, point,
-    positive, positive_or_list, positive_range, radii, range, scale, size, unsigned, vector, whole,
-    within,
-};
 pub use origins::Merging;
 pub use source::refusal;
 pub use source::{Source, from_str};

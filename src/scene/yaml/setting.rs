@@ -7,9 +7,9 @@ use std::ops::Range;
 
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
-use super::name::{MAX_NAME, is_long};
 use super::position::{self, Location};
 use super::tree::Tree;
+use world::values::{MAX_NAME, is_long};
 
 /// The path and the value of a setting, with their positions in its text.
 #[derive(Debug, Clone)]

@@ -9,8 +9,8 @@ use saphyr_parser::{Event, Parser, ScalarStyle, Span, Tag};
 use super::expansion::{Excess, Expansion};
 use super::fault::Fault;
 use super::field_path::{FieldPath, Step};
-use super::name::{MAX_NAME, is_long};
 use super::syntax::{self, bytes, bytes_after};
+use world::values::{MAX_NAME, is_long};
 
 /// A value of the text.
 pub(super) struct Node<'a> {

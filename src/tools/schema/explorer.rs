@@ -11,7 +11,8 @@ use super::doc_comments;
 use super::numbers::{self, any_of};
 use super::relations::relations;
 use scene::config::{PixelArray, RatioMetric};
-use scene::yaml::{MAX_NAME, Step, YamlFile};
+use scene::yaml::{Step, YamlFile};
+use world::values::MAX_NAME;
 
 /// A word that is neither a key nor a keyword.
 const UNKNOWN: &str = "zzz";

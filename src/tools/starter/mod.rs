@@ -7,9 +7,10 @@ use glam::{DVec3, Vec3};
 
 use base::host::available_memory;
 use base::text::{Diagnostic, one_line};
-use scene::geometry::{Aabb, Sphere};
 use scene::import::{self, DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
-use scene::yaml::{MAX_NAME, Source, quoted};
+use scene::yaml::{Source, quoted};
+use world::geometry::{Aabb, Sphere};
+use world::values::MAX_NAME;
 
 /// The axis of a mesh that points upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use scene::config::MAX_SIDE;
-use scene::yaml;
+use world::values;
 
 /// One level of a factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +33,7 @@ pub(super) struct Choices<T>(pub(super) Vec<T>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        yaml::non_empty(d, "choice").map(Self)
+        values::non_empty(d, "choice").map(Self)
     }
 }
 
@@ -83,7 +83,7 @@ impl<const MAX: u64> BoundedCount<MAX> {
 
 impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        yaml::whole(d, 1..=MAX).map(Self)
+        values::whole(d, 1..=MAX).map(Self)
     }
 }
 

@@ -11,7 +11,8 @@ use super::{
     Case, Factor, FactorLevel, Launcher, LeftOutStep, PlotSpec, StudyPoint, StudyStep, Vary,
 };
 use math::sampling::uniform;
-use scene::yaml::{self, Refusal, YamlFile, deserialize};
+use scene::yaml::{Refusal, YamlFile, deserialize};
+use world::values;
 
 /// A study file.
 ///
@@ -30,7 +31,7 @@ use scene::yaml::{self, Refusal, YamlFile, deserialize};
 #[serde(deny_unknown_fields)]
 pub struct StudyPlan {
     /// The title of tables and plots.
-    #[serde(deserialize_with = "yaml::name")]
+    #[serde(deserialize_with = "values::name")]
     pub title: String,
     /// Scene files, relative to the study's folder; at least one.
     #[serde(deserialize_with = "scenes")]
@@ -55,17 +56,17 @@ pub struct StudyPlan {
     /// Runs of each point that enter the statistics; 10 if not given.
     #[serde(
         default = "ten",
-        deserialize_with = "yaml::between::<_, _, 1, 100_000>"
+        deserialize_with = "values::between::<_, _, 1, 100_000>"
     )]
     pub repeats: u32,
     /// Earlier runs of each point that are ignored; 1 if not given.
     #[serde(
-        default = "yaml::one",
-        deserialize_with = "yaml::between::<_, _, 0, 1000>"
+        default = "values::one",
+        deserialize_with = "values::between::<_, _, 0, 1000>"
     )]
     pub warm_up: u32,
     /// Time in seconds after which no further run starts; no limit if not given.
-    #[serde(default, deserialize_with = "yaml::positive")]
+    #[serde(default, deserialize_with = "values::positive")]
     pub time_budget_s: Option<f32>,
     /// The plots to draw.
     #[serde(default)]
@@ -95,7 +96,7 @@ pub struct QuickPlan {
     /// Replaces [`StudyPlan::repeats`]; 3 if not given.
     #[serde(
         default = "three",
-        deserialize_with = "yaml::between::<_, _, 1, 100_000>"
+        deserialize_with = "values::between::<_, _, 1, 100_000>"
     )]
     pub repeats: u32,
 }
@@ -212,7 +213,7 @@ fn points_of_steps(steps: &[StudyStep], scene: &StudyPoint) -> Vec<StudyPoint> {
 }
 
 fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {
-    yaml::non_empty(d, "scene file")
+    values::non_empty(d, "scene file")
 }
 
 fn three() -> u32 {

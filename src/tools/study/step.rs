@@ -4,14 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{Case, FlagFactor};
 use scene::config::SimdSet;
-use scene::yaml::{self, Fault, FieldPath};
+use scene::yaml::{Fault, FieldPath};
+use world::values;
 
 /// A step of a study.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyStep {
     /// The name in tables and plots.
-    #[serde(deserialize_with = "yaml::name")]
+    #[serde(deserialize_with = "values::name")]
     pub name: String,
     /// The levels that join or replace the levels of the steps before.
     #[serde(default)]

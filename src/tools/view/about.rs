@@ -12,9 +12,9 @@ use base::text::numbers::{capitalized, counted};
 use output::results::LoadedArray;
 use output::summary::CameraSection;
 use output::summary::{ObjectEntry, Summary};
-use scene::color::{ColorMap, rgb8};
 use scene::config::{Adaptive, CostMode};
 use tracer::cost::Metric;
+use world::color::{ColorMap, rgb8};
 
 /// Returns the JSON.
 pub(super) fn json(

@@ -8,7 +8,7 @@ use super::layout::{
     MAX_LEAF, NODE_LINES, NodeRef, WideNode,
 };
 use math::simd::N_LANES;
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// Cache lines in which every reference that a traversal can reach refers to a whole node or leaf.
 #[derive(Debug, Clone, Default, PartialEq)]

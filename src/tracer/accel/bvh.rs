@@ -6,11 +6,11 @@ use super::kernel::SingleTraversal;
 use super::layout::{self, NodeRef};
 use super::search::Search;
 use super::statistics::{BvhStatistics, node_bounds};
+use crate::accel::Quality;
 use crate::cost::Probe;
 use math::simd::Simd;
-use scene::config::Quality;
-use scene::geometry::Ray;
-use scene::world::Primitive;
+use world::geometry::Ray;
+use world::scene::Primitive;
 
 /// A bounding volume hierarchy over some of a scene's primitives.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! Kinds of ray queries, and their hits.
 
 use math::simd::{Lanes, N_LANES, Vector, grow, lanes_mut};
-use scene::geometry::{Ray, RayStream};
-use scene::world::{InstanceId, ObjectId, PlacedPrimitive};
+use world::geometry::{Ray, RayStream};
+use world::scene::{InstanceId, ObjectId, PlacedPrimitive};
 
 /// A ray's hit on a primitive.
 #[derive(Debug, Clone, Copy, PartialEq)]

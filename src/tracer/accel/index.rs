@@ -7,8 +7,8 @@ use super::build::TooLarge;
 use super::bvh::Bvh;
 use super::level::{self, SearchLevel};
 use super::statistics::BvhStatistics;
-use scene::config::Acceleration;
-use scene::world::{InstanceId, Instances, World};
+use crate::accel::Acceleration;
+use world::scene::{InstanceId, Instances, World};
 
 /// The index of an acceleration structure.
 #[derive(Debug, PartialEq)]
@@ -127,9 +127,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use scene::build::Geometries;
     use scene::config::Config;
-    use scene::world::{Geometries, Scene};
     use scene::yaml;
+    use world::scene::Scene;
 
     /// Returns a scene with two instances of a mesh, one of which moves.
     fn scene(x: f32) -> Scene {
@@ -143,7 +144,7 @@ mod tests {
         let mut config: Config = yaml::from_str(&text).unwrap();
         let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../configs"));
         let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
-        Scene::new(&config, geometries).unwrap()
+        scene::build::scene(&config, geometries).unwrap()
     }
 
     #[test]

@@ -19,8 +19,8 @@ use super::level::SearchLevel;
 use super::search::{AnyHit, BoxTests, Search};
 use crate::cost::{Probe, RayKind};
 use math::simd::Simd;
-use scene::geometry::Ray;
-use scene::world::{InstanceId, Instances, PlacedPrimitive, World};
+use world::geometry::Ray;
+use world::scene::{InstanceId, Instances, PlacedPrimitive, World};
 
 /// A search that distinguishes instances.
 pub(super) trait PlacedSearch: Search {

@@ -14,8 +14,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use math::simd::N_LANES;
-use scene::geometry::Shape;
-use scene::world::Primitive;
+use world::geometry::Shape;
+use world::scene::Primitive;
 
 /// A cache line.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -9,11 +9,11 @@ use super::bvh::Bvh;
 use super::layout::CacheLine;
 use super::search::Search;
 use super::unbounded::Unbounded;
+use crate::accel::Acceleration;
 use crate::cost::Probe;
 use math::simd::Simd;
-use scene::config::Acceleration;
-use scene::geometry::Ray;
-use scene::world::Primitive;
+use world::geometry::Ray;
+use world::scene::Primitive;
 
 /// A structure over primitives that are in the same space.
 #[derive(Debug, PartialEq)]

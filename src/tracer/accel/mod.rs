@@ -10,6 +10,7 @@
 //! `build` writes the hierarchy as cache lines (`layout`, `arena`); `kernel` traverses it, with
 //! eight lanes (`simd`), for a nearest-hit or an any-hit `search`.
 
+mod acceleration;
 mod layout;
 mod arena;
 mod hit;
@@ -31,10 +32,10 @@ use std::sync::Arc;
 
 use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
 use math::simd::Simd;
-use scene::config::{Acceleration, Traversal};
-use scene::geometry::{Ray, RayStream};
-use scene::world::{ObjectId, World};
+use world::geometry::{Ray, RayStream};
+use world::scene::{ObjectId, World};
 
+pub use acceleration::{Acceleration, HierarchyUpdate, Quality, Structure, Traversal};
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;

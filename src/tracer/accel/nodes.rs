@@ -3,7 +3,7 @@
 use super::arena::Arena;
 use super::layout::{self, CacheLine, NodeRef};
 use super::statistics::{NODE_COUNT, child_bounds, node_bounds};
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// A node or a leaf of the hierarchy.
 #[derive(Debug, Clone, Copy, PartialEq)]

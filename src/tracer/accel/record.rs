@@ -3,8 +3,8 @@
 use super::hit::Hit;
 use super::instanced::PlacedSearch;
 use super::search::{BoxTests, Search};
-use scene::geometry::Ray;
-use scene::world::{InstanceId, PlacedPrimitive, Primitive};
+use world::geometry::Ray;
+use world::scene::{InstanceId, PlacedPrimitive, Primitive};
 
 /// One step of a ray's traversal, in chronological order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The two queries about a ray: its nearest hit, and if there is any.
 
 use super::hit::{Hit, ShadowStream};
-use scene::geometry::{Ray, RayStream};
-use scene::world::{ObjectId, Primitive};
+use world::geometry::{Ray, RayStream};
+use world::scene::{ObjectId, Primitive};
 
 /// The tests of the boxes of a node's children.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::arena::Arena;
 use super::layout::{self, CacheLine, NodeRef, WideNode};
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// Cost of a node in the count SAH: one node visit counts as much as one primitive test.
 pub(super) const NODE_COUNT: f64 = 1.0;

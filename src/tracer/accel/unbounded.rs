@@ -2,8 +2,8 @@
 
 use super::search::Search;
 use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
-use scene::geometry::{Intersectable, Plane, Ray, Shape};
-use scene::world::Primitive;
+use world::geometry::{Intersectable, Plane, Ray, Shape};
+use world::scene::Primitive;
 
 /// The unbounded primitives; with brute force, all primitives.
 #[derive(Debug, Default, PartialEq)]

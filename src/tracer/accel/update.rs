@@ -6,9 +6,8 @@ use super::build::TooLarge;
 use super::index::AccelIndex;
 use super::level::SearchLevel;
 use super::{Accel, BuildReport};
-use scene::animation::HierarchyUpdate;
-use scene::config::{Acceleration, Quality};
-use scene::world::World;
+use super::{Acceleration, HierarchyUpdate, Quality};
+use world::scene::World;
 
 /// The origin of a frame's structure.
 #[derive(Debug, Clone)]

@@ -1,7 +1,7 @@
 //! The instruments that measure a rendering.
 
 use super::Clock;
-use scene::config::CostMode;
+use super::CostMode;
 
 /// The instruments of a [`CostMode`].
 #[derive(Debug, Clone, Copy)]

@@ -9,8 +9,8 @@ use std::time::Duration;
 use clap::builder::PossibleValue;
 
 use super::{Cost, Counter, StepCounter};
+use super::{CostMode, RatioMetric, RatioMetrics};
 use base::text::numbers;
-use scene::config::{CostMode, RatioMetric, RatioMetrics};
 
 /// A cost metric of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,26 +3,32 @@
 //! The kernels are generic over a [`Probe`]. With [`Cost`] they count; with
 //! [`NoProbe`] the same source compiles to a kernel without counters.
 
+mod arrays;
 mod bounces;
 mod clock;
 mod counter;
 mod counters;
+mod cost_mode;
 mod meter;
 mod metric;
 mod probe;
+mod ratio;
 mod step_counts;
 mod stopwatch;
 #[cfg(target_arch = "x86_64")]
 mod tsc;
 mod traversals;
 
+pub use arrays::{PixelArray, WrittenArrays};
 pub use bounces::{BounceCounts, N_BOUNCES, RaysByBounce};
 pub use clock::Clock;
+pub use cost_mode::CostMode;
 pub use counter::Counter;
 pub use counters::Counters;
 pub use meter::Meter;
 pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
+pub use ratio::{MAX_METRICS, RatioMetric, RatioMetrics};
 pub use step_counts::{StepCounter, StepCounts};
 pub use stopwatch::Stopwatch;
 pub use traversals::Traversals;

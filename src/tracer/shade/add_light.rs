@@ -12,7 +12,7 @@ use math::simd::{
     Arithmetic, InstructionSet, Lanes, Mask, N_LANES, SimdKernel, Vector, VectorColumn, lanes,
     set_lane,
 };
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// Sets the radiance of points to the reflected ambient light.
 pub(super) struct AddAmbient<'a, M> {

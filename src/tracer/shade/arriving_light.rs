@@ -9,8 +9,8 @@ use crate::trace::{PointLanes, Points};
 use math::simd::{
     InstructionSet, Lanes, Mask, N_LANES, SimdKernel, Vector, VectorColumn, grow, lanes, lanes_mut,
 };
-use scene::light::{Illumination, Light};
-use scene::world::{Lights, MaterialId, Scene};
+use world::light::{Illumination, Light};
+use world::scene::{Lights, MaterialId, Scene};
 
 /// The light that arrives at points unless it is occluded.
 #[derive(Debug, Default)]
@@ -53,7 +53,7 @@ impl ArrivingLight {
 /// The light of one light sample.
 #[derive(Clone, Copy)]
 pub(super) enum SampledLight<'a> {
-    /// The light of a [plain](scene::world::Lights::plain) light, computed where it is needed.
+    /// The light of a [plain](world::scene::Lights::plain) light, computed where it is needed.
     Plain(&'a Light),
     /// The light that was stored for each point.
     Stored(&'a ArrivingLight),

@@ -1,8 +1,8 @@
 //! Blinn-Phong reflection of one light.
 
 use math::simd::{Double, Real, Vector};
-use scene::light::Illumination;
-use scene::material::Material;
+use world::light::Illumination;
+use world::material::Material;
 
 /// The two components of the reflected light, for white light of radiance 1.
 pub(super) struct Reflected<R> {

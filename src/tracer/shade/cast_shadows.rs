@@ -7,8 +7,8 @@ use super::paths::PathWave;
 use crate::accel::ShadowStream;
 use crate::trace::{PointLanes, Points};
 use math::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
-use scene::material::Material;
-use scene::world::Scene;
+use world::material::Material;
+use world::scene::Scene;
 
 /// Shadow rays toward one light.
 #[derive(Debug, Default)]

@@ -7,9 +7,9 @@ use super::path_tracing::power_heuristic;
 use super::paths::PathWave;
 use crate::trace::{PointGroup, PointLanes, Points, ShadingPoint};
 use math::simd::{InstructionSet, N_LANES, Real, SimdKernel, Vector, VectorColumn, set_lane};
-use scene::geometry::{N_PARAMETERS, Seen};
-use scene::material::Material;
-use scene::world::{Emitter, Lights, Scene};
+use world::geometry::{N_PARAMETERS, Seen};
+use world::material::Material;
+use world::scene::{Emitter, Lights, Scene};
 
 /// A ray that has hit a surface that emits light, or one per lane.
 pub(super) struct Arrival<R> {

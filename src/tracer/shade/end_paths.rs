@@ -10,8 +10,8 @@ use crate::cost::RayKind;
 use crate::trace::{PointLanes, Points};
 use math::optics::Split;
 use math::simd::{InstructionSet, Lanes, N_LANES, SimdKernel, VectorColumn, bits_of, lanes};
-use scene::material::Material;
-use scene::world::{MaterialId, Scene};
+use world::material::Material;
+use world::scene::{MaterialId, Scene};
 
 /// Adds the radiance of points to their paths, and collects the reflected rays, unless the model
 /// scatters them.

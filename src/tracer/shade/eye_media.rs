@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::media::Media;
 use crate::cost::{NoProbe, RayKind};
 use crate::trace::{SurfacePoint, Tracer};
-use scene::camera::ImagePlane;
-use scene::geometry::{Aabb, Ray};
+use world::camera::ImagePlane;
+use world::geometry::{Aabb, Ray};
 
 /// The media around the eye of a camera, or around the points from which its rays start.
 #[derive(Debug, Clone, Copy)]

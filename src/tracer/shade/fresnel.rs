@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::trace::ShadingPoint;
 use math::optics::{Split, reflectance_of_metal, split};
 use math::simd::{Real, Vector};
-use scene::material::{Material, MaterialKind};
+use world::material::{Material, MaterialKind};
 
 /// Returns the share of light that a material mirrors, for a ray in `direction`.
 #[inline(always)]

@@ -4,7 +4,7 @@ use super::bsdf::Boundary;
 use super::media::Media;
 use super::paths::PathWave;
 use math::simd::{InstructionSet, N_LANES};
-use scene::world::{MaterialId, Scene};
+use world::scene::{MaterialId, Scene};
 
 /// The surfaces of a medium that eight rays met.
 pub(super) struct Interfaces {

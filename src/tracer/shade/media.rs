@@ -5,8 +5,8 @@ use std::num::NonZeroU32;
 use glam::Vec3;
 
 use math::simd::{N_LANES, set_lane};
-use scene::material::{Dielectric, Material};
-use scene::world::MaterialId;
+use world::material::{Dielectric, Material};
+use world::scene::MaterialId;
 
 /// Greatest number of media that may overlap at a point; a ray does not enter further ones.
 const MAX_MEDIA: usize = 4;

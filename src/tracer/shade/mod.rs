@@ -48,10 +48,10 @@ use models::by_model;
 use numbers::PointNumbers;
 use path_tracing::survival;
 use scatter::scattered_kind;
-use scene::geometry::{Ray, Seen};
-use scene::light::Illumination;
-use scene::material::Material;
-use scene::world::Scene;
+use world::geometry::{Ray, Seen};
+use world::light::Illumination;
+use world::material::Material;
+use world::scene::Scene;
 
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;

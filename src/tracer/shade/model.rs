@@ -5,9 +5,9 @@ use glam::Vec3;
 use super::bsdf::Boundary;
 use crate::trace::ShadingPoint;
 use math::simd::{Real, Vector};
-use scene::light::Illumination;
-use scene::material::Material;
-use scene::world::Lights;
+use world::light::Illumination;
+use world::material::Material;
+use world::scene::Lights;
 
 /// How paths continue from a point.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -2,25 +2,25 @@
 
 use super::model::Model;
 use crate::trace::{PointGroup, Points};
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// Calls the function with the model of the scene.
 macro_rules! by_model {
     ($scene:expr, |$model:ident| $call:expr) => {
         match $scene.shading.model {
-            scene::config::ShadingModel::BlinnPhong => {
+            world::shading::ShadingModel::BlinnPhong => {
                 let $model = $crate::shade::standard::Standard;
                 $call
             }
-            scene::config::ShadingModel::Seed => {
+            world::shading::ShadingModel::Seed => {
                 let $model = $crate::shade::seed::Seed;
                 $call
             }
-            scene::config::ShadingModel::AmbientOcclusion => {
+            world::shading::ShadingModel::AmbientOcclusion => {
                 let $model = $crate::shade::occlusion::AmbientOcclusion;
                 $call
             }
-            scene::config::ShadingModel::Path => {
+            world::shading::ShadingModel::Path => {
                 let $model = $crate::shade::path_tracing::PathTracing;
                 $call
             }

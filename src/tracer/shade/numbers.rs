@@ -3,7 +3,7 @@
 use super::paths::PathWave;
 use math::sampling::{Dimension, Sampler};
 use math::simd::{InstructionSet, Integer, N_LANES, Real, lanes_mut};
-use scene::world::{LightNumbers, Lights};
+use world::scene::{LightNumbers, Lights};
 
 /// The sample of a picture that a path belongs to, or one per lane.
 #[derive(Debug, Clone, Copy)]

@@ -6,7 +6,7 @@ use super::eye_media::EyeMedia;
 use super::media::Media;
 use super::numbers::SampleId;
 use crate::cost::RayKind;
-use scene::geometry::Ray;
+use world::geometry::Ray;
 
 /// A ray that starts at the camera, or continues a path from a surface.
 #[derive(Debug, Clone, Copy)]

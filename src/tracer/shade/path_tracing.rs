@@ -8,9 +8,9 @@ use super::bsdf::{Boundary, Bsdf, Leaving, Scattering, Scatters, by_kind, evalua
 use super::model::{Bounce, Model};
 use crate::trace::ShadingPoint;
 use math::simd::{Real, Vector};
-use scene::light::Illumination;
-use scene::material::Material;
-use scene::world::Lights;
+use world::light::Illumination;
+use world::material::Material;
+use world::scene::Lights;
 
 /// The path tracing model; see the module's documentation.
 #[derive(Clone, Copy)]

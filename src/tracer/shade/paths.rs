@@ -9,9 +9,9 @@ use super::media::Media;
 use crate::accel::Hit;
 use crate::cost::RayKind;
 use math::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes_mut};
-use scene::fog::FogSphere;
-use scene::geometry::RayStream;
-use scene::material::Material;
+use world::fog::FogSphere;
+use world::geometry::RayStream;
+use world::material::Material;
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All paths have the
 /// same number of bounces.

@@ -9,7 +9,7 @@ use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
 use crate::trace::{PointGroup, PointLanes, Points};
 use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// Collects the scattered rays of the points of a group.
 pub(super) struct ScatterPaths<'a, S> {

@@ -13,8 +13,8 @@ use super::bsdf::Boundary;
 use super::model::{Bounce, Model};
 use crate::trace::ShadingPoint;
 use math::simd::{Real, Vector};
-use scene::light::Illumination;
-use scene::material::Material;
+use world::light::Illumination;
+use world::material::Material;
 
 /// Distance of the origin of new rays from the surface, in world units.
 const OFFSET: f32 = 1e-4;

@@ -11,8 +11,8 @@ use super::bsdf::Boundary;
 use super::model::{Bounce, Model};
 use crate::trace::ShadingPoint;
 use math::simd::{Real, Vector};
-use scene::light::Illumination;
-use scene::material::Material;
+use world::light::Illumination;
+use world::material::Material;
 
 /// The standard model; see the module's documentation.
 #[derive(Clone, Copy)]

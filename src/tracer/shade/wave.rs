@@ -15,7 +15,7 @@ use crate::accel::Hit;
 use crate::trace::Points;
 use math::sampling::Sampler;
 use math::simd::{Simd, VectorColumn};
-use scene::world::Scene;
+use world::scene::Scene;
 
 /// The starts of the paths of a wave.
 #[derive(Debug, Clone, Copy)]

@@ -10,10 +10,10 @@ use math::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes, lanes_mut, set_lane,
     to_arrays,
 };
-use scene::camera::RayCone;
-use scene::geometry::{InstanceTransform, N_PARAMETERS, RayStream};
-use scene::material::{MaterialKind, PictureFactors, TexturePoint};
-use scene::world::{
+use world::camera::RayCone;
+use world::geometry::{InstanceTransform, N_PARAMETERS, RayStream};
+use world::material::{MaterialKind, PictureFactors, TexturePoint};
+use world::scene::{
     AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
     interpolated_normal, interpolated_scalar, scalar_along, with_uv,
 };

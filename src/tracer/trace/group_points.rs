@@ -3,7 +3,7 @@
 use super::points::{NO_POINT, PointGroup, Points};
 use crate::accel::Hit;
 use math::simd::{N_LANES, grow, lanes_mut};
-use scene::world::{Scene, SurfaceClass};
+use world::scene::{Scene, SurfaceClass};
 
 impl Points {
     /// Groups the hits of rays; the points themselves are not computed yet.

@@ -15,12 +15,12 @@ use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use find_points::FindPoints;
 use math::simd::{Simd, Vector};
 pub use points::{PointGroup, PointLanes, Points};
-use scene::camera::RayCone;
-use scene::geometry::{Ray, RayStream};
-use scene::material::TexturePoint;
-use scene::world::Scene;
 pub use surface_point::{ShadingPoint, SurfacePoint};
 use surface_point::{on_side_of, side, width};
+use world::camera::RayCone;
+use world::geometry::{Ray, RayStream};
+use world::material::TexturePoint;
+use world::scene::Scene;
 
 /// A scene with a structure over its primitives: traces rays and reports their counters to a probe.
 #[derive(Debug, Clone, Copy)]

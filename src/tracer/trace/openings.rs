@@ -1,4 +1,4 @@
-//! Rays through surfaces that are not [opaque](scene::material::Opacity).
+//! Rays through surfaces that are not [opaque](world::material::Opacity).
 //!
 //! A ray that passes a surface is traced again from past it, until it hits something else. It
 //! remains one ray, and its visits past openings are counted as its visits.
@@ -12,7 +12,7 @@ use crate::accel::{Hit, ShadowRay, ShadowStream};
 use crate::cost::{ByPixel, PixelProbe};
 use math::sampling::uniform;
 use math::simd::N_LANES;
-use scene::geometry::{Ray, RayStream};
+use world::geometry::{Ray, RayStream};
 
 /// The rest of a ray past some surfaces.
 #[derive(Clone, Copy)]

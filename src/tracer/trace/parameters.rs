@@ -1,8 +1,8 @@
 //! The shapes that rays have hit, in lanes.
 
 use math::simd::{InstructionSet, N_LANES};
-use scene::geometry::N_PARAMETERS;
-use scene::world::{InstanceId, PlacedPrimitive, Scene};
+use world::geometry::N_PARAMETERS;
+use world::scene::{InstanceId, PlacedPrimitive, Scene};
 
 /// Returns the parameters of eight primitives, in world space for instances.
 #[inline(always)]

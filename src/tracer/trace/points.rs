@@ -5,9 +5,9 @@ use glam::Vec3;
 use super::parameters::parameters;
 use super::surface_point::ShadingPoint;
 use math::simd::{InstructionSet, Lanes, N_LANES, Vector, VectorColumn, grow, lanes};
-use scene::geometry::{N_PARAMETERS, ShapeKind};
-use scene::material::{Material, PictureFactors};
-use scene::world::{
+use world::geometry::{N_PARAMETERS, ShapeKind};
+use world::material::{Material, PictureFactors};
+use world::scene::{
     AttributeKind, InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene, SurfaceClass,
 };
 

@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use math::simd::{Real, Vector};
-use scene::camera::RayCone;
-use scene::geometry::Ray;
-use scene::light::LitPoint;
-use scene::material::PictureFactors;
-use scene::world::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
+use world::camera::RayCone;
+use world::geometry::Ray;
+use world::light::LitPoint;
+use world::material::PictureFactors;
+use world::scene::{InstanceId, MaterialId, ObjectId, PlacedPrimitive, Scene};
 
 /// A point of a surface that a ray has hit, in render space.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,8 @@ use std::process::Command;
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use scene::import::{ArrayChoice, ArrayOf, FileFault, IsosurfaceChoice, Mesh, read_isosurface};
+use scene::import::{FileFault, IsosurfaceChoice, Mesh, read_isosurface};
+use world::material::{ArrayChoice, ArrayOf};
 
 use super::{message, reading};
 use crate::common::generators::cases;

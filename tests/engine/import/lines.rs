@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use glam::Vec3;
-use scene::geometry::{Capsule, Shape};
-use scene::import::{ArrayChoice, ArrayOf, RadiusChoice, Tubes, read_lines, read_tubes};
+use scene::import::{RadiusChoice, Tubes, read_lines, read_tubes};
+use world::geometry::{Capsule, Shape};
+use world::material::{ArrayChoice, ArrayOf};
 
 use super::{message, reading};
 use crate::common::in_repository;

@@ -16,10 +16,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use scene::import::{
-    ArrayChoice, ArrayOf, CornerValues, FileFault, Mesh, RadiusChoice, read_mesh, read_spheres,
-    read_tubes,
-};
+use scene::import::{FileFault, Mesh, RadiusChoice, read_mesh, read_spheres, read_tubes};
+use world::material::{ArrayChoice, ArrayOf};
+use world::scene::CornerValues;
 use write::{Encoding, binary_stl, obj, ply, stl};
 
 /// Writes `bytes` to a file of this name, which `read` reads.

@@ -5,9 +5,9 @@ use std::process::Command;
 
 use glam::Vec3;
 use scene::import::{
-    ArrayChoice, ArrayOf, FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points,
-    read_spheres,
+    FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points, read_spheres,
 };
+use world::material::{ArrayChoice, ArrayOf};
 
 use super::{message, reading};
 use crate::common::{assert_success, in_repository};

@@ -9,9 +9,9 @@ use glam::Vec3;
 use vtkio::model::ScalarType;
 
 use render::film::{Column, Film, Strip, columns};
-use scene::camera::{ImagePlane, Projection};
 use scene::config::{CostMode, MAX_METRICS, Repeats};
 use tracer::cost::Metric;
+use world::camera::{ImagePlane, Projection};
 
 /// Bytes of a number in each channel.
 pub(super) const CHANNEL_BYTES: usize = 4;

@@ -285,7 +285,7 @@ mod tests {
         BvhNode {
             id: 0,
             parent: None,
-            bounds: scene::geometry::Aabb::EMPTY,
+            bounds: world::geometry::Aabb::EMPTY,
             depth,
             is_leaf: false,
             n_primitives: 1,

@@ -7,6 +7,7 @@ use gltf_json::material::Material;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
+use world::scene::CornerValues;
 
 use super::accessor::Accessors;
 use super::attributes::{Moving, attribute};
@@ -14,7 +15,7 @@ use super::materials::{self, Placing};
 use super::nodes::PlacedMesh;
 use super::pose::{MeshPose, normal_matrix};
 use crate::import::budget::Budget;
-use crate::import::mesh::{CornerValues, Mesh, count, fan, finite, moved, point};
+use crate::import::mesh::{Mesh, append_corners, completed, count, fan, finite, moved, point};
 use crate::import::{FileFault, Result};
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
@@ -232,8 +233,8 @@ impl<'a> FlatScene<'a> {
             Ok(placed.normalize_or_zero().as_vec3())
         });
         let placed = placed.collect::<Result<_>>()?;
-        self.normals
-            .append(placed, &part.triangles, self.mesh.triangles.len())
+        let n_before = self.mesh.triangles.len();
+        append_corners(&mut self.normals, placed, &part.triangles, n_before)
     }
 
     fn add_uvs(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
@@ -252,8 +253,8 @@ impl<'a> FlatScene<'a> {
             finite([x, 1.0 - y])
         });
         let placed = placed.collect::<Result<_>>()?;
-        self.uvs
-            .append(placed, &part.triangles, self.mesh.triangles.len())
+        let n_before = self.mesh.triangles.len();
+        append_corners(&mut self.uvs, placed, &part.triangles, n_before)
     }
 
     fn add_colors(&mut self, part: &Part, budget: &mut Budget) -> Result<()> {
@@ -276,11 +277,10 @@ impl<'a> FlatScene<'a> {
         if material.is_some_and(materials::has_opacity) && colors.iter().any(|color| color.w < 1.0)
         {
             let opacities = colors.iter().map(|color| color.w).collect();
-            self.opacities
-                .append(opacities, &part.triangles, n_before)?;
+            append_corners(&mut self.opacities, opacities, &part.triangles, n_before)?;
         }
         let light = colors.into_iter().map(Vec4::truncate).collect();
-        self.colors.append(light, &part.triangles, n_before)
+        append_corners(&mut self.colors, light, &part.triangles, n_before)
     }
 
     /// Returns the mesh of all triangles.
@@ -298,9 +298,9 @@ impl<'a> FlatScene<'a> {
         } = self;
         let n = mesh.triangles.len();
         mesh.take_vertices(vertices);
-        mesh.uvs = uvs.completed(n, Vec2::ZERO);
-        mesh.colors = colors.completed(n, Vec3::ONE);
-        mesh.opacities = opacities.completed(n, 1.0);
+        mesh.uvs = completed(uvs, n, Vec2::ZERO);
+        mesh.colors = completed(colors, n, Vec3::ONE);
+        mesh.opacities = completed(opacities, n, 1.0);
         mesh.take_normals(normals);
         let [bare, with_tangents] = [n_without_triangles, n_with_tangents]
             .map(|n| (n > 0).then(|| counted(n, "primitive")));

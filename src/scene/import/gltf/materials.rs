@@ -13,7 +13,6 @@ use gltf_json::{Index, Root, image, texture};
 
 use super::buffers::{Buffers, embedded};
 use super::glossy::{MetallicColor, specular_glossiness};
-use crate::color::Transfer;
 use crate::import::budget::Budget;
 use crate::import::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
@@ -21,7 +20,8 @@ use crate::import::materials::{
 use crate::import::percent::percent_decoded;
 use crate::import::picture::{PictureBytes, bytes_of_file};
 use crate::import::{FileFault, Result};
-use crate::picture::{Sampling, TexelFilter, Wrap};
+use world::color::Transfer;
+use world::picture::{Sampling, TexelFilter, Wrap};
 
 /// Reads the materials.
 pub(super) struct Materials<'a> {

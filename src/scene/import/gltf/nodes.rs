@@ -14,7 +14,7 @@ use super::container::{INSTANCING, VISIBILITY};
 use super::lights;
 use crate::import::budget::Budget;
 use crate::import::{FileFault, Result};
-use crate::light::Light;
+use world::light::Light;
 
 /// The meshes and the lights of a scene.
 #[derive(Default)]

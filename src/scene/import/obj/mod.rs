@@ -18,10 +18,11 @@ use glam::{DVec3, Vec2, Vec3};
 use super::fault::cut;
 use super::lines::Lines;
 use super::materials::MeshMaterial;
-use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
+use super::mesh::{MISSING, Mesh, completed, count, fan, finite, light};
 use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use groups::FaceGroups;
+use world::scene::CornerValues;
 
 /// Statements that are ignored: groups and display attributes.
 const IGNORED: &[&str] = &[
@@ -239,7 +240,7 @@ impl Reader {
     fn complete_uvs(&mut self) {
         let uvs = std::mem::take(&mut self.uvs);
         let n = self.mesh.triangles.len();
-        self.uvs = uvs.completed(n, Vec2::ZERO).unwrap_or_default();
+        self.uvs = completed(uvs, n, Vec2::ZERO).unwrap_or_default();
     }
 
     fn finish(mut self) -> Mesh {

@@ -8,7 +8,6 @@ use std::path::Path;
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use crate::color::Transfer;
 use crate::import::left_out::LeftOut;
 use crate::import::lines::Lines;
 use crate::import::materials::{
@@ -16,7 +15,8 @@ use crate::import::materials::{
 };
 use crate::import::picture::bytes_of_file;
 use crate::import::{FileFault, FileLocation, Result, open};
-use crate::picture::{Sampling, Wrap};
+use world::color::Transfer;
+use world::picture::{Sampling, Wrap};
 
 /// Options of pictures, with the maximum number of values that follow them.
 const OPTIONS: [(&str, usize); 13] = [

@@ -16,13 +16,14 @@ use serde::de::MapAccess;
 use serde_ply::{DeserializeError, ElementDef, PlyFormat, PlyReader};
 
 use super::materials::{MAX_MATERIALS, MeshMaterial, MeshPicture, PictureShelf, path_in};
-use super::mesh::{CornerValues, MISSING, Mesh, count, fan, finite, light};
+use super::mesh::{MISSING, Mesh, completed, count, fan, finite, light};
 use super::picture::bytes_of_file;
 use super::polygons::Polygons;
 use super::{FileFault, FileLocation, GeometryFileReader, Result, Surroundings};
 use cursor::{Cursor, Position};
 use header::{ColorProperties, FaceProperties, MeshHeader};
 use rows::{ElementRow, Rows};
+use world::scene::CornerValues;
 
 pub(super) fn read(file: GeometryFileReader, around: &Surroundings) -> Result<Mesh> {
     let position = Position::default();
@@ -252,7 +253,7 @@ impl<'a> Body<'a> {
             values: self.normals,
             triangles: at_vertices.clone(),
         });
-        self.mesh.uvs = self.face_uvs.completed(n, Vec2::ZERO);
+        self.mesh.uvs = completed(self.face_uvs, n, Vec2::ZERO);
         if header.uv.is_some() && self.mesh.uvs.is_none() {
             self.mesh.uvs = Some(CornerValues {
                 values: self.uvs,
@@ -264,7 +265,7 @@ impl<'a> Body<'a> {
                 values: self.colors,
                 triangles: at_vertices,
             }),
-            None => self.face_colors.completed(n, Vec3::ONE),
+            None => completed(self.face_colors, n, Vec3::ONE),
         };
         if let Some(available) = around.memory.filter(|_| self.mesh.uvs.is_some()) {
             self.picture_of.resize(n, -1.0);

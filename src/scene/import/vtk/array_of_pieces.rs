@@ -1,8 +1,9 @@
 //! An array of a data set in pieces.
 
+use super::super::choice::rounded_note;
 use super::super::{FileFault, Result};
 use super::piece::Piece;
-use super::{ArrayChoice, ArrayOf};
+use world::material::{ArrayChoice, ArrayOf};
 
 /// The numbers of an array in the pieces of a data set, some of which may lack it.
 #[derive(Default)]
@@ -26,7 +27,7 @@ impl ArrayOfPieces {
                 self.unknown.get_or_insert(fault);
                 return Ok((ArrayOf::Points, vec![f64::NAN; piece.n_points()]));
             }
-            Ok((_, numbers)) if numbers.are_rounded() => self.note = Some(choice.rounded_note()),
+            Ok((_, numbers)) if numbers.are_rounded() => self.note = Some(rounded_note(choice)),
             Ok(_) => {}
         }
         self.is_found = true;

@@ -2,12 +2,13 @@
 
 use super::super::Result;
 use super::super::tubes::Tubes;
+use super::RadiusChoice;
 use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::piece::{GHOSTS, Piece, Topology};
 use super::points::{Radii, at_point};
-use super::{ArrayChoice, ArrayOf, RadiusChoice};
-use crate::geometry::Sphere;
+use world::geometry::Sphere;
+use world::material::{ArrayChoice, ArrayOf};
 
 /// Adds a tube for each line, except for hidden lines and copies of other pieces' lines.
 ///

@@ -2,14 +2,15 @@
 
 use glam::{Vec2, Vec3};
 
-use super::super::mesh::{CornerValues, Mesh, count, finite};
+use super::super::mesh::{Mesh, count, finite};
 use super::super::{FileFault, Result};
 use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::numbers::Numbers;
 use super::piece::{GHOSTS, Piece};
 use super::surface::PieceSurface;
-use super::{ArrayChoice, ArrayOf};
+use world::material::{ArrayChoice, ArrayOf};
+use world::scene::CornerValues;
 
 /// The mesh of the pieces so far.
 pub(super) struct Pieces<'a> {

@@ -24,7 +24,7 @@ mod isosurface;
 use std::path::Path;
 
 use super::budget::{self, Budget};
-use super::choice::{ArrayChoice, ArrayOf, IsosurfaceChoice, RadiusChoice};
+use super::choice::{IsosurfaceChoice, RadiusChoice};
 use super::mesh::Mesh;
 use super::places::{InstancePlace, PlaceArrays};
 use super::spheres::Spheres;
@@ -34,6 +34,7 @@ use array_of_pieces::ArrayOfPieces;
 pub(super) use collection::{ListedStep, read as read_collection};
 pub(super) use hdf::{is_hdf, read_times};
 use piece::{Piece, Wanted};
+use world::material::ArrayChoice;
 use xml::Contents;
 
 /// The extensions of VTK files, in lower case.

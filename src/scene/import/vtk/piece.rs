@@ -7,9 +7,9 @@ use super::super::mesh::{self, light, limited};
 use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
-use super::{ArrayChoice, ArrayOf};
-use crate::geometry::origin_near;
 use base::text::did_you_mean;
+use world::geometry::origin_near;
+use world::material::{ArrayChoice, ArrayOf};
 
 /// A part of a data set.
 #[derive(Debug)]

@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use super::super::Result;
 use super::super::places::{InstancePlace, PlaceArrays};
-use super::ArrayChoice;
 use super::budget::Budget;
 use super::piece::{GHOSTS, Piece};
 use super::points::{at_point, of_points};
+use world::material::ArrayChoice;
 
 /// Adds a placement for each point, except for hidden points and copies of other pieces' points.
 ///

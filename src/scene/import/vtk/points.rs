@@ -2,12 +2,13 @@
 
 use super::super::spheres::Spheres;
 use super::super::{FileFault, FileLocation, Result};
+use super::RadiusChoice;
 use super::array_of_pieces::ArrayOfPieces;
 use super::budget::Budget;
 use super::piece::{GHOSTS, Piece};
-use super::{ArrayChoice, ArrayOf, RadiusChoice};
-use crate::geometry::Sphere;
 use glam::Vec3;
+use world::geometry::Sphere;
+use world::material::{ArrayChoice, ArrayOf};
 
 /// Adds a sphere for each point, except for hidden points and copies of other pieces' points.
 ///

@@ -1,7 +1,7 @@
 //! Boxes in the layout that the build computes with.
 
 use math::simd::{InstructionSet, Lanes};
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// A box as `[-min, _, max, _]`: a union is one maximum over all lanes. Two lanes are unused.
 #[derive(Debug, Clone, Copy)]

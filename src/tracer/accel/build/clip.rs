@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::bounds::LaneBounds;
-use scene::geometry::Triangle;
+use world::geometry::Triangle;
 
 /// Returns the boxes around the parts of a triangle below and above `position` on an axis, both
 /// including the plane; [`LaneBounds::EMPTY`] for an empty part.

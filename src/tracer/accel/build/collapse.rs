@@ -3,7 +3,7 @@
 
 use super::nodes::{BinaryNode, TreePosition};
 use super::reference::Reference;
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// A binary tree: its inner nodes, and the references that are its leaves.
 pub(super) struct BinaryTree {

@@ -14,8 +14,8 @@ use crate::accel::layout::{
     NODE_LINES, NodeRef, WideNode,
 };
 use math::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
-use scene::geometry::{Aabb, Project, Shape};
-use scene::world::Primitive;
+use world::geometry::{Aabb, Project, Shape};
+use world::scene::Primitive;
 
 /// Number of cache lines from which subtrees are written in parallel.
 pub(super) const PARALLEL: usize = 1 << 14;

@@ -37,6 +37,7 @@ use std::fmt;
 
 use super::arena::Arena;
 use super::layout::{CacheLine, NodeRef};
+use crate::accel::Quality;
 use binary::{BuildContext, Subtree};
 use collapse::BinaryTree;
 use math::simd::Simd;
@@ -45,9 +46,8 @@ use partition::Subset;
 use prepare::references_per_primitive;
 use reference::Reference;
 pub(super) use refit::{has_triangles, refitted};
-use scene::config::Quality;
-use scene::world::Primitive;
 use split_candidate::SplitContext;
+use world::scene::Primitive;
 
 /// Greatest number of primitives. 32 bits have to suffice to count the cache lines of the arena, at
 /// worst ten per primitive, before it is known if a [`NodeRef`] can address them.
@@ -169,8 +169,8 @@ mod tests {
 
     use super::*;
     use math::sampling::uniform;
-    use scene::geometry::{Shape, Sphere, Triangle};
-    use scene::world::{MaterialId, ObjectId};
+    use world::geometry::{Shape, Sphere, Triangle};
+    use world::scene::{MaterialId, ObjectId};
 
     /// Returns spheres and triangles, some of them much longer than the others.
     fn primitives() -> Vec<Primitive> {

@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use super::bounds::LaneBounds;
 use super::forests::{ForestChoices, Forests};
 use math::simd::InstructionSet;
-use scene::geometry::Aabb;
+use world::geometry::Aabb;
 
 /// An inner node of the binary tree. The array of nodes is in depth-first order, with gaps where
 /// references might have been split and were not.

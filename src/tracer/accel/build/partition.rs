@@ -7,7 +7,7 @@ use super::object_split::ObjectSplit;
 use super::reference::{Reference, center};
 use super::spatial_split::SpatialSplit;
 use math::simd::{Arithmetic, InstructionSet, Mask, Simd, SimdKernel};
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// References per task.
 const CHUNK: usize = 1 << 12;

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::partition::{Enclose, Subset};
 use super::presplit;
 use super::reference::Reference;
+use crate::accel::Quality;
 use math::simd::Simd;
-use scene::config::Quality;
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// References that spatial splits may add per triangle.
 const SPATIAL_SPLITS_PER_TRIANGLE: f64 = 0.5;

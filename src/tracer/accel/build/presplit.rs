@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::bounds::LaneBounds;
 use super::reference::Reference;
-use scene::geometry::Shape;
-use scene::world::Primitive;
+use world::geometry::Shape;
+use world::scene::Primitive;
 
 /// Budget of splits per triangle; each split adds a reference.
 pub(super) const SPLITS_PER_TRIANGLE: f64 = 0.3;

@@ -7,8 +7,8 @@ use super::bounds::LaneBounds;
 use super::clip;
 use crate::accel::layout::{ID_BIT, LeafKind};
 use math::simd::{InstructionSet, Lanes};
-use scene::geometry::Shape;
-use scene::world::Primitive;
+use world::geometry::Shape;
+use world::scene::Primitive;
 
 /// A primitive and a box around it, or around the part of it that the reference stands for. Half a
 /// cache line, in the layout of [`LaneBounds`].

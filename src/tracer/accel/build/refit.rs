@@ -16,8 +16,8 @@ use crate::accel::layout::{
     self, CAPSULE_BIT, CacheLine, ID_BIT, LeafKind, MAX_LEAF, NODE_LINES, NodeRef, WideNode,
 };
 use math::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
-use scene::geometry::{Aabb, Shape};
-use scene::world::Primitive;
+use world::geometry::{Aabb, Shape};
+use world::scene::Primitive;
 
 /// Returns the hierarchy of an arena refitted to the same number of primitives, or `None` if a leaf
 /// would have primitives of other kinds.

@@ -9,8 +9,8 @@ use glam::Vec3;
 
 use super::bounds::LaneBounds;
 use super::reference::{Reference, map_reduce};
-use scene::geometry::{Shape, Triangle};
-use scene::world::Primitive;
+use world::geometry::{Shape, Triangle};
+use world::scene::Primitive;
 
 /// Bins per axis.
 const N_BINS: usize = 16;

@@ -5,7 +5,7 @@ use super::partition::Subset;
 use super::reference::Reference;
 use super::spatial_split::SpatialSplit;
 use math::simd::Simd;
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// Least number of references for a spatial split: fewer fit into a leaf.
 pub(super) const MIN_SPATIAL_SPLIT: usize = 9;

@@ -4,7 +4,7 @@ use crate::accel::arena::Arena;
 use crate::accel::search::Queries;
 use crate::accel::unbounded::Unbounded;
 use crate::cost::{StreamProbe, Traversals};
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// Queries about rays through an arena, which may be empty, and their answers.
 pub(in crate::accel) struct Batch<'a, Q: Queries, P> {

@@ -5,7 +5,7 @@ use bytemuck::Zeroable;
 use super::leaf::LeafIntersector;
 use super::slab::{SlabSetup, Slabs};
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Vector, lane_of, set_lane, to_arrays};
-use scene::geometry::{Ray, RayStream, Shear, dominant_axis, shear_constants, squared_length};
+use world::geometry::{Ray, RayStream, Shear, dominant_axis, shear_constants, squared_length};
 
 /// One number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];

@@ -1,7 +1,7 @@
 //! Intersection of a ray with all primitives of a leaf at once, one primitive per lane.
 //!
 //! The formulas are `geometry`'s: each lane has the same `t` as
-//! [`Triangle`](scene::geometry::Triangle), [`Sphere`](scene::geometry::Sphere) or [`Capsule`], to
+//! [`Triangle`](world::geometry::Triangle), [`Sphere`](world::geometry::Sphere) or [`Capsule`], to
 //! the bit.
 
 use glam::Vec3;
@@ -10,7 +10,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
-use scene::geometry::{
+use world::geometry::{
     AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, sheared, squared_length,
 };
 

@@ -10,7 +10,7 @@ use crate::accel::layout::{NodeRef, WideNode};
 use crate::accel::search::{BoxTests, Search};
 use crate::cost::Probe;
 use math::simd::{Arithmetic, InstructionSet, Mask, N_LANES, SimdKernel};
-use scene::geometry::Ray;
+use world::geometry::Ray;
 
 /// Traversal of an arena, which is not empty, by one ray.
 pub(in crate::accel) struct SingleTraversal<'a, S, P> {

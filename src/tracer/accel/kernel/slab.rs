@@ -2,7 +2,7 @@
 
 use crate::accel::layout::WideNode;
 use math::simd::{Arithmetic, InstructionSet, Vector};
-use scene::geometry::{Aabb, Ray};
+use world::geometry::{Aabb, Ray};
 
 /// Least magnitude of a direction's component: smaller ones are replaced by it, so that reciprocals
 /// are finite and no product is NaN. Where the replacement matters, the ray hits the box anyway,
@@ -32,7 +32,7 @@ const ROWS: [[u32; 3]; 8] = {
 /// test, so that no box hides a hit that brute force finds: 5e-6 of the largest coordinate `l` of
 /// the ray's origin and the boxes.
 ///
-/// With a relative rounding error of `e = 2^-24` per operation, [`Shear`](scene::geometry::Shear)
+/// With a relative rounding error of `e = 2^-24` per operation, [`Shear`](world::geometry::Shear)
 /// displaces a triangle's vertex by up to `14 e l` on an axis: differences to the origin (`2`, and
 /// again `2` times a slope), the slope (`4`), their product (`2`) and the last difference (`4`).
 /// The error of the hit along the ray is `6 e l`: the difference (`2`), the scale (`2`) and their

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
-use scene::material::{Material, RoughSurface};
+use world::material::{Material, RoughSurface};
 
 /// Division of the light at a surface: fractions, with a sum of at most 1.
 #[derive(Debug, Clone, Copy)]

@@ -8,7 +8,7 @@ use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use crate::shade::fresnel::split_at;
 use math::optics::{Split, split};
 use math::simd::{Real, Vector};
-use scene::material::RoughSurface;
+use world::material::RoughSurface;
 
 /// The surface of a clear medium. A path is reflected or refracted, with the probabilities of
 /// Fresnel's equations.

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use math::optics::reflectance_of_metal;
 use math::simd::{Real, Vector};
-use scene::material::{Conductor, RoughSurface};
+use world::material::{Conductor, RoughSurface};
 
 /// The surface of a metal.
 #[derive(Debug, Clone, Copy)]

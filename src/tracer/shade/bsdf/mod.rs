@@ -20,7 +20,7 @@ use medium::Medium;
 use metal::Metal;
 use particle::Particle;
 use principled::PrincipledBsdf;
-use scene::material::{Material, MaterialKind};
+use world::material::{Material, MaterialKind};
 
 /// Scattering of light at the surfaces of a material.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use super::{Boundary, Leaving, Scattered, Scattering, Scatters};
 use math::simd::{Real, Vector};
-use scene::fog::HenyeyGreenstein;
+use world::fog::HenyeyGreenstein;
 
 /// A particle that scatters light by a phase function. The color of the point is its albedo.
 #[derive(Debug, Clone, Copy)]

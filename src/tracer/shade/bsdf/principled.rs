@@ -14,7 +14,7 @@ use super::{Boundary, Leaving, Scattered, Scattering, Scatters, gain};
 use math::optics::{Ggx, schlick};
 use math::sampling::hemisphere;
 use math::simd::{Real, Vector};
-use scene::material::{Principled, RoughSurface};
+use world::material::{Principled, RoughSurface};
 
 /// The principled BSDF; see the module's documentation.
 #[derive(Debug, Clone, Copy)]

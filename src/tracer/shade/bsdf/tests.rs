@@ -4,9 +4,9 @@ use std::f32::consts::{PI, TAU};
 
 use super::*;
 use math::optics::Masking;
-use scene::geometry::RenderSpace;
-use scene::material::PictureFactors;
 use scene::yaml;
+use world::geometry::RenderSpace;
+use world::material::PictureFactors;
 
 /// Directions of equal solid angles along each axis.
 const N: u32 = 160;

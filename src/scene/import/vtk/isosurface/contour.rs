@@ -5,7 +5,6 @@ use glam::{DVec3, Vec3};
 
 use super::super::super::Result;
 use super::super::super::mesh::{count, fan};
-use super::super::ArrayOf;
 use super::super::cells::{CellShape, Cells, VOXEL};
 use super::super::piece::{GHOSTS, Topology};
 use super::super::points::at_point;
@@ -13,6 +12,7 @@ use super::gradient::gradient;
 use super::polygons::{MAX_CORNERS, MAX_EDGES, polygons};
 use super::{Budget, HashMap, Isosurfaces, Piece, polyhedron};
 use base::stop;
+use world::material::ArrayOf;
 
 /// The isosurface of one value in a piece.
 pub(super) struct Contour<'a, 'b> {

@@ -15,13 +15,15 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::super::mesh::{CornerValues, Mesh};
+use super::super::mesh::Mesh;
 use super::super::polygons::Polygons;
 use super::super::{FileFault, Result};
+use super::IsosurfaceChoice;
 use super::budget::Budget;
 use super::piece::{Piece, Topology};
-use super::{ArrayChoice, IsosurfaceChoice};
 use contour::Contour;
+use world::material::ArrayChoice;
+use world::scene::CornerValues;
 
 /// The isosurfaces of the pieces so far.
 pub(super) struct Isosurfaces<'a> {

@@ -127,7 +127,7 @@ mod tests {
     use crate::accel::search::NearestHit;
     use math::sampling::uniform;
     use math::simd::{Simd, SimdKernel};
-    use scene::geometry::Ray;
+    use world::geometry::Ray;
 
     /// Boxes of any size around the origin, and coherent rays.
     fn random(i: u64) -> (WideNode, [Ray; 16]) {

@@ -116,13 +116,13 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::accel::Quality;
     use crate::accel::bvh::Bvh;
     use crate::accel::unbounded::Unbounded;
     use crate::cost::NoProbe;
     use math::simd::Simd;
-    use scene::config::Quality;
-    use scene::geometry::{Ray, RayStream, Shape, Sphere};
-    use scene::world::{MaterialId, ObjectId, Primitive};
+    use world::geometry::{Ray, RayStream, Shape, Sphere};
+    use world::scene::{MaterialId, ObjectId, Primitive};
 
     /// Returns the indices of the rays that no packet takes.
     fn incoherent(simd: Simd, rays: &[Ray]) -> Vec<u32> {

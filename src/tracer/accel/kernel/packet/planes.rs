@@ -5,7 +5,7 @@ use super::searches::Searches;
 use super::soa::{N_HALVES, RaySoa};
 use crate::accel::search::Queries;
 use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Wide};
-use scene::geometry::Plane;
+use world::geometry::Plane;
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests planes, each given with its index, and reports the hits.

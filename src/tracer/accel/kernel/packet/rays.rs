@@ -4,7 +4,7 @@ use super::soa::{N_HALVES, PerRay, RaySoa, at};
 use crate::accel::kernel::leaf::LeafIntersector;
 use crate::accel::kernel::slab::{SlabSetup, rows};
 use math::simd::{Arithmetic, InstructionSet, Lanes, N_LANES, Vector};
-use scene::geometry::{Shear, shear_constants};
+use world::geometry::{Shear, shear_constants};
 
 /// The rays of a packet, prepared for tests.
 pub(super) struct PacketRays<'c, I: InstructionSet> {

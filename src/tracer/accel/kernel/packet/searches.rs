@@ -4,7 +4,7 @@ use super::rays::greatest;
 use super::soa::{N_HALVES, N_RAYS, PerRay, rays_per_part};
 use crate::accel::search::{LaneSearch, Queries, Search};
 use math::simd::{Arithmetic, InstructionSet, N_LANES, Wide};
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// The states of the searches, field by field.
 pub(super) struct Searches<'a, I, Q> {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::accel::kernel::block::LaneArray;
 use math::simd::{self, Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
-use scene::geometry::{Ray, RayStream, Shear, dominant_axis};
+use world::geometry::{Ray, RayStream, Shear, dominant_axis};
 
 /// Cosine of the largest angle, 11 degrees, between the first ray of a packet and another.
 const MIN_COSINE: f32 = 0.98;

@@ -7,7 +7,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::SPHERE_ROWS;
 use crate::accel::search::Queries;
 use math::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
-use scene::geometry::{SphereEquation, squared_length};
+use world::geometry::{SphereEquation, squared_length};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests spheres and reports the hits.

@@ -15,7 +15,7 @@ use crate::accel::search::Queries;
 use crate::accel::unbounded::Unbounded;
 use crate::cost::{StreamProbe, Traversals};
 use math::simd::{InstructionSet, N_LANES};
-use scene::world::Primitive;
+use world::scene::Primitive;
 
 /// A packet: its rays, their searches and their counters.
 pub(super) struct Packet<'r, I: InstructionSet, Q> {

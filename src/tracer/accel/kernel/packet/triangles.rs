@@ -8,7 +8,7 @@ use crate::accel::arena::Leaf;
 use crate::accel::layout::TRIANGLE_ROWS;
 use crate::accel::search::Queries;
 use math::simd::{Arithmetic, InstructionSet, N_LANES, Vector, Wide};
-use scene::geometry::{AreaTest, Areas, sheared};
+use world::geometry::{AreaTest, Areas, sheared};
 
 impl<I: InstructionSet> PacketRays<'_, I> {
     /// Tests triangles and reports the hits.

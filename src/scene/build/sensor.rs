@@ -1,0 +1,46 @@
+//! The camera, the sampler and the film settings of an image.
+
+use crate::config::{Config, ExtraArrays, Image};
+use world::camera::{ImagePlane, RayCone};
+use world::color::Development;
+use world::scene::Scene;
+
+/// Camera, sampler and film of a picture, as in Mitsuba: where its pixels are, and how their light
+/// is kept.
+#[derive(Debug, Clone, Copy)]
+pub struct Sensor {
+    /// The size, the window and the samples of the picture.
+    pub image: Image,
+    /// The positions of the pixels of the whole picture, in render space.
+    pub plane: ImagePlane,
+    /// The footprint of a camera ray as a cone, if a material has a picture.
+    pub cone: Option<RayCone>,
+    /// The conversion of light to the numbers of the picture.
+    pub development: Development,
+    /// The greatest value of a channel of a sample.
+    pub sample_limit: f32,
+    /// The arrays of the film beyond what every film keeps.
+    pub extra_arrays: ExtraArrays,
+}
+
+impl Sensor {
+    /// Creates the sensor of a scene's config.
+    pub fn new(scene: &Scene, config: &Config) -> Self {
+        Self::of_image(scene, config, config.image)
+    }
+
+    /// Creates the sensor of a scene's config for another image.
+    pub fn of_image(scene: &Scene, config: &Config, image: Image) -> Self {
+        let plane = (config.camera).image_plane(image.picture_size(), &scene.space);
+        let cone = || plane.ray_cone(image.samples_per_pixel);
+        let model = config.shading.model;
+        Self {
+            image,
+            plane,
+            cone: scene.has_images.then(cone),
+            development: config.film.development(model),
+            sample_limit: config.film.sample_limit(model),
+            extra_arrays: config.extra_arrays(),
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! The cost that is measured.
+
+use serde::Serialize;
+
+use base::deserialize_keywords;
+
+/// The cost measured for each pixel. All modes give the same picture, and the
+/// three modes with counters the same counters.
+///
+/// ```
+/// # use tracer::cost::CostMode;
+/// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
+/// # assert_eq!(cost, CostMode::Counters);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum CostMode {
+    /// Nothing; traces rays in streams
+    None,
+    /// Node visits, primitive tests and rays; traces rays in streams
+    Counters,
+    /// Counters, and the time of each pixel; traces rays one by one
+    SingleRayTime,
+    /// Counters, and the times of waves of rays, split over their pixels by the
+    /// counters of each stage; traces rays in streams
+    #[default]
+    Time,
+}
+
+impl CostMode {
+    /// Returns true if node visits, primitive tests and rays are counted.
+    pub fn has_counters(self) -> bool {
+        self != Self::None
+    }
+
+    /// Returns true if each pixel has a time, measured or its share of its group's.
+    pub fn has_time(self) -> bool {
+        matches!(self, Self::SingleRayTime | Self::Time)
+    }
+
+    /// Returns the name of the kernel: `single_ray` if pixels are timed individually, which rules
+    /// out `stream`, the tracing of many pixels' rays together.
+    pub fn kernel(self) -> &'static str {
+        match self {
+            Self::None | Self::Counters | Self::Time => "stream",
+            Self::SingleRayTime => "single_ray",
+        }
+    }
+}
+
+deserialize_keywords!(CostMode);

@@ -1,0 +1,150 @@
+//! The perspective camera that looks from one point to another.
+
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+
+use super::basis::{Basis, up};
+use super::image_plane::{ImagePlane, Projection};
+use super::lens::{FRAME_HEIGHT, Lens, LensKeys};
+use crate::geometry::RenderSpace;
+use crate::values;
+
+/// A perspective camera, a pinhole or with a lens.
+///
+/// ```
+/// # use world::camera::Camera;
+/// let camera: Camera = scene::yaml::from_str("
+/// look_at: { eye: [0, 1, -5], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 40 }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "LookAtKeys")]
+pub struct LookAt {
+    eye: DVec3,
+    /// The distance of the target.
+    distance: f64,
+    basis: Basis,
+    /// Half the height of view at distance 1.
+    half_height: f32,
+    lens: Option<Lens>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LookAtKeys {
+    /// The center of projection.
+    #[serde(deserialize_with = "values::point")]
+    eye: DVec3,
+    /// The point in the middle of the picture.
+    #[serde(deserialize_with = "values::point")]
+    target: DVec3,
+    /// The upward direction in the picture; +y if not given.
+    #[serde(deserialize_with = "values::direction", default = "up")]
+    up: Vec3,
+    /// The angle of view from the bottom to the top of the picture, in degrees.
+    #[serde(deserialize_with = "fov_deg", default)]
+    fov_y_deg: Option<f32>,
+    /// Instead of the angle: the focal length in millimeters, for frames of 36 x 24 mm.
+    #[serde(deserialize_with = "focal_length_mm", default)]
+    focal_length_mm: Option<f32>,
+    /// A thin lens; a pinhole if not given.
+    #[serde(default)]
+    lens: Option<LensKeys>,
+}
+
+fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    values::within(d, 0.001..=179.9, "an angle in degrees from 0.001 to 179.9")
+}
+
+fn focal_length_mm<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
+    values::within(
+        d,
+        1.0..=1e4,
+        "a focal length in millimeters from 1 to 10000",
+    )
+}
+
+impl TryFrom<LookAtKeys> for LookAt {
+    type Error = &'static str;
+
+    fn try_from(keys: LookAtKeys) -> Result<Self, Self::Error> {
+        let half_height = match (keys.fov_y_deg, keys.focal_length_mm) {
+            (Some(deg), None) => libm::tanf(0.5 * deg.to_radians()),
+            (None, Some(mm)) => 0.5 * FRAME_HEIGHT / (1e-3 * mm),
+            (Some(_), Some(_)) => {
+                return Err("cannot have two angles of view, \
+                     expected either `fov_y_deg` or `focal_length_mm`");
+            }
+            (None, None) => {
+                return Err(
+                    "cannot lack an angle of view, expected `fov_y_deg` or `focal_length_mm`",
+                );
+            }
+        };
+        let basis = Basis::look_at(keys.eye, keys.target, keys.up)?;
+        let lens = match keys.lens {
+            Some(lens) => lens.placed([keys.eye, keys.target], basis, half_height)?,
+            None => None,
+        };
+        Ok(Self {
+            eye: keys.eye,
+            distance: keys.eye.distance(keys.target),
+            basis,
+            half_height,
+            lens,
+        })
+    }
+}
+
+impl LookAt {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        [
+            self.eye,
+            self.eye + self.distance * self.basis.forward.as_dvec3(),
+        ]
+    }
+
+    /// Returns the image plane at distance 1 in render space.
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
+        let Basis { forward, right, up } = self.basis;
+        let half_height = self.half_height;
+        let to_plane = [forward, right, up];
+        let eye = (*space, self.eye);
+        ImagePlane {
+            lens: self.lens.map(|lens| lens.in_space(space)),
+            ..ImagePlane::centered(
+                Projection::Perspective,
+                eye,
+                to_plane,
+                2.0 * half_height,
+                size,
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_field_of_view_spans_the_rows_from_edge_to_edge() {
+        let keys = LookAtKeys {
+            eye: DVec3::ZERO,
+            target: DVec3::NEG_Z,
+            up: Vec3::Y,
+            fov_y_deg: Some(90.0),
+            focal_length_mm: None,
+            lens: None,
+        };
+        let plane = LookAt::try_from(keys).unwrap();
+        let plane = plane.image_plane([200, 100], &RenderSpace::default());
+        let top = plane.point(99.5, -0.5);
+        assert!((top - Vec3::new(0.0, 1.0, -1.0)).length() < 1e-5, "{top}");
+        let right = plane.point(199.5, 49.5);
+        assert!(
+            (right - Vec3::new(2.0, 0.0, -1.0)).length() < 1e-5,
+            "{right}"
+        );
+    }
+}

@@ -1,0 +1,76 @@
+//! The camera with parallel rays.
+
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+
+use super::basis::{Basis, up};
+use super::image_plane::{ImagePlane, Projection};
+use crate::geometry::RenderSpace;
+use crate::values;
+
+/// An orthographic camera. It sees only what lies in front of the plane through `eye`.
+///
+/// ```
+/// # use world::camera::Camera;
+/// let camera: Camera = scene::yaml::from_str("
+/// orthographic: { eye: [0, 5, 0], target: [0, 0, 0], up: [0, 0, 1], height: 4 }
+/// ").unwrap();
+/// ```
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "OrthographicKeys")]
+pub struct Orthographic {
+    eye: DVec3,
+    basis: Basis,
+    height: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OrthographicKeys {
+    /// A point of the plane where the view begins, in the middle of the picture.
+    #[serde(deserialize_with = "values::point")]
+    eye: DVec3,
+    /// Another point in the middle of the picture.
+    #[serde(deserialize_with = "values::point")]
+    target: DVec3,
+    /// The upward direction in the picture; +y if not given.
+    #[serde(deserialize_with = "values::direction", default = "up")]
+    up: Vec3,
+    /// World-space height of the image.
+    #[serde(deserialize_with = "values::positive")]
+    height: f32,
+}
+
+impl TryFrom<OrthographicKeys> for Orthographic {
+    type Error = &'static str;
+
+    fn try_from(keys: OrthographicKeys) -> Result<Self, Self::Error> {
+        Ok(Self {
+            eye: keys.eye,
+            basis: Basis::look_at(keys.eye, keys.target, keys.up)?,
+            height: keys.height,
+        })
+    }
+}
+
+impl Orthographic {
+    pub(super) fn focus(&self) -> [DVec3; 2] {
+        [
+            self.eye,
+            self.eye + f64::from(self.height) * self.basis.forward.as_dvec3(),
+        ]
+    }
+
+    pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
+        let Basis { forward, right, up } = self.basis;
+        let projection = Projection::Parallel { direction: forward };
+        let height = space.length(self.height);
+        ImagePlane::centered(
+            projection,
+            (*space, self.eye),
+            [Vec3::ZERO, right, up],
+            height,
+            size,
+        )
+    }
+}

@@ -1,0 +1,53 @@
+//! Homogeneous fog around the objects of a scene.
+
+mod phase;
+mod sphere;
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
+
+use crate::values;
+
+pub use phase::HenyeyGreenstein;
+pub use sphere::FogSphere;
+
+/// The `fog` section: the same fog everywhere in a sphere around the objects.
+///
+/// ```
+/// # use world::fog::Fog;
+/// let fog: Fog = scene::yaml::from_str("
+/// mean_free_path: 12     # in world units: 37 % of the light gets as far
+/// color: [0.8, 0.85, 1]
+/// anisotropy: 0.4        # in path tracing: most light is scattered forward
+/// radius: 50             # of the sphere that it fills
+/// ").unwrap();
+/// # assert_eq!(fog.mean_free_path, 12.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "fog such as { mean_free_path: 10, color: 0.8 }"
+)]
+pub struct Fog {
+    /// The distance in world units, greater than 0, at which a fraction of 1/e of the light is
+    /// left.
+    #[serde(deserialize_with = "values::positive")]
+    pub mean_free_path: f32,
+    /// The color; white by default. In path tracing, the fraction of the light that the particles
+    /// scatter rather than absorb (the albedo). In `blinn_phong`, the color that distant objects
+    /// fade to.
+    #[serde(default = "values::white", deserialize_with = "values::color")]
+    pub color: Vec3,
+    /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
+    /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
+    #[serde(default, deserialize_with = "anisotropy")]
+    pub anisotropy: f32,
+    /// The radius of the sphere of fog around the center of the objects; by default, the smallest
+    /// sphere that contains all bounded objects and the camera.
+    #[serde(default, deserialize_with = "values::positive")]
+    pub radius: Option<f32>,
+}
+
+fn anisotropy<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+    values::within(d, -0.99..=0.99, "a number from -0.99 to 0.99")
+}

@@ -1,0 +1,181 @@
+//! Flat disks.
+
+use std::f32::consts::PI;
+
+use glam::{DVec3, Vec3};
+use serde::Deserialize;
+
+use super::located::{Described, Located, located};
+use super::sampled::{Sampled, Seen, SurfaceSample};
+use super::surface::{parameters_of, vector};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use crate::values;
+use math::sampling::disk;
+use math::simd::{Real, Vector};
+
+/// The points of a plane within a distance of a center.
+///
+/// ```
+/// # use world::geometry::{Located, Disk};
+/// let disk: Located<Disk> = scene::yaml::from_str("
+/// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
+/// ").unwrap();
+/// # assert_eq!(disk.geometry.radius, 0.5);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disk {
+    /// The center.
+    pub center: Vec3,
+    /// The unit normal.
+    pub normal: Vec3,
+    /// The radius, greater than 0.
+    pub radius: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DiskKeys {
+    /// The center.
+    #[serde(deserialize_with = "values::point")]
+    center: DVec3,
+    /// The unit normal; the file may give any length but zero.
+    #[serde(deserialize_with = "values::direction")]
+    normal: Vec3,
+    /// The radius, greater than 0.
+    #[serde(deserialize_with = "values::positive")]
+    radius: f32,
+}
+
+impl Described for Disk {
+    type Keys = DiskKeys;
+
+    fn described(keys: DiskKeys) -> Result<Located<Self>, &'static str> {
+        let DiskKeys {
+            center,
+            normal,
+            radius,
+        } = keys;
+        Ok(located([center]).map(|[center]| Self {
+            center,
+            normal,
+            radius,
+        }))
+    }
+}
+
+impl Disk {
+    fn plane(&self) -> Plane {
+        Plane {
+            point: self.center,
+            normal: self.normal,
+        }
+    }
+}
+
+impl Intersectable for Disk {
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        self.plane()
+            .intersect(ray, t_max)
+            .filter(|&t| ray.at(t).distance_squared(self.center) <= self.radius * self.radius)
+    }
+
+    fn bounds(&self) -> Aabb {
+        // The circle's extent along an axis is r times the sine of the angle between the axis and
+        // the normal.
+        let extent = self.radius
+            * (1.0 - self.normal * self.normal)
+                .max(Vec3::ZERO)
+                .map(f32::sqrt);
+        Aabb {
+            min: self.center - extent,
+            max: self.center + extent,
+        }
+    }
+
+    fn transformed(&self, transform: &Transform) -> Option<Self> {
+        Some(Self {
+            center: transform.world_point(self.center),
+            normal: transform.world_normal(self.normal),
+            radius: self.radius * transform.uniform_scale()?,
+        })
+    }
+
+    fn patch(&self) -> Option<Patch> {
+        Some(Patch::disk(self.center, self.normal, self.radius))
+    }
+}
+
+impl Project for Disk {
+    #[inline(always)]
+    fn parameters(&self) -> [f32; N_PARAMETERS] {
+        let mut parameters = parameters_of(&[self.center, self.normal]);
+        parameters[6] = self.radius;
+        parameters
+    }
+
+    #[inline(always)]
+    fn project_onto<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        near: Vector<R>,
+    ) -> (Vector<R>, Vector<R>) {
+        Plane::project_onto(parameters, near)
+    }
+
+    #[inline(always)]
+    fn rounding<R: Real>(parameters: &[R; N_PARAMETERS], point: Vector<R>) -> R {
+        Plane::rounding(parameters, point)
+    }
+
+    #[inline(always)]
+    fn rounding_along<R: Real>(parameters: &[R; N_PARAMETERS], at: [Vector<R>; 2]) -> R {
+        Plane::rounding_along(parameters, at)
+    }
+}
+
+impl Sampled for Disk {
+    #[inline(always)]
+    fn area<R: Real>(parameters: &[R; N_PARAMETERS]) -> R {
+        area(parameters[6])
+    }
+
+    #[inline(always)]
+    fn sample<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        from: Vector<R>,
+        numbers: [R; 2],
+    ) -> SurfaceSample<R> {
+        let (center, normal) = (vector(parameters, 0), vector(parameters, 3));
+        let radius = parameters[6];
+        let [x, y] = disk(numbers);
+        let [u, v] = normal.orthonormal_pair();
+        let point = center + u * (radius * x) + v * (radius * y);
+        Seen::new(point, normal, from).by_area(area(radius))
+    }
+}
+
+#[inline(always)]
+fn area<R: Real>(radius: R) -> R {
+    radius.splat(PI) * radius * radius
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disk_ends_at_its_radius() {
+        let disk = Disk {
+            center: Vec3::Z,
+            normal: Vec3::Z,
+            radius: 0.5,
+        };
+        let at_x = |x: f32| Ray {
+            origin: Vec3::new(x, 0.0, 0.0),
+            direction: Vec3::Z,
+        };
+        assert_eq!(disk.intersect(&at_x(0.49), 9.0), Some(1.0));
+        assert_eq!(disk.intersect(&at_x(0.51), 9.0), None);
+        assert_eq!(disk.bounds().max, Vec3::new(0.5, 0.5, 1.0));
+    }
+}

@@ -1,0 +1,83 @@
+//! Mappings of pictures onto surfaces.
+
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+
+use super::planar::Planar;
+use super::spherical::Spherical;
+use super::triplanar::Triplanar;
+
+/// The mapping of a picture onto a surface.
+///
+/// ```
+/// # use world::material::Mapping;
+/// let wall: Mapping = scene::yaml::from_str("
+/// planar: { right: [1, 0, 0], up: [0, 1, 0], origin: [-2, 0, 0] }
+/// ").unwrap();
+/// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Mapping {
+    /// By the texture coordinates of a mesh.
+    #[default]
+    Uv,
+    /// Projected onto a plane.
+    Planar(Planar),
+    /// Projected onto a sphere, as a map of longitudes and latitudes.
+    Spherical(Spherical),
+    /// Projected along all three axes of world space, weighted by how close the normal is to each
+    /// axis.
+    Triplanar(Triplanar),
+}
+
+/// The mappings with keys.
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum MappingKeys {
+    /// Projected along an axis.
+    Planar(Planar),
+    /// Around a center, by longitude and latitude.
+    Spherical(Spherical),
+}
+
+const EXPECTED: &str =
+    "`uv`, `planar`, `spherical`, `triplanar`, { planar: … } or { spherical: … }";
+
+impl<'de> Deserialize<'de> for Mapping {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(MappingVisitor)
+    }
+}
+
+struct MappingVisitor;
+
+impl<'de> Visitor<'de> for MappingVisitor {
+    type Value = Mapping;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(EXPECTED)
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<Mapping, E> {
+        match word {
+            "uv" => Ok(Mapping::Uv),
+            "planar" => Ok(Mapping::Planar(Planar::default())),
+            "spherical" => Ok(Mapping::Spherical(Spherical::default())),
+            "triplanar" => Ok(Mapping::Triplanar(Triplanar::default())),
+            _ => {
+                let message = format!("unknown variant `{word}`, expected {EXPECTED}");
+                Err(E::custom(message))
+            }
+        }
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Mapping, A::Error> {
+        let keys = MappingKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(match keys {
+            MappingKeys::Planar(plane) => Mapping::Planar(plane),
+            MappingKeys::Spherical(sphere) => Mapping::Spherical(sphere),
+        })
+    }
+}

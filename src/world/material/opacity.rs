@@ -1,0 +1,138 @@
+//! The opacity of surfaces: light that a surface does not meet goes straight on.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+
+use super::image::ImageTexture;
+use super::texture_point::TexturePoint;
+use crate::integers_as_f64;
+use crate::values;
+
+/// The share of light that a surface meets; the rest passes as if nothing were there.
+///
+/// ```
+/// # use world::material::Opacity;
+/// # let veil: Opacity = scene::yaml::from_str("0.3").unwrap();
+/// let lace: Opacity = scene::yaml::from_str("
+/// image: { file: lace.png }   # its opacity, or its brightness if it is opaque
+/// factor: 0.8                 # 1 by default
+/// ").unwrap();
+/// # assert_eq!((veil.factor, lace.factor), (0.3, 0.8));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Opacity {
+    /// The factor of all opacities, 0 to 1.
+    pub factor: f32,
+    /// The picture, if there is one: its opacity counts, or its largest channel if it is opaque.
+    pub image: Option<ImageTexture>,
+    /// The least opacity of a surface with holes, which is opaque around them.
+    pub threshold: Option<f32>,
+}
+
+impl Opacity {
+    /// Returns the keys that lead to the picture.
+    pub fn keys(&self) -> &'static [&'static str] {
+        match self.threshold {
+            Some(_) => &["cutout", "image"],
+            None => &["opacity", "image"],
+        }
+    }
+
+    /// Returns the opacity at a point, from 0 to 1; `of_vertices` is that of the vertices.
+    pub fn at(&self, point: &TexturePoint<f32>, of_vertices: f32) -> f32 {
+        let of_image = self.image.as_ref().map_or(1.0, |image| {
+            let [red, green, blue, opacity] = image.values_at(point);
+            if image.picture.is_opaque() {
+                red.max(green).max(blue)
+            } else {
+                opacity
+            }
+        });
+        let opacity = (self.factor * of_vertices * of_image).clamp(0.0, 1.0);
+        match self.threshold {
+            Some(threshold) => f32::from(u8::from(opacity >= threshold)),
+            None => opacity,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Opacity {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(OpacityVisitor)
+    }
+}
+
+struct OpacityVisitor;
+
+impl<'de> Visitor<'de> for OpacityVisitor {
+    type Value = Opacity;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number from 0 to 1, or a picture such as { image: { file: lace.png } }")
+    }
+
+    fn visit_f64<E: Error>(self, found: f64) -> Result<Opacity, E> {
+        Ok(Opacity {
+            factor: values::fraction(found.into_deserializer())?,
+            image: None,
+            threshold: None,
+        })
+    }
+
+    integers_as_f64!();
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Opacity, A::Error> {
+        let keys = OpacityKeys::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Opacity {
+            factor: keys.factor,
+            image: Some(keys.image),
+            threshold: None,
+        })
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OpacityKeys {
+    /// The picture: its opacity counts, or its largest channel if it is opaque.
+    image: ImageTexture,
+    /// The factor of the picture's opacity, 0 to 1; 1 by default.
+    #[serde(default = "values::one", deserialize_with = "values::fraction")]
+    factor: f32,
+}
+
+/// A picture that cuts holes into a surface, where its opacity is below a threshold. Rays pass
+/// through the holes.
+///
+/// ```
+/// # use world::material::Cutout;
+/// let leaf: Cutout = scene::yaml::from_str("
+/// image: { file: leaf.png }   # its opacity, or its brightness if it is opaque
+/// threshold: 0.3              # 0.5 by default
+/// ").unwrap();
+/// ```
+#[derive(Debug, Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "a picture with holes such as { image: { file: leaf.png } }"
+)]
+pub struct Cutout {
+    /// The picture: its opacity counts, or its largest channel if it is opaque.
+    pub image: ImageTexture,
+    /// The least opacity of the surface, 0 to 1; there are holes below it. 0.5 by default.
+    #[serde(default = "values::half", deserialize_with = "values::fraction")]
+    pub threshold: f32,
+}
+
+impl From<Cutout> for Opacity {
+    fn from(Cutout { image, threshold }: Cutout) -> Self {
+        Self {
+            factor: 1.0,
+            image: Some(image),
+            threshold: Some(threshold),
+        }
+    }
+}

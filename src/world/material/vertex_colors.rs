@@ -1,0 +1,76 @@
+//! The colors of the vertices of a mesh.
+
+use glam::Vec3;
+use serde::{Deserialize, Deserializer};
+
+use super::array::ArrayKind;
+use super::image::ImageTexture;
+use super::texture_point::TexturePoint;
+use crate::material::ArrayChoice;
+use crate::values;
+use math::simd::{Real, Vector};
+
+/// The colors of the vertices of a mesh, interpolated over its triangles, such as scanned or
+/// painted colors.
+///
+/// ```
+/// # use world::material::Texture;
+/// let scanned: Texture = scene::yaml::from_str("vertex_colors").unwrap();
+/// let seen: Texture = scene::yaml::from_str("
+/// vertex_colors: { array: RGB, of: cells }   # of a VTK file
+/// ").unwrap();
+/// # assert!(scanned.is_of_vertices() && seen.is_of_vertices());
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct VertexColors {
+    /// A color that multiplies the vertices' colors.
+    pub tint: Vec3,
+    /// A picture that multiplies the vertices' colors.
+    pub image: Option<Box<ImageTexture>>,
+    /// The array of a VTK file that has the colors.
+    pub array: Option<ArrayChoice>,
+}
+
+impl VertexColors {
+    #[inline(always)]
+    pub(super) fn color_at<R: Real>(&self, point: &TexturePoint<R>) -> Vector<R> {
+        let color = point.color.times(Vector::splat(point.color.x, self.tint));
+        match &self.image {
+            None => color,
+            Some(image) => color.times(image.color_at(point)),
+        }
+    }
+}
+
+/// The keys for a VTK file.
+#[derive(Deserialize)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "`vertex_colors`, or an array such as { array: RGB }"
+)]
+struct VertexColorKeys {
+    /// The name of the array of colors in a VTK file.
+    #[serde(deserialize_with = "values::name")]
+    array: String,
+    /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
+    /// if it has both.
+    #[serde(default)]
+    of: Option<ArrayKind>,
+}
+
+/// Reads a word without keys, or an array.
+impl<'de> Deserialize<'de> for VertexColors {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let keys = Option::<VertexColorKeys>::deserialize(d)?;
+        Ok(Self {
+            tint: Vec3::ONE,
+            image: None,
+            array: keys.map(|keys| ArrayChoice {
+                name: keys.array,
+                component: None,
+                of: keys.of.map(Into::into),
+                is_color: true,
+            }),
+        })
+    }
+}

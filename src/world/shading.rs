@@ -1,0 +1,193 @@
+//! The `shading` section.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use crate::color::Transfer;
+use crate::geometry::RenderSpace;
+use crate::values;
+use base::deserialize_keywords;
+use math::optics::Masking;
+
+/// The shading model and its parameters.
+///
+/// ```
+/// # use scene::config::Shading;
+/// let shading: Shading = scene::yaml::from_str("
+/// { model: blinn_phong, ambient: 0.1, max_depth: 4 }
+/// ").unwrap();
+/// # assert_eq!(shading.max_depth, 4);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "ShadingKeys")]
+pub struct Shading {
+    /// The shading model.
+    pub model: ShadingModel,
+    /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
+    pub ambient: Vec3,
+    /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
+    pub max_depth: u8,
+    /// The lights that are sampled at each point; `each`, and `power` in path tracing, by default.
+    pub light_sampling: LightSampling,
+    /// The masking-shadowing function of rough surfaces in path tracing; `height_correlated` if not
+    /// given.
+    pub masking: Masking,
+    /// Length of the rays of ambient occlusion in world units; infinite if not given.
+    pub occlusion_distance: f32,
+    /// If true, objects cast shadows.
+    pub shadows: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a mapping with keys such as `model`")]
+struct ShadingKeys {
+    #[serde(default)]
+    model: ShadingModel,
+    #[serde(default, deserialize_with = "values::radiance")]
+    ambient: Option<Vec3>,
+    #[serde(default = "default_depth", deserialize_with = "values::byte")]
+    max_depth: u8,
+    #[serde(default)]
+    light_sampling: Option<LightSampling>,
+    #[serde(default)]
+    masking: Option<Masking>,
+    #[serde(default, deserialize_with = "values::positive")]
+    occlusion_distance: Option<f32>,
+    #[serde(default)]
+    shadows: Option<bool>,
+}
+
+impl TryFrom<ShadingKeys> for Shading {
+    type Error = &'static str;
+
+    fn try_from(keys: ShadingKeys) -> Result<Self, Self::Error> {
+        let light_sampling = keys.light_sampling.unwrap_or(keys.model.light_sampling());
+        let is = |model| keys.model == model;
+        if (is(ShadingModel::Path) || is(ShadingModel::AmbientOcclusion)) && keys.ambient.is_some()
+        {
+            return Err(
+                "cannot have ambient light in this model, expected no `ambient`; \
+                 in path tracing a `background` lights surfaces",
+            );
+        }
+        if !is(ShadingModel::BlinnPhong) && !is(ShadingModel::Path) && keys.light_sampling.is_some()
+        {
+            return Err("cannot choose lights in this model, expected no `light_sampling`");
+        }
+        if !is(ShadingModel::Path) && keys.masking.is_some() {
+            return Err("cannot choose the `masking` of facets in this model, \
+                 expected `model: path` beside it");
+        }
+        if !is(ShadingModel::AmbientOcclusion) && keys.occlusion_distance.is_some() {
+            return Err("cannot have an `occlusion_distance` in this model, \
+                 expected `model: ambient_occlusion` beside it");
+        }
+        if !is(ShadingModel::BlinnPhong) && keys.shadows.is_some() {
+            return Err("cannot choose whether there are `shadows` in this model, \
+                 expected `model: blinn_phong` beside it");
+        }
+        Ok(Self {
+            model: keys.model,
+            ambient: keys.ambient.unwrap_or(keys.model.ambient()),
+            max_depth: keys.max_depth,
+            light_sampling,
+            masking: keys.masking.unwrap_or_default(),
+            occlusion_distance: keys.occlusion_distance.unwrap_or(f32::INFINITY),
+            shadows: keys.shadows.unwrap_or(true),
+        })
+    }
+}
+
+/// The lights toward which shadow rays are traced from a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum LightSampling {
+    /// Every light, with one ray each.
+    Each,
+    /// One light, chosen with a probability proportional to the light that would arrive at the
+    /// point if nothing were in the way; for more than 16 lights, to its power plus the mean power.
+    Power,
+}
+
+deserialize_keywords!(LightSampling);
+
+/// A shading model.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum ShadingModel {
+    /// Blinn-Phong with shadows and Whitted's recursive reflection.
+    #[default]
+    BlinnPhong,
+    /// The model of the course's NumPy code, for comparison with it.
+    Seed,
+    /// Ambient occlusion: the unoccluded fraction of the space around each point.
+    AmbientOcclusion,
+    /// Path tracing: all light that surfaces scatter to each other.
+    Path,
+}
+
+impl ShadingModel {
+    /// Returns the default ambient light.
+    fn ambient(self) -> Vec3 {
+        match self {
+            Self::BlinnPhong | Self::Seed => Vec3::splat(0.05),
+            Self::AmbientOcclusion | Self::Path => Vec3::ZERO,
+        }
+    }
+
+    /// Returns the default light sampling.
+    fn light_sampling(self) -> LightSampling {
+        match self {
+            Self::BlinnPhong | Self::Seed | Self::AmbientOcclusion => LightSampling::Each,
+            Self::Path => LightSampling::Power,
+        }
+    }
+
+    /// Returns the default transfer function of pictures: linear for `seed`, as in its pictures.
+    pub fn transfer(self) -> Transfer {
+        match self {
+            Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => Transfer::Srgb,
+            Self::Seed => Transfer::Linear,
+        }
+    }
+
+    /// Returns the default limit of a sample's channels, applied before the mean is taken: 1e30, so
+    /// that sums of samples stay finite, but 1 for `seed`.
+    pub fn sample_limit(self) -> f32 {
+        match self {
+            Self::BlinnPhong | Self::AmbientOcclusion | Self::Path => 1e30,
+            Self::Seed => 1.0,
+        }
+    }
+}
+
+deserialize_keywords!(ShadingModel);
+
+fn default_depth() -> u8 {
+    8
+}
+
+impl Shading {
+    /// Converts the settings' lengths from world space to render space.
+    pub fn in_space(self, space: &RenderSpace) -> Self {
+        Self {
+            occlusion_distance: space.length(self.occlusion_distance),
+            ..self
+        }
+    }
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        let model = ShadingModel::default();
+        Self {
+            model,
+            ambient: model.ambient(),
+            max_depth: default_depth(),
+            light_sampling: model.light_sampling(),
+            masking: Masking::default(),
+            occlusion_distance: f32::INFINITY,
+            shadows: true,
+        }
+    }
+}

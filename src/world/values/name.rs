@@ -1,0 +1,40 @@
+//! Names: short strings that are displayed, compared and written to files.
+
+use std::fmt;
+
+use serde::de::{Deserializer, Error, Visitor};
+
+/// Maximum number of characters of a name, a title or a key.
+pub const MAX_NAME: usize = 256;
+
+/// Reads a name; for `#[serde(deserialize_with = "…")]`.
+///
+/// # Errors
+/// The value is not a string, or is longer than [`MAX_NAME`].
+pub fn name<'de, D: Deserializer<'de>>(d: D) -> Result<String, D::Error> {
+    d.deserialize_str(NameVisitor)
+}
+
+/// Returns true if the text has more than [`MAX_NAME`] characters.
+pub fn is_long(text: &str) -> bool {
+    text.len() > MAX_NAME && text.chars().nth(MAX_NAME).is_some()
+}
+
+struct NameVisitor;
+
+impl Visitor<'_> for NameVisitor {
+    type Value = String;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a text")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<String, E> {
+        if is_long(text) {
+            return Err(E::custom(format!(
+                "cannot be so long, expected a text of at most {MAX_NAME} characters"
+            )));
+        }
+        Ok(text.to_owned())
+    }
+}
