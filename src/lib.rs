@@ -39,7 +39,7 @@ pub use ::{
     output::results,
     render::{attribution, film, schedule},
     scene::{animation, build, config, yaml},
-    tracer::cost,
+    tracer::{accel, cost},
     world::{self, background, camera, color, fog, geometry, light, material, picture},
 };
 

@@ -17,6 +17,9 @@ use crate::common::{in_repository, names};
 #[path = "../../examples/cost_histogram.rs"]
 mod cost_histogram;
 #[allow(dead_code, reason = "`main` is for cargo")]
+#[path = "../../examples/rays.rs"]
+mod rays;
+#[allow(dead_code, reason = "`main` is for cargo")]
 #[path = "../../examples/render.rs"]
 mod render;
 #[allow(dead_code, reason = "`main` is for cargo")]
@@ -145,4 +148,16 @@ fn a_canceled_rendering_ends_and_another_one_goes_on() {
         other => panic!("{other:?}"),
     }
     assert!(session.render(&Options::default()).is_ok());
+}
+
+#[test]
+fn rays_of_a_program_measure_the_height_of_its_terrain() {
+    let scene = rays::terrain(100).unwrap();
+    let (mean, cost) = rays::mean_height(&scene, 150);
+    // The sine is odd, so that the terrain is as deep as it is high.
+    assert!(mean.abs() < 1e-4, "{mean}");
+    let n = 150.0 * 150.0;
+    let [tests, visits] = [cost.primitive_tests, cost.node_visits].map(|n_all| n_all as f64 / n);
+    assert!((1.0..20.0).contains(&tests), "{tests}");
+    assert!((1.0..20.0).contains(&visits), "{visits}");
 }

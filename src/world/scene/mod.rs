@@ -1,8 +1,7 @@
 //! The world in render space, with ids instead of names: the tracer's input.
 //!
-//! A [`Scene`] grows by objects: [`Scene::new`] takes the materials, [`Scene::add`] the primitives of
-//! an object, [`Scene::add_instances`] instanced meshes, and [`Scene::add_fog`] and
-//! [`Scene::add_lights`] end it.
+//! A [`Scene`] grows by objects: [`Scene::new`] takes the materials, [`Scene::add_shapes`] an object,
+//! [`Scene::add_lower_level`] instanced meshes; [`Scene::add_fog`] and [`Scene::add_lights`] end it.
 
 mod primitive;
 mod instances;
@@ -19,7 +18,7 @@ use glam::Vec3;
 
 use crate::background::Background;
 use crate::fog::{Fog, FogSphere, HenyeyGreenstein};
-use crate::geometry::RenderSpace;
+use crate::geometry::{RenderSpace, Shape};
 use crate::light::Light;
 use crate::material::{FactorPictures, Material, TexturePoint};
 use crate::shading::{Shading, ShadingModel};
@@ -119,6 +118,23 @@ impl Scene {
     pub fn reserve(&mut self, n_primitives: usize) {
         self.primitives.reserve(n_primitives);
         self.classes.reserve(n_primitives);
+    }
+
+    /// Adds an object of shapes in render space, all of one material; `None` if one of them has no
+    /// extent, or exceeds the range of coordinates.
+    pub fn add_shapes(
+        &mut self,
+        shapes: impl IntoIterator<Item = Shape>,
+        material: MaterialId,
+    ) -> Option<ObjectId> {
+        let object = ObjectId(self.attributes.len() as u32);
+        for shape in shapes {
+            let primitive = Primitive::new(shape, None, object, material);
+            let is_sound = primitive.is_in_range() && primitive.has_extent();
+            self.primitives.push(is_sound.then_some(primitive)?);
+        }
+        self.end_object(Attributes::None);
+        Some(object)
     }
 
     /// Ends the next object, with the primitives that were added since the last one and their
