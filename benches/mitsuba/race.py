@@ -1,10 +1,11 @@
 """Times raycost's render stage and Mitsuba 3's rendering of the same rays in turn.
 
-    benches/mitsuba/run [MESH.obj] [--rounds N] [--raycost PROGRAM] [--scalar]
+    benches/mitsuba/run [MESH.obj] [--rounds N] [--raycost PROGRAM] [--scalar] [--json FILE]
 
 A mesh on a floor, one point light, shadow rays, 1600 x 1200 pixels, 4 samples each, two threads on
 both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
-its scene do not count; raycost starts anew each time. Compares the fastest renderings. The shading
+its scene do not count; raycost starts anew each time. Compares the fastest renderings; FILE gets the
+wall times of all rounds. The shading
 models differ in constants, the rays and their number do not: fails if lit pixels are elsewhere.
 Without a mesh, renders configs/meshes/spot.obj; the goal is that of the Stanford bunny, whose license
 keeps it out of this repository.
@@ -23,6 +24,7 @@ from PIL import Image
 
 WIDTH, HEIGHT, SAMPLES, N_THREADS = 1600, 1200, 4, 2
 FOV_Y_DEG = 40
+PEER = "Mitsuba llvm_ad_rgb"
 GOALS = {"counters": 1.0, "time": 0.5, "single_ray_time": 0.5}
 # Share of all pixels: the patterns of samples differ, and with them the edges.
 MOST_ELSEWHERE = 0.02
@@ -160,26 +162,33 @@ def main():
     parser.add_argument("--rounds", type=int, default=9, metavar="N")
     parser.add_argument("--raycost", type=pathlib.Path, default=ROOT / "target/release/raycost", metavar="PROGRAM")
     parser.add_argument("--scalar", action="store_true", help="also race Mitsuba's scalar_rgb")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
     options = parser.parse_args()
     setting = Setting(options.mesh.resolve())
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        racers = {"Mitsuba llvm_ad_rgb": Mitsuba("llvm_ad_rgb", setting)}
-        if options.scalar:
-            racers["Mitsuba scalar_rgb"] = Mitsuba("scalar_rgb", setting)
+        # The last is the one that docs/condense compares the others with.
+        peers = {"Mitsuba scalar_rgb": "scalar_rgb"} if options.scalar else {}
+        peers |= {PEER: "llvm_ad_rgb"}
         costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "time", "single_ray_time"]}
         program = options.raycost.resolve()
-        racers |= {name: Raycost(program, cost, folder, setting) for name, cost in costs.items()}
+        racers = {name: Raycost(program, cost, folder, setting) for name, cost in costs.items()}
+        racers |= {name: Mitsuba(variant, setting) for name, variant in peers.items()}
         times = race(racers, options.rounds)
         lit = [racer.lit() for racer in racers.values()]
     # The least wall time and the least CPU time of each.
     least = {name: [min(values) for values in zip(*pairs)] for name, pairs in times.items()}
     print("                              wall             CPU")
     for name, [wall, cpu] in least.items():
-        ratio, of_cpu = (first / own for first, own in zip(least["Mitsuba llvm_ad_rgb"], [wall, cpu]))
+        ratio, of_cpu = (first / own for first, own in zip(least[PEER], [wall, cpu]))
         goal = GOALS.get(costs.get(name))
         verdict = "" if goal is None else f"   goal {goal}, {'reached' if ratio >= goal else 'missed'}"
         print(f"{name:25}{wall:6.0f} ms {ratio:5.2f}{cpu:8.0f} ms {of_cpu:5.2f}{verdict}")
+    if options.json:
+        walls = {name: [wall for wall, _ in pairs] for name, pairs in times.items()}
+        setup = {"mitsuba": racers[PEER].mitsuba.__version__, "mesh": setting.mesh.stem, "threads": N_THREADS}
+        setup |= {"width": WIDTH, "height": HEIGHT, "samples": SAMPLES}
+        options.json.write_text(json.dumps({**setup, "times_ms": walls}))
     elsewhere = max(np.mean(lit[0] != other) for other in lit)
     print(f"lit pixels {100 * np.mean(lit[0]):.1f} %, elsewhere {100 * elsewhere:.2f} %")
     return 0 if elsewhere <= MOST_ELSEWHERE else 1

@@ -34,6 +34,10 @@ pub const FIGURES: &[(&str, Figure)] = &[
         let ratio = &of.0.get("povray")?["ratios"]["POV-Ray"]["median"];
         ratio.as_f64().map(digits)
     }),
+    ("mitsuba-race", Results::mitsuba_race),
+    ("mitsuba-ratio", |of| {
+        of.mitsuba_ratio("counters").map(digits)
+    }),
     ("numpy", Results::numpy),
     ("mirrors-pixels", |of| {
         of.share("hall_of_mirrors", "mirrors", "primary", "pixels")
@@ -332,6 +336,32 @@ impl Results {
             race["width"],
             race["height"],
             race["threads"],
+        ))
+    }
+
+    /// Returns the time of Mitsuba over that of raycost with a cost mode.
+    fn mitsuba_ratio(&self, cost: &str) -> Option<f64> {
+        let ratio = &self.0.get("mitsuba_race")?["ratios"][format!("raycost, {cost}")];
+        Some(1.0 / ratio["median"].as_f64()?)
+    }
+
+    /// "Mitsuba 3 takes 93 ms …; raycost is 1.1 times as fast with `cost: none`, …".
+    fn mitsuba_race(&self) -> Option<String> {
+        let race = self.0.get("mitsuba_race")?;
+        let times = |cost: &str| {
+            let ratio = digits(self.mitsuba_ratio(cost)?);
+            Some(format!("{ratio} times as fast with `cost: {cost}`"))
+        };
+        let modes = ["none", "counters", "time", "single_ray_time"].map(times);
+        Some(format!(
+            "Mitsuba {} takes {} ms at {} x {} pixels with {} samples on {} threads; raycost is {}",
+            race["mitsuba"].as_str()?,
+            digits(race["ms"]["Mitsuba llvm_ad_rgb"]["median"].as_f64()?),
+            race["width"],
+            race["height"],
+            race["samples"],
+            race["threads"],
+            listed(&modes.into_iter().collect::<Option<Vec<_>>>()?),
         ))
     }
 
