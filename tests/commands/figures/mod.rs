@@ -123,18 +123,22 @@ fn the_kept_results_are_small() {
     assert!(n_bytes < MOST_BYTES, "{n_bytes} bytes of results");
 }
 
-/// Figures of different programs are not comparable.
+/// Figures of different programs are not comparable. The studies of 16 cores, on another machine,
+/// may be of an earlier program, which the report names.
 #[test]
 fn all_results_are_of_one_program() {
     let results = Results::read();
-    let programs = results.programs();
-    let first = &programs[0];
-    for (file, commit) in &programs {
-        assert_eq!(
-            commit, &first.1,
-            "{file} and {} are of different programs",
-            first.0
-        );
+    let (wide, others): (Vec<_>, Vec<_>) =
+        (results.programs().into_iter()).partition(|(file, _)| file.contains("_16_"));
+    for programs in [wide, others] {
+        for (file, commit) in &programs {
+            let first = &programs[0];
+            assert_eq!(
+                commit, &first.1,
+                "{file} and {} are of different programs",
+                first.0
+            );
+        }
     }
 }
 
