@@ -1,7 +1,7 @@
 //! The scene file as serde types: text → [`Config`].
 //!
 //! [`Document::parse`](crate::yaml::Document::parse) returns every section with its
-//! defaults and checks the range of each value. [`scene`](crate::world) resolves
+//! defaults and checks the range of each value. [`build`](crate::build) resolves
 //! references between sections, such as the names of materials.
 
 mod adaptive;
