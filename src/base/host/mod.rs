@@ -26,7 +26,7 @@ pub use heap::{free_heap, grow_heap};
 pub use no_gnu_heap::configure_heap;
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 pub use no_gnu_heap::{free_heap, grow_heap};
-pub use threads::{start_detached, start_in_scope, start_threads};
+pub use threads::{default_threads, start_detached, start_in_scope, start_threads};
 
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();

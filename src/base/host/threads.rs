@@ -1,8 +1,8 @@
 //! The start of threads within the limits of the process.
 
-use std::io;
 use std::sync::{Arc, Barrier, RwLock};
-use std::thread::{Builder, JoinHandle, Scope, ScopedJoinHandle};
+use std::thread::{Builder, JoinHandle, Scope, ScopedJoinHandle, available_parallelism};
+use std::{env, io};
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
@@ -34,6 +34,16 @@ pub fn start_threads(
         .build();
     drop(closed);
     pool
+}
+
+/// Returns the number of threads that rayon gives to a pool by default: `RAYON_NUM_THREADS`, or one
+/// per processor. A pool for the sake of its number would take threads, and leave them behind for a
+/// moment.
+pub fn default_threads() -> usize {
+    let variable = env::var("RAYON_NUM_THREADS").ok();
+    let given = variable.and_then(|text| text.parse().ok());
+    let given = given.filter(|&n_threads| n_threads > 0);
+    given.unwrap_or_else(|| available_parallelism().map_or(1, usize::from))
 }
 
 /// Starts a thread that ends before its scope.
@@ -85,4 +95,15 @@ fn builder() -> io::Result<Builder> {
         return Err(io::Error::new(io::ErrorKind::OutOfMemory, message));
     }
     Ok(Builder::new().stack_size(STACK))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_number_is_that_of_a_pool() {
+        let pool = start_threads(None, || {}).unwrap();
+        assert_eq!(pool.current_num_threads(), default_threads());
+    }
 }

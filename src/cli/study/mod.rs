@@ -25,6 +25,7 @@ use scene_files::SceneFiles;
 use super::progress;
 use super::{Cli, Failure, thread_pool};
 use base::folder::{Replace, lock_folder, refuse_file, write_file};
+use base::host::default_threads;
 use base::stop;
 use base::text::{self, Diagnostic, numbers};
 use render::instruments::MachineLimits;
@@ -216,7 +217,7 @@ impl Study {
             LimitsFile::read(&self.limits_path(), measured_by)?;
         }
         let mut made_by = measured_by.clone();
-        made_by["n_threads"] = json!(thread_pool(None)?.current_num_threads());
+        made_by["n_threads"] = json!(default_threads());
         made_by["flags"] = json!(self.plan.flags);
         made_by["launcher"] = json!(self.plan.launcher);
         made_by["scenes"] = self.scenes.hashes();
