@@ -8,7 +8,10 @@ use output::results::Results;
 use raycost::session::{Cancellation, Event, Options, RenderError, Session, Stopped};
 use scene::config::{Config, CostMode};
 use tracer::cost::Metric;
+use world::geometry::{Shape, Triangle};
+use world::scene::MaterialId;
 
+use glam::Vec3;
 use serde_json::json;
 
 use crate::common::{in_repository, names};
@@ -160,4 +163,16 @@ fn rays_of_a_program_measure_the_height_of_its_terrain() {
     let [tests, visits] = [cost.primitive_tests, cost.node_visits].map(|n_all| n_all as f64 / n);
     assert!((1.0..20.0).contains(&tests), "{tests}");
     assert!((1.0..20.0).contains(&visits), "{visits}");
+}
+
+#[test]
+fn a_scene_is_unchanged_by_shapes_that_it_refuses() {
+    let mut scene = rays::terrain(2).unwrap();
+    let n = scene.primitives.len();
+    let sound = scene.primitives[0].world_shape().unwrap().clone();
+    let point = Shape::Triangle(Triangle {
+        vertices: [Vec3::ONE; 3],
+    });
+    assert!(scene.add_shapes([sound, point], MaterialId(0)).is_none());
+    assert_eq!((scene.primitives.len(), scene.n_objects()), (n, 1));
 }

@@ -1,9 +1,9 @@
 //! The look of a picture of a scene: what speaks for a mistake in the scene.
 
 use glam::Vec3;
-use scene::build::Sensor;
 
 use render::film::Film;
+use scene::build::Sensor;
 use scene::config::Config;
 use tracer::cost::NoProbe;
 use tracer::trace::Tracer;
@@ -61,6 +61,10 @@ impl Look {
     pub fn add(&mut self, film: &Film) {
         let [least, most] = &mut self.objects;
         for strip in &film.strips {
+            // More pixels change nothing then.
+            if *least < *most && !self.is_black && !self.is_white {
+                return;
+            }
             for (rgb, &object) in strip.rgb.iter().zip(&strip.object) {
                 (*least, *most) = (object.min(*least), object.max(*most));
                 self.is_black &= object < 0 || *rgb == [0; 3];

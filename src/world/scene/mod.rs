@@ -70,7 +70,7 @@ pub struct Scene {
     pub has_factors: bool,
     /// Number of triangles of meshes that were left out because they have no area.
     pub n_degenerate: u64,
-    /// Sentences about what files may have meant otherwise, or what is left out of them.
+    /// Warnings about ambiguous or ignored content of files.
     pub notes: Vec<String>,
     /// The attributes of the objects' primitives, by [`ObjectId`].
     attributes: Vec<ObjectAttributes>,
@@ -120,18 +120,21 @@ impl Scene {
         self.classes.reserve(n_primitives);
     }
 
-    /// Adds an object of shapes in render space, all of one material; `None` if one of them has no
-    /// extent, or exceeds the range of coordinates.
+    /// Adds an object of shapes in render space, all of one material. Returns `None`, and adds
+    /// nothing, if one of them has no extent, or exceeds the range of coordinates.
     pub fn add_shapes(
         &mut self,
         shapes: impl IntoIterator<Item = Shape>,
         material: MaterialId,
     ) -> Option<ObjectId> {
         let object = ObjectId(self.attributes.len() as u32);
-        for shape in shapes {
-            let primitive = Primitive::new(shape, None, object, material);
-            let is_sound = primitive.is_in_range() && primitive.has_extent();
-            self.primitives.push(is_sound.then_some(primitive)?);
+        let n_before = self.primitives.len();
+        let primitive = |shape| Primitive::new(shape, None, object, material);
+        self.primitives.extend(shapes.into_iter().map(primitive));
+        let mut added = self.primitives[n_before..].iter();
+        if !added.all(|primitive| primitive.is_in_range() && primitive.has_extent()) {
+            self.primitives.truncate(n_before);
+            return None;
         }
         self.end_object(Attributes::None);
         Some(object)
