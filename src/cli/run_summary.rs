@@ -1,6 +1,5 @@
 //! The summary of a run, printed at the end of `raycost render`.
 
-use scene::build::Sensor;
 use std::time::Duration;
 
 use super::scene::SceneArguments;
@@ -13,6 +12,7 @@ use output::summary::RanksSection;
 use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use render::instruments::Stages;
 use render::schedule::Schedule;
+use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput};
 use world::scene::Scene;
 

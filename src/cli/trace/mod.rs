@@ -3,7 +3,6 @@
 mod json;
 mod tree;
 
-use scene::build::{Geometries, Sensor};
 use std::path::Path;
 
 use super::open_scene::OpenScene;
@@ -22,6 +21,7 @@ use output::writers::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use render::attribution::{ObservedPixel, Observer, TooManyRays};
 use render::film::HotPixel;
 use render::tiles::{Progress, TilePlan, render};
+use scene::build::{Geometries, Sensor};
 use scene::config::{Config, Image, Tiling, WrittenArrays};
 use tracer::accel::Accel;
 use tracer::cost::{Meter, Metric};

@@ -1,12 +1,12 @@
 //! Renders a small picture of a scene, for all that depends on the camera.
 
-use scene::build::Sensor;
 use std::time::Instant;
 
 use super::look::Look;
 use crate::chart::CostMap;
 use render::film::Film;
 use render::tiles::{TilePlan, render};
+use scene::build::Sensor;
 use scene::config::{Config, CostMode, Image, Tiling};
 use tracer::cost::{Counter, Meter};
 use tracer::trace::Tracer;

@@ -1,12 +1,12 @@
 //! Renders some rows of the picture, to measure their compression.
 
-use scene::build::Sensor;
 use std::num::NonZeroU8;
 
 use super::length::Length;
 use crate::writers;
 use render::film::Film;
 use render::tiles::{TilePlan, repeat};
+use scene::build::Sensor;
 use scene::config::{Config, Image, Repeats};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;

@@ -31,7 +31,6 @@ mod tiles;
 mod trace_events;
 mod traced;
 
-use scene::build::Sensor;
 use std::path::Path;
 use std::time::Duration;
 
@@ -74,6 +73,7 @@ use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
 use render::tiles::{Overhead, Repeat};
+use scene::build::Sensor;
 use scene::config::{Config, CostMode, OptionalOutput, Traversal};
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;

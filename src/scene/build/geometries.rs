@@ -31,7 +31,7 @@ pub struct Geometries {
     pub(super) places: Vec<usize>,
     /// Bytes of memory of the pictures of mesh files' materials.
     own_picture_bytes: u64,
-    /// Sentences about what files may have meant otherwise, or what is left out of them.
+    /// Warnings about ambiguous or ignored content of files.
     pub(super) notes: Vec<String>,
 }
 

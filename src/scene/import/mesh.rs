@@ -10,7 +10,7 @@ use world::geometry::{Aabb, Triangle, origin_near};
 use world::light::Light;
 use world::scene::CornerValues;
 
-/// Maximum number of nodes of a file that are told apart.
+/// Maximum number of nodes of a file that are separate objects.
 const MAX_NODES: usize = 4096;
 
 /// Maximum number of characters of a node's name.

@@ -9,7 +9,7 @@ use world::scene::CornerValues;
 /// The triangles of one material and one node of a mesh's file.
 #[derive(Debug)]
 pub struct MeshPart {
-    /// The name of the node, with that of the material behind it if the node has several; `None`
+    /// The name of the node, followed by the material's if the node has several; `None`
     /// for a node without a name.
     pub node: Option<String>,
     /// The index of the material.

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use base::text::numbers::counted;
 use gltf_json::Root;
 use gltf_json::extensions::ENABLED_EXTENSIONS;
 use gltf_json::validation::{Error, Validate};
@@ -13,6 +12,7 @@ use serde_json::{Map, Value};
 use crate::import::budget::Budget;
 use crate::import::fault::cut;
 use crate::import::{FileFault, FileLocation, Result};
+use base::text::numbers::counted;
 
 const MAGIC: &[u8] = b"glTF";
 /// Length of the header of a binary file, and of the header of a chunk, in bytes.

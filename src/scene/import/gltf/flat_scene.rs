@@ -1,13 +1,11 @@
 //! Merges the meshes of a scene into one.
 
-use base::text::numbers::counted;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use gltf_json::accessor::Accessor;
 use gltf_json::material::Material;
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
-use world::scene::CornerValues;
 
 use super::accessor::Accessors;
 use super::attributes::{Moving, attribute};
@@ -17,6 +15,8 @@ use super::pose::{MeshPose, normal_matrix};
 use crate::import::budget::Budget;
 use crate::import::mesh::{Mesh, append_corners, completed, count, fan, finite, moved, point};
 use crate::import::{FileFault, Result};
+use base::text::numbers::counted;
+use world::scene::CornerValues;
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.
 const BYTES_PER_VERTEX: u64 = 160;

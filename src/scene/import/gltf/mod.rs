@@ -15,7 +15,6 @@ mod glossy;
 mod materials;
 mod flat_scene;
 
-use base::text::numbers::counted;
 use glam::Vec3;
 
 use super::budget::Budget;
@@ -23,6 +22,7 @@ use super::materials::PictureShelf;
 use super::mesh::Mesh;
 use super::{GeometryFileReader, Result, Surroundings, read_whole};
 use accessor::Accessors;
+use base::text::numbers::counted;
 use buffers::Buffers;
 use container::unread_extensions;
 use flat_scene::FlatScene;
