@@ -244,12 +244,9 @@ impl<'a> EarCutter<'a> {
     fn is_ear(&self, corner: u32) -> bool {
         let corners = self.around(corner);
         let [before, _, after] = corners;
-        // The ends of bridges have both neighbors at one point.
-        let ear = Ear {
-            corners,
-            tolerance: self.tolerance,
-        };
+        let ear = Ear::new(corners, self.tolerance);
         let is_within = |reflex| !self.is_cut(reflex) && ear.contains(self.polygon.at(reflex));
+        // The ends of bridges have both neighbors at one point.
         before == after || height(corners) > self.tolerance && !self.reflex.any(&ear, &is_within)
     }
 
@@ -282,23 +279,44 @@ impl<'a> EarCutter<'a> {
 struct Ear {
     corners: [DVec2; 3],
     tolerance: f64,
+    /// The least and the greatest coordinates of what the tolerance makes of the triangle.
+    bounds: [DVec2; 2],
 }
 
 impl Ear {
+    fn new(corners: [DVec2; 3], tolerance: f64) -> Self {
+        let [a, b, c] = corners;
+        // Edges that all move outward by one distance scale a triangle about its incenter.
+        let lengths = [b.distance(c), c.distance(a), a.distance(b)];
+        let perimeter: f64 = lengths.iter().sum();
+        let center = (lengths[0] * a + lengths[1] * b + lengths[2] * c) / perimeter;
+        let radius = (b - a).perp_dot(c - a) / perimeter;
+        let scale = 1.0 + 2.0 * tolerance / radius;
+        let [a, b, c] = corners.map(|corner| center + scale * (corner - center));
+        Self {
+            corners,
+            tolerance,
+            bounds: [a.min(b).min(c), a.max(b).max(c)],
+        }
+    }
+
     /// Returns true if a point is in the triangle or on its edges, but for rounding errors, and not at
     /// one of its corners.
     fn contains(&self, point: DVec2) -> bool {
         self.may_contain([point; 2]) && !self.corners.contains(&point)
     }
 
-    /// Returns false if a box, given by its least and its greatest corner, is outside of an edge.
+    /// Returns false if a box, given by its least and its greatest corner, is outside of an edge or of
+    /// the bounds.
     fn may_contain(&self, [min, max]: [DVec2; 2]) -> bool {
-        (0..3).all(|i| {
-            let [a, b] = [self.corners[i], self.corners[(i + 1) % 3]];
-            let inward = (b - a).perp();
-            let farthest = DVec2::select(inward.cmpgt(DVec2::ZERO), max, min);
-            (farthest - a).dot(inward) >= -self.tolerance * inward.length()
-        })
+        let is_near = self.bounds[0].cmple(max) & min.cmple(self.bounds[1]);
+        is_near.all()
+            && (0..3).all(|i| {
+                let [a, b] = [self.corners[i], self.corners[(i + 1) % 3]];
+                let inward = (b - a).perp();
+                let farthest = DVec2::select(inward.cmpgt(DVec2::ZERO), max, min);
+                (farthest - a).dot(inward) >= -self.tolerance * inward.length()
+            })
     }
 }
 
