@@ -24,15 +24,12 @@ pub(super) struct StatesArguments {
 pub(super) fn run(arguments: &StatesArguments) -> Result<(), Failure> {
     for folder in &arguments.folders {
         refuse_file(folder)?;
-        let frames = folder
-            .join(FRAMES)
-            .read_dir()
-            .into_iter()
-            .flatten()
-            .flatten();
-        let frames = frames
-            .map(|entry| entry.path())
-            .filter(|path| path.is_dir());
+        // A link may lead to a folder of another run.
+        let is_own = |path: &PathBuf| path.is_dir() && !path.is_symlink();
+        let frames = Some(folder.join(FRAMES)).filter(is_own);
+        let frames = frames.into_iter().flat_map(|frames| frames.read_dir());
+        let frames = frames.flatten().flatten().map(|entry| entry.path());
+        let frames = frames.filter(is_own);
         let mut n_written = 0;
         for place in [folder.clone()].into_iter().chain(frames) {
             n_written += relocate_states(&place)?;

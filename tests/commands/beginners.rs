@@ -333,6 +333,43 @@ fn states_are_written_anew_where_a_folder_has_moved() {
     assert!(fs::read_to_string(own).unwrap().contains("/nowhere/"));
 }
 
+/// A folder from elsewhere has links in the places of a state and of frames.
+#[test]
+#[cfg(unix)]
+fn states_behind_links_stay_as_they_are() {
+    use std::os::unix::fs::symlink;
+
+    let folder = Folder::with(FINE);
+    let path = folder.path();
+    let small = ["--spp=1", "--width=8", "--height=6", "--quiet"];
+    folder.text(&[&["render", "scene.yaml", "--out", "old"], &small[..]].concat());
+    fs::rename(path.join("old"), path.join("mine")).unwrap();
+    let states = || ["geometry", "heatmap", "overview"].map(|state| format!("{state}.pvsm"));
+    let texts = || states().map(|state| fs::read_to_string(path.join("mine").join(state)).unwrap());
+    let before = texts();
+    let frames = path.join("linked/frames");
+    fs::create_dir(path.join("linked")).unwrap();
+    symlink(path, &frames).unwrap();
+    folder.text(&["states", "linked"]);
+    fs::remove_file(&frames).unwrap();
+    fs::create_dir(&frames).unwrap();
+    symlink(path.join("mine"), frames.join("0001")).unwrap();
+    folder.text(&["states", "linked"]);
+    assert_eq!(texts(), before);
+    // The others are written, and listed.
+    let file = path.join("mine/heatmap.pvsm");
+    let aside = path.join("heatmap.pvsm");
+    fs::rename(&file, &aside).unwrap();
+    symlink(&aside, &file).unwrap();
+    let output = folder.run(&["states", "mine"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(fs::read_to_string(&aside).unwrap(), before[1]);
+    fs::remove_file(&file).unwrap();
+    fs::rename(&aside, &file).unwrap();
+    folder.text(&["check", "mine"]);
+    assert_ne!(texts()[2], before[2]);
+}
+
 #[test]
 fn a_trace_without_pixels_names_both_ways_to_choose_them() {
     let error = Folder::with(FINE).error(&["trace", "scene.yaml"]);

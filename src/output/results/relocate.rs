@@ -1,7 +1,7 @@
 //! ParaView states of a folder that has moved.
 
 use std::io::Write;
-use std::path::{Path, absolute};
+use std::path::{Path, PathBuf, absolute};
 
 use crate::paraview::relocated;
 use crate::summary::{self, Summary};
@@ -13,7 +13,8 @@ use base::provenance;
 const MAX_BYTES: u64 = 16 << 20;
 
 /// Writes the ParaView states in a folder anew, with the paths of the files that lie beside them,
-/// and the summary that lists them. Returns the number of states that had other paths.
+/// and the summary that lists them, also if one of them cannot be written. Returns the number of
+/// states that had other paths.
 ///
 /// # Errors
 /// The folder cannot be read, is in use by another run, or a file cannot be written.
@@ -25,17 +26,16 @@ pub fn relocate_states(folder: &Path) -> Result<u64, WriteError> {
     let place = folder.join(summary::FILE);
     let mut summary = Summary::read(&place).ok();
     let mut n_written = 0;
-    for entry in entries {
-        let path = entry.map_err(fail)?.path();
+    let mut relocate = |path: PathBuf| {
         if path.extension().is_none_or(|extension| extension != "pvsm") || !path.is_file() {
-            continue;
+            return Ok(());
         }
         let state =
             files::read_text(&path, MAX_BYTES).map_err(|error| WriteError::new(&path, error))?;
         let moved = relocated(&state, &absolute);
         // A state that the user has saved is left as it is.
         if moved == state || !state.contains(provenance::KEY) {
-            continue;
+            return Ok(());
         }
         let written = write_file(&path, Replace::Marked, |out| {
             out.write_all(moved.as_bytes())
@@ -45,9 +45,13 @@ pub fn relocate_states(folder: &Path) -> Result<u64, WriteError> {
             (file.bytes, file.checksum) = (written.bytes, Some(written.checksum));
         }
         n_written += 1;
-    }
+        Ok(())
+    };
+    let states = entries
+        .map(|entry| relocate(entry.map_err(fail)?.path()))
+        .fold(Ok(()), Result::and);
     if let Some(summary) = summary.filter(|_| n_written > 0) {
         write_file(&place, Replace::Marked, |out| summary.write(out))?;
     }
-    Ok(n_written)
+    states.map(|()| n_written)
 }
