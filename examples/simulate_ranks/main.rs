@@ -29,7 +29,9 @@ fn tiles(scene: &str, size: Option<u32>) -> Result<(Vec<TileRun>, u64), Box<dyn 
     let mut runs = rendering.schedule().runs.clone();
     runs.sort_by_key(|run| run.position);
     let config = session.config();
-    let pixel_bytes = film::bytes_per_pixel(config.cost, rendering.film().extra);
+    // With a byte for each counter.
+    let of_arrays = film::stored_bytes_per_pixel(config.cost, rendering.film().extra);
+    let pixel_bytes = of_arrays + raycost::cost::Counter::ALL.len();
     Ok((
         runs,
         u64::from(config.tiles.size).pow(2) * pixel_bytes as u64,

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use base::text::Diagnostic;
-use output::memory::Memory;
+use output::estimate::Memory;
 use output::results::{self, FrameFile, HitsFile};
 use scene::build::Geometries;
 use scene::config::Config;

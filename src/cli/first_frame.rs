@@ -5,7 +5,7 @@ use super::open_scene::OpenScene;
 use crate::session::{Frames, Options, Session};
 use base::provenance::Checksum;
 use base::text::Diagnostic;
-use output::memory::Memory;
+use output::estimate::Memory;
 use render::instruments::Stages;
 use scene::config::HierarchyUpdate;
 use tracer::accel::FrameBase;

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 
 use base::text::one_line;
-use output::prediction::Look;
+use output::look::Look;
 use scene::config::{Config, Geometry, ShadingModel};
 use world::background::Background;
 use world::geometry::Shape;

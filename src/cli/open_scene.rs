@@ -6,7 +6,7 @@ use super::scene::SceneArguments;
 use super::study;
 use crate::session::{Frames, Input, scene_files};
 use base::text::Diagnostic;
-use output::memory::Memory;
+use output::estimate::Memory;
 use scene::build::Geometries;
 use scene::config::Config;
 use scene::yaml::{Document, Fault, Source};

@@ -7,7 +7,7 @@ use super::{charges, hints, hottest, shell_word, shown, timing_quality};
 use base::folder::Written;
 use base::text::numbers::{bytes, count, counted, duration};
 use base::text::{one_line, wrapped};
-use output::prediction::Look;
+use output::look::Look;
 use output::summary::RanksSection;
 use output::writers::{FRAME_PVTI, FRAME_VTI, GEOMETRY, HEATMAP, RenderingView, is_piece};
 use render::instruments::Stages;

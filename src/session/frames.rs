@@ -3,7 +3,7 @@
 use super::fingerprint;
 use base::provenance::Checksum;
 use base::text::Diagnostic;
-use output::memory;
+use output::limits;
 use output::summary::FrameSection;
 use scene::animation;
 use scene::build::{SceneFrame, Timeline};
@@ -28,7 +28,7 @@ impl Frames {
         let Some(mut timeline) = Timeline::parse(config, document).map_err(point_at)? else {
             return Ok(None);
         };
-        let found = timeline.find_ranges(config, document, memory::available());
+        let found = timeline.find_ranges(config, document, limits::available());
         found.map_err(point_at)?;
         Ok(Some(Self {
             document: document.clone().without(animation::KEY)?,

@@ -2,7 +2,7 @@
 
 use super::Memory;
 use base::text::Diagnostic;
-use output::memory;
+use output::limits;
 use output::summary::FrameSection;
 use scene::build::Geometries;
 use scene::config::Config;
@@ -60,8 +60,8 @@ impl Input {
         config.check_arrays().map_err(point_at)?;
         config.check_metrics().map_err(point_at)?;
         config.output.leave_out_without(config.acceleration);
-        memory::check_limit()?;
-        let available = memory::available();
+        limits::check_limit()?;
+        let available = limits::available();
         let geometries = Geometries::read(&mut config, &document, available).map_err(point_at)?;
         // The geometries are part of the need, but were not yet allocated when `available` was
         // measured.

@@ -9,8 +9,8 @@ use super::{RenderError, Session};
 use base::host::affinity;
 use base::stop;
 use math::simd::Simd;
-use output::memory;
-use output::prediction::Look;
+use output::limits;
+use output::look::Look;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
@@ -125,7 +125,7 @@ impl Session {
         let base = self.base.get().map(|base| (base, n_rays));
         let accel = Accel::of_frame(&self.scene, self.config.acceleration, base, &report);
         options.report(Event::End);
-        let accel = accel.map_err(|error| self.document.point_at(memory::too_large(error)))?;
+        let accel = accel.map_err(|error| self.document.point_at(limits::too_large(error)))?;
         stages.end(if accel.is_refitted() {
             "refit"
         } else {

@@ -23,11 +23,9 @@ use serde::Serialize;
 use base::folder::OutputFolder;
 use base::host::affinity;
 use base::provenance::Checksum;
-use output::memory::Memory;
+use output::estimate::{Memory, least_disk};
 use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
-use render::film::{self, written_columns};
-use render::tiles::least_repeats;
 use scene::config::{Config, HierarchyUpdate};
 use scene::yaml::{Document, Source, yaml_of_json};
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
@@ -172,8 +170,8 @@ impl Session {
     /// If the folder cannot be written to, has too little space, or has a file of another program
     /// where raycost would write.
     pub(crate) fn folder(&self, path: &Path) -> Result<OutputFolder, WriteError> {
-        let of_tiles = self.bands().map_or(0, |_| stored_bytes(&self.config));
-        let folder = OutputFolder::create(path, least_bytes(&self.config) + of_tiles)?;
+        let least = least_disk(&self.config, self.band_rows.is_some());
+        let folder = OutputFolder::create(path, least)?;
         writers::refuse_foreign(&folder, self.bands())?;
         Ok(folder)
     }
@@ -277,19 +275,4 @@ impl Session {
     fn scene_file(&self) -> &str {
         self.document.name()
     }
-}
-
-/// Returns a lower bound of the bytes of the files of tiles.
-fn stored_bytes(config: &Config) -> u64 {
-    let per_pixel = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
-    let n_pixels = config.image.n_pixels() * usize::from(least_repeats(config));
-    (n_pixels * per_pixel) as u64
-}
-
-/// Returns a lower bound of the bytes of the files, whatever the camera sees and however well it
-/// compresses.
-fn least_bytes(config: &Config) -> u64 {
-    // frame.vti has all arrays except the positions.
-    let per_pixel: usize = written_columns(config).map(|column| column.stride()).sum();
-    (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio()
 }

@@ -9,7 +9,7 @@ use base::folder::{OutputFolder, WriteError, Written};
 use base::stop;
 use base::text::Diagnostic;
 use math::simd::Simd;
-use output::prediction::Look;
+use output::look::Look;
 use output::summary::{OtherRuns, Partial, RanksSection, Threads};
 use output::writers::{self, BandRows, Bands, Survey};
 use render::attribution::CostAttribution;

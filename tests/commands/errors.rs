@@ -20,7 +20,7 @@
 use std::path::PathBuf;
 
 use base::text::Diagnostic;
-use output::memory::Memory;
+use output::estimate::Memory;
 use scene::build::{Geometries, Timeline};
 use scene::config::Config;
 use scene::yaml::Source;

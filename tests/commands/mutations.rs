@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use base::text::Diagnostic;
-use output::memory::Memory;
+use output::estimate::Memory;
 use proptest::prelude::*;
 use scene::build::Geometries;
 use scene::config::Config;

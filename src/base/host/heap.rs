@@ -104,18 +104,3 @@ fn map(begin: usize, n_bytes: usize) {
         libc::madvise(begin, n_bytes, libc::MADV_POPULATE_WRITE);
     }
 }
-
-/// Returns the resident bytes that the allocator keeps for later.
-pub fn free_heap() -> u64 {
-    let in_use = info().uordblks as u64;
-    let maps = std::fs::read_to_string("/proc/self/smaps").unwrap_or_default();
-    resident_heap(&maps).saturating_sub(in_use)
-}
-
-/// Returns the resident bytes of the heap, from the text of `/proc/PID/smaps`: proc_pid_smaps(5).
-fn resident_heap(maps: &str) -> u64 {
-    let mut lines = maps.lines().skip_while(|line| !line.ends_with("[heap]"));
-    let resident = lines.find_map(|line| line.strip_prefix("Rss:"));
-    let kib = resident.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
-    kib.unwrap_or(0) << 10
-}

@@ -19,13 +19,9 @@ use sysinfo::System;
 pub use advice::advice;
 pub use allocator::{Allocator, may_fail};
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub use heap::configure_heap;
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub use heap::{free_heap, grow_heap};
+pub use heap::{configure_heap, grow_heap};
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub use no_gnu_heap::configure_heap;
-#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub use no_gnu_heap::{free_heap, grow_heap};
+pub use no_gnu_heap::{configure_heap, grow_heap};
 pub use threads::{default_threads, start_detached, start_in_scope, start_threads};
 
 /// The limit that the user has set, in bytes.

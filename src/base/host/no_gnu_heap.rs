@@ -5,8 +5,3 @@ pub fn configure_heap() {}
 
 /// Does nothing.
 pub fn grow_heap(_n_bytes: usize) {}
-
-/// Returns 0: unknown.
-pub fn free_heap() -> u64 {
-    0
-}

@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::CheckedScene;
-use output::memory;
-use output::prediction::{ArrayFile, DiskUse};
+use output::limits;
+use output::prediction::{ArrayFile, Prediction};
 use output::summary::{ImageSection, SceneSection};
 use render::schedule::TileGrid;
 
@@ -45,7 +45,7 @@ pub(super) fn report(checked: &CheckedScene) -> impl Serialize {
         "cost": { "mode": config.cost },
         "tiles": { "tile_size": tiling.size, "order": tiling.order.name(), "n_tiles": n_tiles },
         "memory": of_memory(checked),
-        "disk": of_disk(&checked.expected.disk),
+        "disk": of_disk(&checked.expected),
         "out": checked.folder().to_string_lossy(),
         "files": checked.files(),
     });
@@ -66,17 +66,17 @@ fn of_memory(checked: &CheckedScene) -> Value {
     let memory = &checked.memory;
     json!({
         "peak": checked.expected.peak_memory,
-        "at_most": memory.total(),
+        "at_most": memory.at_most(),
         "film": memory.film,
         "scene": memory.scene,
-        "available": memory::available(),
+        "available": limits::available(),
         "rows_at_a_time": memory.band_rows,
     })
 }
 
 /// Returns the lengths of the files in bytes; of arrays whose compressed length is not predicted,
 /// the length before compression.
-fn of_disk(disk: &DiskUse) -> Value {
+fn of_disk(disk: &Prediction) -> Value {
     let array = |file: &ArrayFile| {
         json!({
             "file": file.name,

@@ -15,7 +15,8 @@ use crate::session::{Frames, Input};
 use base::stop;
 use base::text::numbers::parse_bytes;
 use base::text::{self, Diagnostic};
-use output::memory::{self, Memory};
+use output::estimate::Memory;
+use output::limits;
 use output::prediction::Prediction;
 use output::writers::{self, Request};
 use scene::config::Config;
@@ -114,7 +115,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         return print(arguments, || whole.lines(), || whole.json());
     }
     if let Some(limit) = arguments.memory {
-        memory::set_limit(limit);
+        limits::set_limit(limit);
     }
     let source = arguments.scene.source()?;
     if study::is_study(&source) {
@@ -131,8 +132,8 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         stop::check()?;
     }
     let (config, placed, memory) = placed(&scene, arguments.frame)?;
-    let expected = Prediction::new(&config, &placed, memory.band_rows)
-        .map_err(|error| scene.point_at(memory::too_large(error)))?;
+    let expected = Prediction::new(&config, &placed, &memory)
+        .map_err(|error| scene.point_at(limits::too_large(error)))?;
     stop::check()?;
     let checked = CheckedScene {
         arguments: &arguments.scene,

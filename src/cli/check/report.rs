@@ -6,8 +6,9 @@ use crate::cli::{hints, shown};
 use crate::session::Frames;
 use base::text;
 use base::text::numbers::{bytes, count, counted};
-use output::memory::{self, Memory};
-use output::prediction::{ArrayFile, DiskUse, Prediction};
+use output::estimate::Memory;
+use output::limits;
+use output::prediction::{ArrayFile, Prediction};
 use render::schedule::TileGrid;
 use render::tiles::most_repeats;
 use scene::config::{Acceleration, Config, CostMode, FilmSettings, Image, Repeats, Tiling};
@@ -39,7 +40,7 @@ pub(super) fn lines(checked: &CheckedScene) -> String {
         ("tiles", tiles(config)),
         ("memory", peak(config, memory, expected)),
         ("files", files(checked)),
-        ("disk", disk(config, memory, &expected.disk)),
+        ("disk", disk(config, memory, expected)),
     ];
     // After the line about the scene.
     let (first, others) = lines.split_at(1);
@@ -87,27 +88,21 @@ fn rays(config: &Config) -> String {
 }
 
 fn peak(config: &Config, memory: &Memory, expected: &Prediction) -> String {
+    let peak = expected.peak_memory;
+    let at_the_peak = peak.map(|peak| format!("about {} at the peak: ", bytes(peak)));
     format!(
-        "{} {} (film {}, scene {}{}) beside the program, {} free",
-        at_the_peak(expected),
-        bytes(memory.total()),
+        "{}film {}, scene {}{}; at most {} beside the program, {} free",
+        at_the_peak.unwrap_or_default(),
         bytes(memory.film),
         bytes(memory.scene),
         per_instance(config),
-        bytes(memory::available())
+        bytes(memory.at_most()),
+        bytes(limits::available())
     )
 }
 
-/// Returns "about 159 MB at the peak; with at most", where the peak is known.
-fn at_the_peak(expected: &Prediction) -> String {
-    match expected.peak_memory {
-        Some(peak) => format!("about {} at the peak; with at most", bytes(peak)),
-        None => "up to".to_owned(),
-    }
-}
-
 /// Returns the bytes of the files; before compression where the compressed ones are not predicted.
-fn disk(config: &Config, memory: &Memory, disk: &DiskUse) -> String {
+fn disk(config: &Config, memory: &Memory, disk: &Prediction) -> String {
     let list = |is_known: bool| {
         let files = disk.arrays.iter().filter(|file| file.is_known == is_known);
         let of_file = |file: &ArrayFile| format!("{} {}", file.name, bytes(file.n_bytes));

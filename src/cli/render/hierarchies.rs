@@ -11,7 +11,7 @@ use crate::cli::first_frame::FirstFrame;
 use crate::cli::open_scene::OpenScene;
 use crate::session::{Frames, Input, Options, Session};
 use base::provenance::Checksum;
-use output::memory::Memory;
+use output::estimate::Memory;
 use output::summary::FrameSection;
 use render::instruments::Stages;
 use scene::build::Geometries;

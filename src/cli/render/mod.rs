@@ -32,7 +32,7 @@ use base::host::start_detached;
 use base::stop;
 use base::text::numbers::parse_duration;
 use base::text::{self, Diagnostic};
-use output::memory::Memory;
+use output::estimate::Memory;
 use render::checkpoint::PicturePart;
 use render::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
 use render::ranks::{Order, Ranks};

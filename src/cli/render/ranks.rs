@@ -8,7 +8,7 @@ use crate::session::this_build;
 use crate::session::{Options, RenderError, Session};
 use base::host::affinity;
 use base::stop;
-use output::memory::Memory;
+use output::estimate::Memory;
 use render::instruments::{HardwareCounters, Stages};
 use render::ranks::{Hello, Order, RankFailure, Ranks, SceneText, Team};
 use scene::yaml::Source;

@@ -2,7 +2,7 @@
 
 use base::text::Diagnostic;
 use base::text::numbers::parse_bytes;
-use output::memory;
+use output::limits;
 use vtk::hdf;
 
 /// How to run, and what to write beside the usual files.
@@ -46,7 +46,7 @@ impl RunArguments {
     /// A format that this program was built without.
     pub(super) fn prepare(&self) -> Result<(), Diagnostic> {
         if let Some(limit) = self.memory {
-            memory::set_limit(limit);
+            limits::set_limit(limit);
         }
         if self.format.is_none() || hdf::IS_BUILT {
             return Ok(());

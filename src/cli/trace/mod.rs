@@ -16,7 +16,8 @@ use base::folder::{OutputFolder, Written};
 use base::stop;
 use base::text::numbers::{bytes, counted};
 use base::text::{self, Diagnostic};
-use output::memory::{self, Memory};
+use output::estimate::Memory;
+use output::limits;
 use output::writers::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
 use render::attribution::{ObservedPixel, Observer, TooManyRays};
 use render::film::HotPixel;
@@ -126,7 +127,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
     let accel = pool.install(|| Accel::of_frame(&scene, kind, base, &report));
     bar.clear();
-    let accel = accel.map_err(|error| document.point_at(memory::too_large(error)))?;
+    let accel = accel.map_err(|error| document.point_at(limits::too_large(error)))?;
     let tracer = Tracer::new(&scene, &accel);
     let pixels = pool.install(|| TracedPixels::choose(arguments, &config, tracer))?;
 
@@ -247,7 +248,7 @@ fn observe(
     let n_pixels = pixels.n();
     let bar = StageBar::of_pixels("", n_pixels, quiet);
     let report = |n_pixels| bar.advance(Progress::of_pixels(n_pixels, 0));
-    let observed = observer.observe_many(pixels.places(), memory::available() / 2, report);
+    let observed = observer.observe_many(pixels.places(), limits::available() / 2, report);
     bar.clear();
     observed.map_err(|error| too_many(error, n_pixels))
 }

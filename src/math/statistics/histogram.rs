@@ -44,10 +44,6 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// Upper bound of the memory in bytes.
-    pub const BYTES: u64 =
-        (N_PAGES * (size_of::<Vec<u64>>() + PAGE_BINS * size_of::<u64>())) as u64;
-
     /// Counts values.
     pub fn count(values: impl IntoIterator<Item = f32>) -> Self {
         let mut this = Self::default();

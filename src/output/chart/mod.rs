@@ -81,12 +81,6 @@ impl CostMap<'static> {
             subtitle: "720 × 480 pixels, 256 samples per pixel, 16 threads; median 412 ns, sum 1.27 s",
         }
     }
-
-    /// Returns the number of pixels of its picture.
-    pub fn n_picture_pixels(&self) -> u64 {
-        let Layout { width, height, .. } = Layout::new(self);
-        width as u64 * height as u64
-    }
 }
 
 /// Writes the picture of `map` as a PNG, with the run's ID if it has one.

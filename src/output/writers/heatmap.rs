@@ -4,12 +4,11 @@ use std::io::{self, Write};
 
 use super::file::{FileContent, OutputFile};
 use super::reduced_map::ReducedMap;
-use super::{BYTES_PER_PIXEL, RenderingView, time_notes};
+use super::{RenderingView, time_notes};
 use crate::chart::{self, CostMap, Range};
 use base::provenance::RunId;
 use base::text::numbers;
 use render::film::Film;
-use scene::config::{Config, Image};
 use tracer::cost::{Metric, MetricUnit};
 
 /// The file.
@@ -44,17 +43,6 @@ fn write(rendering: &RenderingView, run: RunId, out: &mut impl Write) -> io::Res
         subtitle: &subtitle(rendering, metric),
     };
     chart::write(&map, Some(run), out)
-}
-
-/// Returns the bytes of the map's picture, if they are more than its share of [`BYTES_PER_PIXEL`]:
-/// beside a small or a thin map, the texts take more room than the map.
-pub(super) fn write_bytes(config: &Config) -> u64 {
-    if !config.cost.has_counters() {
-        return 0;
-    }
-    let Image { width, height, .. } = config.image;
-    let n_bytes = 3 * CostMap::typical([width, height]).n_picture_pixels();
-    n_bytes.saturating_sub(config.image.n_pixels() as u64 * BYTES_PER_PIXEL / 2)
 }
 
 /// Writes a map of a film's costs, or of none, with any labels: the means of blocks of pixels with

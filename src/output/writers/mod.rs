@@ -45,11 +45,13 @@ pub(crate) use heatmap::write_bare as write_bare_map;
 pub(crate) use hits::FILE as HITS_VTU;
 pub use hits::vertices;
 pub use hits::write as write_hits;
+pub(crate) use layers::BLOCKS_MEMORY as LAYERS_MEMORY;
 pub use nodes::write as write_nodes;
 pub use objects::Group;
 pub(crate) use objects::{FILE as OBJECTS_CSV, rows_per_thing};
 pub(crate) use picture::write_bare as write_bare_picture;
 pub use rays::Traced;
+pub(crate) use reduced_map::side as map_side;
 pub use state_files::{GEOMETRY, HEATMAP};
 pub use surface::write as write_surface;
 pub use survey::Survey;
@@ -74,103 +76,11 @@ use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
 use render::tiles::{Overhead, Repeat};
 use scene::build::Sensor;
-use scene::config::{Config, CostMode, OptionalOutput, Traversal};
+use scene::config::{Config, OptionalOutput, Traversal};
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
-use vtk::{Codec, compressed};
 use world::camera::ImagePlane;
 use world::scene::Scene;
-
-/// Upper bound of the bytes per pixel to write pictures and files: a copy of the times or counts, the
-/// cost map and its PNG.
-pub(crate) const BYTES_PER_PIXEL: u64 = 20;
-
-/// Returns an upper bound of the bytes to compress the VTK files, of which at most five are written
-/// in parallel.
-pub(crate) fn compression_bytes(codec: Codec) -> u64 {
-    let per_file = codec.label().map_or(0, |_| compressed::BYTES_PER_ARRAY);
-    5 * per_file
-}
-
-/// Returns an upper bound of the bytes to write files, besides those per pixel.
-pub(crate) fn write_bytes(config: &Config) -> u64 {
-    compression_bytes(config.compress)
-        + layers::write_bytes(config)
-        + picture::write_bytes(config)
-        + heatmap::write_bytes(config)
-}
-
-/// Returns an upper bound of the bytes to write a picture in bands, besides the bands' rows.
-pub(crate) fn bytes_beside_bands(config: &Config) -> u64 {
-    compression_bytes(config.compress)
-        + picture::bytes_beside_bands(config)
-        + survey::bytes(&config.image)
-}
-
-/// Returns an upper bound of the bytes to write a pixel of a band.
-pub(crate) fn bytes_per_band_pixel(config: &Config) -> u64 {
-    BYTES_PER_PIXEL + picture::bytes_per_band_pixel(config)
-}
-
-/// Returns the expected bytes to write files of a typical rendering, in which the two files of
-/// pixels are compressed at a time.
-pub(crate) fn expected_write_bytes(config: &Config) -> u64 {
-    let of_two = 2 * (compression_bytes(config.compress) / 5);
-    of_two + layers::write_bytes(config) + picture::write_bytes(config)
-}
-
-/// Returns the expected bytes to write a typical picture in bands, of which the largest has this
-/// many pixels.
-pub(crate) fn expected_band_bytes(config: &Config, n_pixels: u64) -> u64 {
-    let of_two = 2 * (compression_bytes(config.compress) / 5);
-    // Without costs there is a map that is never written to.
-    let of_map = match config.cost {
-        CostMode::None => 0,
-        _ => survey::bytes(&config.image),
-    };
-    let of_pixels = n_pixels * picture::bytes_per_band_pixel(config);
-    of_two + of_pixels + picture::bytes_beside_bands(config) + of_map
-}
-
-/// Returns the bytes of the layers of a scene's picture before compression; 0 if they are not
-/// requested.
-pub(crate) fn layer_bytes(config: &Config) -> u64 {
-    layers::raw_bytes(config)
-}
-
-/// Returns the bytes of the texts in the picture of a rendering with this config.
-pub(crate) fn picture_texts(config: &Config) -> u64 {
-    let has_state = config
-        .output
-        .written_arrays()
-        .has_all(&state_files::SHOWN_OF_CLOUD);
-    if has_state {
-        state_files::GEOMETRY_TEMPLATE.len() as u64
-    } else {
-        0
-    }
-}
-
-/// Returns the side, in pixels, of a block of the cost map for a picture of this size in pieces.
-pub(crate) fn map_side(picture: [u32; 2]) -> u32 {
-    reduced_map::ReducedMap::side(picture)
-}
-
-/// Returns the bytes of the ParaView states that a rendering with this config writes, as templates.
-pub(crate) fn state_bytes(config: &Config) -> u64 {
-    let request = Request {
-        config,
-        is_profiled: false,
-        vtkhdf: false,
-        is_stored: false,
-    };
-    let wanted = files().filter(|file| file.is_wanted(&request));
-    let of_file = |file: &OutputFile| match file.content {
-        FileContent::State(template) => template.len() as u64,
-        FileContent::Written(_) | FileContent::AtPath(_) => 0,
-    };
-    wanted.map(of_file).sum()
-}
 
 /// Files that are written in parallel.
 struct FileGroup {

@@ -17,7 +17,6 @@ use crate::chart::{self, ColorLegend, LegendKey, Scale, Swatch, draw_legends, pn
 use base::folder::FileWriter;
 use base::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS, Strip};
-use scene::config::Config;
 use world::color::rgb8;
 use world::material::{ArrayScale, ArrayTexture};
 use world::scene::Scene;
@@ -134,35 +133,6 @@ fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
 
 /// A pixel of 16 bits per channel, big-endian.
 type Rgb16 = [u8; 6];
-
-/// Returns an upper bound of the additional memory to write a picture with 16 bits, or with color
-/// bars.
-pub(super) fn write_bytes(config: &Config) -> u64 {
-    let of_bands = bytes_per_band_pixel(config) * config.image.n_pixels() as u64;
-    of_bands + bytes_beside_bands(config)
-}
-
-/// Returns an upper bound of the additional memory per pixel, over 8 bits, while a band of the
-/// picture is written.
-pub(super) fn bytes_per_band_pixel(config: &Config) -> u64 {
-    match config.film.bits {
-        8 => 0,
-        _ => size_of::<Rgb16>() as u64,
-    }
-}
-
-/// Returns an upper bound of the memory to write a picture besides its bands.
-pub(super) fn bytes_beside_bands(config: &Config) -> u64 {
-    let mut arrays = config
-        .materials
-        .values()
-        .filter_map(|material| material.color.array());
-    if arrays.any(|array| array.bar.is_some()) {
-        (size_of::<[u8; 3]>() * config.image.n_pixels()) as u64
-    } else {
-        0
-    }
-}
 
 /// Returns the color bars of the scene's materials, each once.
 fn legends(scene: &Scene) -> Vec<ColorLegend> {

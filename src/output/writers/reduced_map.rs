@@ -15,15 +15,15 @@ pub(super) struct ReducedMap {
     pub(super) values: Vec<f32>,
 }
 
+/// Returns the side in pixels of a block for a picture of this size.
+pub(crate) fn side(picture: [u32; 2]) -> u32 {
+    picture[0].max(picture[1]).div_ceil(MAX_SIDE)
+}
+
 impl ReducedMap {
     /// Creates the map of a picture of this size, with sums of zero.
     pub(super) fn new(picture: [u32; 2]) -> Self {
-        Self::of_blocks(picture, Self::side(picture))
-    }
-
-    /// Returns the side in pixels of a block for a picture of this size.
-    pub(super) fn side(picture: [u32; 2]) -> u32 {
-        picture[0].max(picture[1]).div_ceil(MAX_SIDE)
+        Self::of_blocks(picture, side(picture))
     }
 
     /// Returns the map of a picture's values for blocks with this side.

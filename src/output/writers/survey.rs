@@ -8,7 +8,6 @@ use super::run::PixelHashes;
 use crate::chart::Range;
 use math::statistics::{Histogram, sum};
 use render::film::{Film, HotPixel, Strip};
-use scene::config::Image;
 use tracer::cost::Metric;
 
 /// Parts per thread in which the pixels are counted: more of them share the work more evenly.
@@ -65,13 +64,6 @@ pub(super) struct Surveyor {
     hottest: [Option<(Metric, HotPixel)>; 2],
     histograms: SurveyHistograms,
     map: Option<ReducedMap>,
-}
-
-/// Returns an upper bound of the bytes to survey a picture in bands. The histograms of the picture
-/// and of its parts have a few of all possible bins.
-pub(super) fn bytes(image: &Image) -> u64 {
-    let map = ReducedMap::new([image.width, image.height]);
-    4 * Histogram::BYTES + (map.values.len() * size_of::<f32>()) as u64
 }
 
 /// The values of some pixels.

@@ -52,18 +52,18 @@ pub struct CostAttribution {
 }
 
 impl CostAttribution {
-    /// Returns the greatest number of bytes of memory per primitive.
+    /// Returns the expected bytes of memory per primitive.
     pub fn bytes_per_primitive(outputs: &Outputs, acceleration: Acceleration) -> usize {
         let of_surface = if outputs.has(OptionalOutput::Surface) {
             size_of::<Visits>()
         } else {
             0
         };
-        // Sums by node ID, with gaps, and sums of each node.
-        let per_id = 2 * size_of::<Visits>() + size_of::<BvhNode>();
+        // Sums by node ID, with gaps: about a third are of nodes, which are listed with their sums.
+        let per_id = size_of::<Visits>() + (size_of::<Visits>() + size_of::<BvhNode>()) / 3;
         let of_nodes = match acceleration {
             Acceleration::Bvh(quality) if outputs.has(OptionalOutput::Bvh) => {
-                Bvh::ids_per_primitive(quality) * per_id
+                (Bvh::ids_per_primitive(quality) * per_id as f64) as usize
             }
             _ => 0,
         };

@@ -18,7 +18,6 @@ mod tile;
 
 use std::ops::Range;
 
-use glam::Vec3;
 use rayon::prelude::*;
 use vtkio::model::ScalarType;
 
@@ -34,7 +33,7 @@ use crate::schedule::TileGrid;
 use base::host::grow_heap;
 use math::statistics::sum;
 use scene::config::{CostMode, ExtraArrays, Repeats};
-use tracer::cost::{Cost, RaysByBounce, StepCounts};
+use tracer::cost::Cost;
 use world::color::Development;
 use world::geometry::RenderSpace;
 
@@ -78,26 +77,6 @@ pub struct Film {
 /// Upper bound of a film's bytes per tile besides its counters: a list with a capacity of at least
 /// four, a lock, and the overhead of the allocator for both.
 pub const BYTES_PER_TILE: usize = size_of::<RenderedTile>() + 4 * size_of::<PackedCounters>() + 64;
-
-/// Returns an upper bound of a film's bytes per pixel.
-pub fn bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {
-    let kept = columns(cost, Repeats::ONCE).filter(Column::is_stored);
-    let n_vectors = 1 + usize::from(extra.radiance) + usize::from(extra.albedo);
-    let bounces = if extra.bounces {
-        size_of::<RaysByBounce>()
-    } else {
-        0
-    };
-    let instance = if extra.instance { size_of::<i32>() } else { 0 };
-    // Twice: rows as they are observed, and strips.
-    let tests = if extra.tests {
-        2 * size_of::<StepCounts>()
-    } else {
-        0
-    };
-    let extra = n_vectors * size_of::<Vec3>() + bounces + instance + tests;
-    extra + kept.map(|column| column.stride()).sum::<usize>()
-}
 
 /// Returns the bytes of a pixel in all arrays that a rendering writes to a film.
 pub fn stored_bytes_per_pixel(cost: CostMode, extra: ExtraArrays) -> usize {

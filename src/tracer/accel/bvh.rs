@@ -22,13 +22,14 @@ impl Bvh {
     /// Greatest number of primitives.
     pub const MAX_PRIMITIVES: usize = build::MAX_PRIMITIVES;
 
-    /// Returns an upper bound of the bytes per primitive that the build takes.
-    pub fn bytes_per_primitive(quality: Quality) -> usize {
+    /// Returns the expected bytes per primitive of the hierarchy, and those of the build, which are
+    /// free later.
+    pub fn bytes_per_primitive(quality: Quality) -> [usize; 2] {
         build::bytes_per_primitive(quality)
     }
 
-    /// Returns an upper bound of the IDs of nodes, per primitive.
-    pub fn ids_per_primitive(quality: Quality) -> usize {
+    /// Returns the expected IDs of nodes, per primitive.
+    pub fn ids_per_primitive(quality: Quality) -> f64 {
         build::lines_per_primitive(quality)
     }
 

@@ -8,9 +8,7 @@ use exr::meta::attribute::{ChannelDescription, SampleType, Text};
 use glam::Vec3;
 use vtkio::model::ScalarType;
 
-use render::film::{Column, Film, Strip, columns};
-use scene::config::{CostMode, MAX_METRICS, Repeats};
-use tracer::cost::Metric;
+use render::film::{Column, Film, Strip};
 use world::camera::{ImagePlane, Projection};
 
 /// Bytes of a number in each channel.
@@ -66,22 +64,6 @@ pub(super) fn channels(film: &Film, plane: ImagePlane) -> Vec<Channel> {
     channels.push(depth(plane));
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     channels
-}
-
-/// Returns an upper bound of the number of channels.
-pub(super) fn most_channels(cost: CostMode, repeats: Repeats) -> usize {
-    let numbers = columns(cost, repeats).map(|column| column.n_components);
-    let vectors = [Column::RADIANCE, Column::ALBEDO, Column::POSITION];
-    let n_in_vectors = vectors
-        .map(|column| column.n_components)
-        .iter()
-        .sum::<usize>();
-    let on_request = [Column::BOUNCES, Column::INSTANCE, Column::GROUP]
-        .map(|column| column.n_components)
-        .iter()
-        .sum::<usize>();
-    let n_tests = Metric::observed().count();
-    numbers.sum::<usize>() + n_in_vectors + on_request + n_tests + MAX_METRICS + 1
 }
 
 fn vector(layer: &str, names: [&str; 3], column: Column) -> impl Iterator<Item = Channel> {

@@ -22,9 +22,9 @@ use rayon::prelude::*;
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
 use base::provenance::{self, RunId};
-use channels::{CHANNEL_BYTES, Channel, channels, most_channels};
+use channels::{CHANNEL_BYTES, Channel, channels};
 use render::film::{Film, STRIP_ROWS};
-use scene::config::{Config, Image, OptionalOutput};
+use scene::config::OptionalOutput;
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
@@ -37,30 +37,10 @@ pub(super) const FILE: OutputFile = OutputFile {
 const BLOCK_ROWS: u32 = 16;
 
 /// Memory of the blocks that are compressed at a time; at least one block is.
-const BLOCKS_MEMORY: u64 = 1 << 26;
+pub(crate) const BLOCKS_MEMORY: u64 = 1 << 26;
 
 /// Upper bound of the copies of a block during compression.
 const COPIES: u64 = 4;
-
-/// Returns an upper bound of the memory to write a scene's file; 0 if it is not requested.
-pub(super) fn write_bytes(config: &Config) -> u64 {
-    if !config.output.has(OptionalOutput::Exr) {
-        return 0;
-    }
-    let n_channels = most_channels(config.cost, config.repeats);
-    let Image { width, height, .. } = config.image;
-    let of_rows = |n_rows| block_memory([width, n_rows], n_channels);
-    BLOCKS_MEMORY.max(of_rows(BLOCK_ROWS)).min(of_rows(height))
-}
-
-/// Returns the bytes of the file before compression; 0 if it is not requested.
-pub(super) fn raw_bytes(config: &Config) -> u64 {
-    if !config.output.has(OptionalOutput::Exr) {
-        return 0;
-    }
-    let n_channels = most_channels(config.cost, config.repeats);
-    (config.image.n_pixels() * n_channels * CHANNEL_BYTES) as u64
-}
 
 /// Returns the memory to compress this many columns and rows.
 fn block_memory([width, n_rows]: [u32; 2], n_channels: usize) -> u64 {

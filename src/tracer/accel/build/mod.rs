@@ -53,24 +53,24 @@ use world::scene::Primitive;
 /// worst ten per primitive, before it is known if a [`NodeRef`] can address them.
 pub(super) const MAX_PRIMITIVES: usize = 1 << 28;
 
-/// Upper bound of the cache lines of the arena per reference. Typical values are below 1, and 1.5
-/// for shapes that are tested one by one.
-const LINES_PER_REFERENCE: f64 = 2.0;
+/// Cache lines of the arena per reference, measured; 1.5 for shapes that are tested one by one.
+const LINES_PER_REFERENCE: f64 = 0.75;
 
-/// Typical cache lines of the arena per reference to a triangle.
-const TYPICAL_LINES_PER_REFERENCE: usize = 1;
+/// Cache lines that the build reserves per reference.
+const RESERVED_LINES_PER_REFERENCE: usize = 1;
 
-/// Returns an upper bound of the build's bytes per primitive: its share of the binary tree and of
-/// the arena. Until it is written, the arena serves as memory for the partition.
-pub(super) fn bytes_per_primitive(quality: Quality) -> usize {
-    let tree = (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
-    let arena = LINES_PER_REFERENCE * size_of::<CacheLine>() as f64;
-    (references_per_primitive(quality) * (tree + arena)).ceil() as usize
+/// Returns the expected bytes per primitive of the arena, which serves as memory for the partition
+/// until it is written, and of the binary tree, which is free after the build.
+pub(super) fn bytes_per_primitive(quality: Quality) -> [usize; 2] {
+    let tree = references_per_primitive(quality)
+        * (size_of::<BinaryNode>() + size_of::<Reference>()) as f64;
+    let arena = lines_per_primitive(quality) * size_of::<CacheLine>() as f64;
+    [arena, tree].map(|n_bytes| n_bytes.ceil() as usize)
 }
 
-/// Returns an upper bound of the cache lines of the arena per primitive.
-pub(super) fn lines_per_primitive(quality: Quality) -> usize {
-    (references_per_primitive(quality) * LINES_PER_REFERENCE).ceil() as usize
+/// Returns the expected cache lines of the arena per primitive.
+pub(super) fn lines_per_primitive(quality: Quality) -> f64 {
+    references_per_primitive(quality) * LINES_PER_REFERENCE
 }
 
 /// Builds the hierarchy over all primitives except the `unbounded`, whose indices ascend. The arena
@@ -95,7 +95,7 @@ pub(super) fn arena(
         root_half_area: whole.bounds.half_area(),
     };
     // The arena's memory serves the partition first.
-    let mut lines = bytemuck::zeroed_vec(TYPICAL_LINES_PER_REFERENCE * references.len());
+    let mut lines = bytemuck::zeroed_vec(RESERVED_LINES_PER_REFERENCE * references.len());
     let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
         return Ok(Arena::default());
     };

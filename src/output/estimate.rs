@@ -1,0 +1,214 @@
+//! Estimates the memory and the disk of a rendering, right within a quarter: pixels times the bytes
+//! of their arrays, and the scene's primitives times theirs.
+//!
+//! What may not fit, with that quarter added, is [refused](crate::limits) before it is allocated.
+//! What the camera sees, and how well it compresses, is in [`prediction`](crate::prediction).
+
+use crate::writers;
+use base::host::resident_memory;
+use render::attribution::CostAttribution;
+use render::film::{self, columns, written_columns};
+use render::instruments::peak_memory_bytes;
+use render::schedule::{self, TileGrid};
+use render::tiles::{StoredPicture, least_repeats, repeat_bytes_per_pixel};
+use scene::build::Geometries;
+use scene::config::{Acceleration, Config, Image, OptionalOutput, Repeats};
+use tracer::accel::Bvh;
+use tracer::cost::StepCounts;
+use vtk::{Codec, compressed};
+use world::scene::{Instance, Primitive, SurfaceClass};
+
+/// Bytes of a pixel's counters, packed, measured: 2 to 13 in the example scenes.
+const COUNTERS: usize = 8;
+/// Bytes per pixel to write the files, measured: with a metric and its map, and without.
+const WRITING: [usize; 2] = [12, 4];
+/// Bytes to survey the pieces of a picture: histograms, and the map of costs.
+const SURVEY: u64 = 8 << 20;
+const MOST_OF_MAP: u64 = 64 << 20;
+/// Numbers of a pixel that only `image.exr` has: light, albedo, position and depth, less the color
+/// and the place.
+const ONLY_IN_LAYERS: usize = 5;
+
+/// The expected memory of one rendering, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// The film's arrays, the times of repeated renderings, and the output buffers.
+    pub film: u64,
+    /// Primitives, the acceleration structure, and the costs attributed to both.
+    pub scene: u64,
+    /// Rows of the picture in memory at a time; `None` for all.
+    pub band_rows: Option<u32>,
+    /// The part of the scene's that is allocated after the rendering.
+    pub(crate) of_attribution: u64,
+    /// Why the picture must be in memory as a whole, if that can be changed.
+    pub(crate) against_bands: Option<&'static str>,
+    pub(crate) n_primitives: usize,
+    pub(crate) repeats: Repeats,
+}
+
+impl Memory {
+    /// Estimates the memory for a config and its geometries.
+    pub fn estimate(config: &Config, geometries: &Geometries) -> Self {
+        let of_attribution =
+            CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
+        let bare = Self::of_primitives(config, geometries, of_attribution);
+        let n_pixels = config.image.n_pixels() as u64;
+        let of_layers = if config.output.has(OptionalOutput::Exr) {
+            writers::LAYERS_MEMORY.min(4 * layer_bytes(config)) / 2
+        } else {
+            0
+        };
+        Self {
+            film: of_tiles(config) + n_pixels * pixel_bytes(config) + of_files(config) + of_layers,
+            ..bare
+        }
+    }
+
+    /// Returns the memory of this picture if it is written in as large bands of rows as `limit` bytes
+    /// hold, or as a whole if that takes less.
+    pub(crate) fn in_bands(self, config: &Config, limit: u64) -> Self {
+        let Image { width, height, .. } = config.image;
+        let of_map = MOST_OF_MAP.min(4 * config.image.n_pixels() as u64);
+        let fixed = of_tiles(config) + of_files(config) + SURVEY + of_map;
+        let unit = StoredPicture::row_unit(&grid(config));
+        let of_unit = u64::from(width) * u64::from(unit) * pixel_bytes(config);
+        // A band, and the rows above it that are read again.
+        let n_units = (limit / 5 * 4).saturating_sub(fixed + self.scene) / of_unit;
+        let most = u64::from(height.div_ceil(unit));
+        let n_units = n_units.saturating_sub(1).clamp(1, most);
+        let film = fixed + (n_units + 1) * of_unit;
+        // What bands need apart from their rows is more than a small picture needs.
+        if film >= self.film {
+            return self;
+        }
+        Self {
+            film,
+            band_rows: Some(n_units as u32 * unit),
+            ..self
+        }
+    }
+
+    /// Estimates the memory of part of a picture, whose tiles are in files.
+    pub fn of_part(config: &Config, geometries: &Geometries) -> Self {
+        Self {
+            film: of_tiles(config),
+            ..Self::of_scene(config, geometries)
+        }
+    }
+
+    /// Estimates the memory of the scene without a film.
+    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
+        Self::of_primitives(config, geometries, 0)
+    }
+
+    /// Estimates the memory of the scene with so many bytes of costs per primitive.
+    fn of_primitives(config: &Config, geometries: &Geometries, of_attribution: usize) -> Self {
+        let n_primitives = geometries.n_primitives();
+        Self {
+            film: 0,
+            // The geometries as read, and their attributes in render space.
+            scene: n_primitives as u64 * primitive_bytes(config, of_attribution)
+                + (geometries.n_instances() * size_of::<Instance>()) as u64
+                + 2 * geometries.n_bytes()
+                + geometries.picture_bytes(),
+            band_rows: None,
+            of_attribution: (n_primitives * of_attribution) as u64,
+            against_bands: None,
+            n_primitives,
+            repeats: config.repeats,
+        }
+    }
+
+    /// Estimates the memory of an instance of a mesh.
+    pub fn of_instance(config: &Config) -> u64 {
+        primitive_bytes(config, 0) + size_of::<Instance>() as u64
+    }
+
+    /// Returns an upper bound of the memory: the estimate with its error.
+    pub fn at_most(&self) -> u64 {
+        (self.film + self.scene) / 4 * 5
+    }
+
+    /// Returns the expected resident memory at the peak of a rendering in a process that has built
+    /// the hierarchy; `None` where the system does not report this process's.
+    pub(crate) fn peak(&self) -> Option<u64> {
+        let later = self.film + self.of_attribution;
+        Some(peak_memory_bytes()?.max(resident_memory()? + later))
+    }
+}
+
+/// Returns a lower bound of the bytes on the disk, whatever the camera sees and however well it
+/// compresses, with the file of tiles of a picture in pieces.
+pub fn least_disk(config: &Config, is_stored: bool) -> u64 {
+    // frame.vti has all arrays except the positions.
+    let per_pixel: usize = written_columns(config).map(|column| column.stride()).sum();
+    let of_frame = (config.image.n_pixels() * per_pixel) as u64 / config.compress.max_ratio();
+    let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    let n_stored = usize::from(is_stored) * usize::from(least_repeats(config));
+    of_frame + (config.image.n_pixels() * n_stored * stored) as u64
+}
+
+/// Returns the bytes of all layers of `image.exr` before compression.
+pub(crate) fn layer_bytes(config: &Config) -> u64 {
+    let numbers = columns(config.cost, config.repeats).map(|column| column.n_components);
+    let n_numbers = numbers.sum::<usize>() + ONLY_IN_LAYERS;
+    (config.image.n_pixels() * n_numbers * size_of::<f32>()) as u64
+}
+
+/// Returns the bytes of a pixel in the film's arrays and its counters.
+pub(crate) fn film_bytes(config: &Config) -> u64 {
+    let stored = film::stored_bytes_per_pixel(config.cost, config.extra_arrays());
+    (stored + usize::from(config.cost.has_counters()) * COUNTERS) as u64
+}
+
+/// Returns the bytes of a pixel in a film, with the times of all renderings or, later, to write it.
+fn pixel_bytes(config: &Config) -> u64 {
+    let of_writing = WRITING[usize::from(!config.cost.has_counters())];
+    let of_deep_picture = usize::from(config.film.bits > 8) * size_of::<[u16; 3]>();
+    // Rows as they are observed, and strips.
+    let n_tests = usize::from(config.output.has(OptionalOutput::Tests)) * 2;
+    let of_times = repeat_bytes_per_pixel(config);
+    let others = of_times.max(of_writing) + of_deep_picture + n_tests * size_of::<StepCounts>();
+    film_bytes(config) + others as u64
+}
+
+/// Returns the bytes of a primitive, its share of the acceleration structure, and its costs, which
+/// take the place of what the build leaves free.
+fn primitive_bytes(config: &Config, of_attribution: usize) -> u64 {
+    let [lasting, of_build] = match config.acceleration {
+        Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
+        Acceleration::BruteForce => [size_of::<u32>(), 0],
+    };
+    let own = size_of::<Primitive>() + size_of::<SurfaceClass>();
+    (own + lasting + of_build.max(of_attribution)) as u64
+}
+
+/// Returns the bytes of all tiles without their pixels.
+fn of_tiles(config: &Config) -> u64 {
+    let per_tile = film::BYTES_PER_TILE + schedule::BYTES_PER_TILE;
+    u64::from(grid(config).n_tiles()) * per_tile as u64
+}
+
+/// Returns the bytes to write files, apart from those per pixel of the film: the windows of two
+/// arrays that are compressed at a time, to about half, and a picture with color bars.
+fn of_files(config: &Config) -> u64 {
+    let n_pixels = config.image.n_pixels() as u64;
+    let of_codec = match config.compress {
+        Codec::None => 0,
+        _ => compressed::BYTES_PER_ARRAY.min(n_pixels * size_of::<[f32; 3]>() as u64),
+    };
+    let of_bars = if has_bars(config) { 3 * n_pixels } else { 0 };
+    of_codec + of_bars
+}
+
+/// Returns true if the picture shows color bars.
+pub(crate) fn has_bars(config: &Config) -> bool {
+    let materials = config.materials.values();
+    let mut arrays = materials.filter_map(|material| material.color.array());
+    arrays.any(|array| array.bar.is_some())
+}
+
+fn grid(config: &Config) -> TileGrid {
+    let Image { width, height, .. } = config.image;
+    TileGrid::new(width, height, config.tiles.size)
+}

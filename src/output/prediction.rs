@@ -1,0 +1,164 @@
+//! Predicts the peak memory and the files of a rendering, for `raycost check`.
+//!
+//! The steps before the film are performed: the scene is read and its hierarchy built as for the
+//! rendering. A small picture of the scene shows how many pixels have a hit, and some rows of the
+//! picture how well it compresses.
+
+use crate::estimate::{self, Memory};
+use crate::look::Look;
+use crate::sample::{Length, RowSample, small_picture};
+use crate::writers::{self, Request};
+use render::attribution::{Hierarchy, Visits};
+use render::checkpoint;
+use render::schedule::TileGrid;
+use render::tiles::least_repeats;
+use scene::config::{Config, Image, OptionalOutput};
+use tracer::accel::{Accel, TooLarge};
+use tracer::trace::Tracer;
+use vtk::Codec;
+use world::scene::Scene;
+
+/// Bytes of the header of a VTK file of pixels, with its field data.
+const HEADER: u64 = 6_000;
+/// Bytes of `summary.json`.
+const SUMMARY: u64 = 6_000;
+/// Bytes of a tile in `tiles.vti` and `trace.json`.
+const PER_TILE: u64 = 300;
+
+/// The predicted resources of a rendering, and what its camera sees.
+#[derive(Debug, Clone)]
+pub struct Prediction {
+    /// Resident memory at the peak, in bytes; `None` where the system does not report this
+    /// process's.
+    pub peak_memory: Option<u64>,
+    /// The camera's view.
+    pub look: Look,
+    /// The files of arrays.
+    pub arrays: Vec<ArrayFile>,
+    /// Bytes of all text files.
+    pub texts: u64,
+    /// Bytes of the picture and the cost map.
+    pub pictures: u64,
+    /// Bytes of the picture's layers before compression, which is always on; 0 without layers.
+    pub layers: u64,
+    /// Bytes of the file of finished tiles.
+    pub tiles: u64,
+}
+
+/// The size of a file of arrays.
+#[derive(Debug, Clone, Copy)]
+pub struct ArrayFile {
+    /// Name.
+    pub name: &'static str,
+    /// Bytes; before compression unless `is_known`.
+    pub n_bytes: u64,
+    /// True if these are the bytes on the disk.
+    pub is_known: bool,
+}
+
+impl Prediction {
+    /// Predicts the rendering of a scene that was read and placed, on the current rayon pool. Builds
+    /// the hierarchy and renders a small picture, and some rows.
+    ///
+    /// # Errors
+    /// The hierarchy is too large.
+    pub fn new(config: &Config, scene: &Scene, memory: &Memory) -> Result<Self, TooLarge> {
+        let accel = Accel::build(scene, config.acceleration, &|_| {})?;
+        let tracer = Tracer::new(scene, &accel);
+        let peak_memory = memory.peak();
+        let small = small_picture(config, tracer);
+        let sample = RowSample::render(config, tracer);
+        let Image { width, height, .. } = config.image;
+        let n_pixels = config.image.n_pixels() as u64;
+        let n_pieces = memory.band_rows.map_or(1, |rows| height.div_ceil(rows));
+        // The cloud and the frame. Adjacent pieces of the frame share a row of pixels.
+        let small_pixels = small.grid.width as usize * small.grid.height as usize;
+        let hit_share = small.n_hits() as f64 / small_pixels as f64;
+        let n_rows = height + n_pieces - 1;
+        let sizes = sample.of_arrays((hit_share * n_pixels as f64) as u64, n_rows);
+        let names = match n_pieces {
+            1 => ["hits.vtu", "frame.vti"],
+            _ => ["hits.pvtu", "frame.pvti"],
+        };
+        let of_pixels = names.into_iter().zip(sizes).map(|(name, size)| ArrayFile {
+            name,
+            n_bytes: u64::from(n_pieces) * HEADER + size,
+            is_known: true,
+        });
+        // The texts, of which the picture has a copy of one.
+        let request = Request {
+            config,
+            is_profiled: false,
+            vtkhdf: false,
+            is_stored: n_pieces > 1,
+        };
+        let wanted = writers::files().filter(|file| file.is_wanted(&request));
+        let state = |name| writers::state_template(name).map_or(0, |text| text.len() as u64);
+        let of_states: u64 = wanted.map(|file| state(file.name)).sum();
+        let in_picture = if writers::GEOMETRY.is_wanted(&request) {
+            state(writers::GEOMETRY.name)
+        } else {
+            0
+        };
+        let n_tiles = u64::from(TileGrid::new(width, height, config.tiles.size).n_tiles());
+        let has = |output| config.output.has(output);
+        let listed = if has(OptionalOutput::Schedule) {
+            n_tiles
+        } else {
+            0
+        };
+        let side = match n_pieces {
+            1 => 1,
+            _ => writers::map_side([width, height]),
+        };
+        let of_tiles =
+            n_pixels * estimate::film_bytes(config) + n_tiles * checkpoint::BYTES_PER_TILE;
+        Ok(Self {
+            peak_memory,
+            look: Look::new(&small, config, tracer),
+            arrays: of_pixels.chain(of_attribution(config, tracer)).collect(),
+            texts: SUMMARY + of_states + PER_TILE * listed,
+            pictures: sample.of_picture() + sample.of_map(side) + in_picture,
+            layers: if has(OptionalOutput::Exr) {
+                estimate::layer_bytes(config)
+            } else {
+                0
+            },
+            tiles: u64::from(least_repeats(config)) * of_tiles,
+        })
+    }
+
+    /// Returns the sum of the arrays whose size on the disk is known.
+    pub fn of_known_arrays(&self) -> u64 {
+        let known = self.arrays.iter().filter(|file| file.is_known);
+        known.map(|file| file.n_bytes).sum()
+    }
+}
+
+/// Predicts the files of the costs of primitives and nodes.
+fn of_attribution(config: &Config, tracer: Tracer) -> Vec<ArrayFile> {
+    let (scene, cost, none) = (tracer.scene, config.cost, Codec::None);
+    let mut files = Vec::new();
+    let mut add = |name, n_bytes| {
+        files.push(ArrayFile {
+            name,
+            n_bytes,
+            is_known: config.compress == none,
+        });
+    };
+    if config.output.has(OptionalOutput::Surface) {
+        let visits = vec![Visits::default(); scene.primitives.len()];
+        let write = |out: &mut _| writers::write_surface(scene, &visits, cost, none, out);
+        add("surface.vtu", Length::measure(write));
+    }
+    if config.output.has(OptionalOutput::Bvh) {
+        let nodes = tracer.accel.nodes();
+        let visits = vec![Visits::default(); nodes.len()];
+        let hierarchy = &Hierarchy { nodes, visits };
+        let hierarchy = (hierarchy, scene.instances.as_ref(), scene.space);
+        let limits = config.output.bvh;
+        let write = |out: &mut _| writers::write_nodes(hierarchy, limits, cost, none, out);
+        add("bvh.vtu", Length::measure(write));
+    }
+    files
+}
