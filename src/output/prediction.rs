@@ -9,7 +9,6 @@ use crate::look::Look;
 use crate::sample::{Length, RowSample, small_picture};
 use crate::writers::{self, Request};
 use render::attribution::{Hierarchy, Visits};
-use render::checkpoint;
 use render::schedule::TileGrid;
 use render::tiles::least_repeats;
 use scene::config::{Config, Image, OptionalOutput};
@@ -85,46 +84,23 @@ impl Prediction {
             n_bytes: u64::from(n_pieces) * HEADER + size,
             is_known: true,
         });
-        // The texts, of which the picture has a copy of one.
-        let request = Request {
-            config,
-            is_profiled: false,
-            vtkhdf: false,
-            is_stored: n_pieces > 1,
-        };
-        let wanted = writers::files().filter(|file| file.is_wanted(&request));
-        let state = |name| writers::state_template(name).map_or(0, |text| text.len() as u64);
-        let of_states: u64 = wanted.map(|file| state(file.name)).sum();
-        let in_picture = if writers::GEOMETRY.is_wanted(&request) {
-            state(writers::GEOMETRY.name)
-        } else {
-            0
-        };
-        let n_tiles = u64::from(TileGrid::new(width, height, config.tiles.size).n_tiles());
-        let has = |output| config.output.has(output);
-        let listed = if has(OptionalOutput::Schedule) {
-            n_tiles
-        } else {
-            0
-        };
+        let [texts, in_picture] = text_bytes(config, n_pieces > 1);
         let side = match n_pieces {
             1 => 1,
             _ => writers::map_side([width, height]),
         };
-        let of_tiles =
-            n_pixels * estimate::film_bytes(config) + n_tiles * checkpoint::BYTES_PER_TILE;
         Ok(Self {
             peak_memory,
             look: Look::new(&small, config, tracer),
             arrays: of_pixels.chain(of_attribution(config, tracer)).collect(),
-            texts: SUMMARY + of_states + PER_TILE * listed,
+            texts,
             pictures: sample.of_picture() + sample.of_map(side) + in_picture,
-            layers: if has(OptionalOutput::Exr) {
+            layers: if config.output.has(OptionalOutput::Exr) {
                 estimate::layer_bytes(config)
             } else {
                 0
             },
-            tiles: u64::from(least_repeats(config)) * of_tiles,
+            tiles: u64::from(least_repeats(config)) * n_pixels * estimate::film_bytes(config),
         })
     }
 
@@ -133,6 +109,32 @@ impl Prediction {
         let known = self.arrays.iter().filter(|file| file.is_known);
         known.map(|file| file.n_bytes).sum()
     }
+}
+
+/// Returns the bytes of all text files, and of the one of which the picture has a copy.
+fn text_bytes(config: &Config, is_stored: bool) -> [u64; 2] {
+    let request = Request {
+        config,
+        is_profiled: false,
+        vtkhdf: false,
+        is_stored,
+    };
+    let wanted = writers::files().filter(|file| file.is_wanted(&request));
+    let states = wanted.filter_map(|file| Some((file.name, writers::state_template(file.name)?)));
+    let Image { width, height, .. } = config.image;
+    let n_listed = if config.output.has(OptionalOutput::Schedule) {
+        TileGrid::new(width, height, config.tiles.size).n_tiles()
+    } else {
+        0
+    };
+    let mut texts = [SUMMARY + PER_TILE * u64::from(n_listed), 0];
+    for (name, template) in states {
+        texts[0] += template.len() as u64;
+        if name == writers::GEOMETRY.name {
+            texts[1] = template.len() as u64;
+        }
+    }
+    texts
 }
 
 /// Predicts the files of the costs of primitives and nodes.

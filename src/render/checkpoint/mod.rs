@@ -20,7 +20,5 @@ pub use file::{CheckpointFile, Damage, RunSpan};
 pub use header::{Header, PicturePart};
 pub use layout::RecordLayout;
 pub use parts::{PARTS, PartFaults, PartFiles};
-pub use record::BYTES_PER_TILE;
 pub use record::TileRecord;
-pub use store::MEMORY_PER_TILE;
 pub use store::{Checkpoint, CheckpointFailure, TileSource};

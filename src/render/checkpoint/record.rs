@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use super::RecordLayout;
-use super::block::PREFIX;
 use crate::film::PackedCounters;
 use crate::schedule::{Tile, TileRun};
 use tracer::cost::Cost;
@@ -32,9 +31,6 @@ const N_COUNTS: usize = 8;
 const MAX_NS: u64 = 1 << 53;
 /// Greatest number of threads.
 pub(super) const MAX_THREADS: u32 = 1 << 16;
-
-/// Bytes of a tile in a file besides its pixels and counters, which are in one part.
-pub const BYTES_PER_TILE: u64 = (PREFIX + FIXED_BYTES + 8) as u64;
 
 impl<'a> TileRecord<'a> {
     /// Returns an upper bound of the bytes of a record with this layout.

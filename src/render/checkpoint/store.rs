@@ -14,10 +14,6 @@ use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
 use base::folder::WriteError;
 
-/// Approximate bytes of memory of a tile that was kept: a map with twice the entries, plus a byte
-/// each.
-pub const MEMORY_PER_TILE: usize = 2 * (size_of::<((u8, u32), StoredTile)>() + 1);
-
 /// Interval at which finished tiles are flushed to the system.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
