@@ -161,6 +161,45 @@ fn irradiance_is_that_of_the_closed_forms() {
     }
 }
 
+/// Half of a lamp's light comes from a row of large facets below the floor, the other half from
+/// 255 rows of small ones above it, whose sum is that of a rectangle.
+#[test]
+fn small_facets_of_a_mesh_get_their_share_of_samples() {
+    // A little more than half: 24 bits that choose one of 2^18 facets have six left to decide.
+    const SHARE: f32 = (0.5 + 1.0 / 128.0) * 255.0 / 256.0;
+    let lamp = tempfile::NamedTempFile::with_suffix(".ply").unwrap();
+    let mut ply = "ply\nformat binary_little_endian 1.0\nelement vertex 132354\n\
+                   property float x\nproperty float y\nproperty float z\n\
+                   element face 262144\nproperty list uchar int vertex_indices\nend_header\n"
+        .as_bytes()
+        .to_vec();
+    let small = (0..256).map(|row| [row as f32 / 255.0, 2.0]);
+    let large = [0.0, (1.0 - SHARE) / SHARE].map(|y| [y, -1.0]);
+    for [y, z] in small.chain(large) {
+        let places = (0..=512).flat_map(|column| [column as f32 / 512.0, y, z]);
+        ply.extend(places.flat_map(f32::to_le_bytes));
+    }
+    for row in (0..255).chain([256]) {
+        for column in 0..512 {
+            let at = [0, 513, 1, 1, 513, 514].map(|corner| row * 513 + column + corner);
+            for facet in at.as_chunks::<3>().0 {
+                ply.push(3);
+                ply.extend(facet.iter().flat_map(|corner: &i32| corner.to_le_bytes()));
+            }
+        }
+    }
+    std::fs::write(&lamp, ply).unwrap();
+    let expected = above_corner(1.0, 1.0, 2.0);
+    for model in ["model: path", "model: blinn_phong, ambient: 0"] {
+        let mesh = format!("mesh: {{ file: {:?}, normals: flat }}", lamp.path());
+        let found = below_lamp(model, &mesh) / (0.5 * 3.0);
+        assert!(
+            (found / expected - 1.0).abs() < 3e-3,
+            "{model}: {found}, expected {expected}"
+        );
+    }
+}
+
 #[test]
 fn a_sphere_above_the_floor_occludes_its_share_of_the_sky() {
     for (keys, expected) in [
