@@ -56,6 +56,17 @@ fn ranks_that_differ_are_named() {
     assert_success(&job.ranks(2, "out", &[], more).output().unwrap());
 }
 
+#[test]
+fn a_rank_without_its_threads_is_named() {
+    let job = Job::new("seed_sphere", &["--cost=counters"]);
+    let limit = "ulimit -v 2000000
+        set -- render configs/seed_sphere.yaml --cost=counters --out out --threads=1000";
+    let output = job.ranks(3, "out", &[], limit).output().unwrap();
+    assert_refused(&output, 1, "cannot start the threads: 2304 KiB");
+    assert_refused(&output, 1, "error: rank ");
+    assert!(!is_written(&job.path("out")));
+}
+
 /// A job that takes some seconds.
 fn slow_job() -> Job {
     let flags = [
