@@ -129,6 +129,39 @@ fn a_luminance_of_openexr_is_gray() {
 }
 
 #[test]
+fn luminance_and_chroma_of_openexr_are_colors() {
+    let color = [0.2, 0.5, 0.9_f32];
+    let luminance = 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+    let [red, _, blue] = color.map(|light| (light - luminance) / luminance);
+    let channels = SpecificChannels::build()
+        .with_channel("Y")
+        .with_channel("RY")
+        .with_channel("BY");
+    let channels = channels.with_pixel_fn(move |_| (luminance, red, blue));
+    let mut file = std::io::Cursor::new(Vec::new());
+    Image::from_channels((8, 4), channels)
+        .write()
+        .to_buffered(&mut file)
+        .unwrap();
+    let mut bytes = file.into_inner();
+    let found = texel(&read(&bytes, None).unwrap(), 3, 2);
+    for (found, expected) in found.iter().zip(color) {
+        assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+    }
+    // After the channel's name: its type, its use, and one sample of how many columns and rows.
+    for name in ["RY\0", "BY\0"] {
+        let length = name.len();
+        let at = bytes.windows(length).position(|of| of == name.as_bytes());
+        let at = at.unwrap() + length + 8;
+        bytes[at] = 2;
+        bytes[at + 4] = 2;
+    }
+    let fault = read(&bytes, None).unwrap_err();
+    let expected = "its channels have different resolutions";
+    assert!(fault.problem.starts_with(expected), "{fault:?}");
+}
+
+#[test]
 fn every_format_is_read() {
     for (written, format) in pictures() {
         let bytes = encoded(&written, format);

@@ -1,4 +1,4 @@
-//! Gray OpenEXR pictures, which have a luminance in place of colors.
+//! OpenEXR pictures that have a luminance in place of colors, and may have a chroma.
 
 use std::io::{BufRead, Seek};
 
@@ -11,15 +11,22 @@ use image::{ColorType, ImageDecoder, ImageError, ImageFormat, ImageResult};
 /// Errors in parts that are not read are not reported.
 const IS_STRICT: bool = false;
 
-/// The decoder of a gray picture.
+/// Luminance of red, green and blue light of Rec. 709.
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// The luminance of a pixel, how much more red and blue it has than a gray one, as shares, and its
+/// opacity.
+type Channels = (f32, f32, f32, f32);
+
+/// The decoder of a picture with a luminance.
 pub(super) struct GrayExr<R> {
     /// The file, at its start.
     pub(super) file: R,
     pub(super) header: Header,
 }
 
-/// Returns the header of the first gray part of a file; `None` if there are colors, or none can be
-/// read.
+/// Returns the header of the first part of a file with a luminance; `None` if there are colors, or
+/// no header can be read.
 pub(super) fn gray_header(file: &mut (impl BufRead + Seek)) -> Option<Header> {
     let parts = MetaData::read_from_buffered(file, IS_STRICT).ok()?.headers;
     let has = |part: &Header, channel: &str| {
@@ -52,17 +59,22 @@ impl<R: BufRead + Seek> ImageDecoder for GrayExr<R> {
             .largest_resolution_level()
             .specific_channels()
             .required("Y")
+            .optional("RY", 0.0_f32)
+            .optional("BY", 0.0_f32)
             .optional("A", 1.0_f32)
             .collect_pixels(
                 move |_, _| vec![[0.0_f32; 4]; width * height],
-                move |pixels, at: Vec2<usize>, (luminance, opacity): (f32, f32)| {
+                move |pixels, at: Vec2<usize>, (luminance, red, blue, opacity): Channels| {
                     // The display window may leave out some pixels, and have more.
                     let Vec2(x, y) = at.to_i32() + first;
                     let is_shown =
                         (0..width as i32).contains(&x) && (0..height as i32).contains(&y);
                     if is_shown {
-                        pixels[y as usize * width + x as usize] =
-                            [luminance, luminance, luminance, opacity];
+                        let [to_red, to_green, to_blue] = LUMINANCE;
+                        let green = -(to_red * red + to_blue * blue) / to_green;
+                        let [red, green, blue] =
+                            [red, green, blue].map(|chroma| luminance * (1.0 + chroma));
+                        pixels[y as usize * width + x as usize] = [red, green, blue, opacity];
                     }
                 },
             )

@@ -289,9 +289,14 @@ impl Format {
                 let reason = other
                     .source()
                     .map_or(other.to_string(), |own| own.to_string());
+                if reason.contains("subsampling") {
+                    let problem = "its channels have different resolutions, as those of luminance \
+                                   and chroma (`Y`, `RY`, `BY`) often do";
+                    return FileFault::new(problem, "the channels `R`, `G` and `B`");
+                }
                 FileFault::new(
                     format!("the {name} picture cannot be decoded: {}", reason.trim()),
-                    format!("a {name} picture that other programs show"),
+                    "a picture that other programs show",
                 )
             }
         }
