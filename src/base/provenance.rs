@@ -9,6 +9,7 @@ use std::fmt;
 use std::io::{self, Write};
 use std::str::FromStr;
 
+use serde::Serialize;
 use serde_json::Value;
 use twox_hash::XxHash3_128;
 
@@ -45,6 +46,13 @@ impl Hasher {
     /// Adds bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.write(bytes);
+    }
+
+    /// Adds a value by its JSON, up to the first path that is not UTF-8.
+    pub fn add_value(&mut self, value: &impl Serialize) {
+        if let Err(error) = serde_json::to_writer(&mut *self, value) {
+            self.add(error.to_string().as_bytes());
+        }
     }
 
     /// Returns the checksum of all bytes so far.

@@ -7,7 +7,7 @@ use base::text::one_line;
 use output::look::Look;
 use scene::config::{Config, Geometry, ShadingModel};
 use world::background::Background;
-use world::geometry::Shape;
+use world::geometry::KeyedShape;
 
 /// Greatest number of names in a hint.
 const MOST_NAMES: usize = 5;
@@ -146,7 +146,7 @@ fn of_light(config: &Config, look: Look) -> Option<Hint> {
 
 fn is_plane(config: &Config, object: u32) -> bool {
     let geometry = &config.objects[object as usize].geometry;
-    matches!(geometry, Geometry::Shape(shape) if matches!(shape.geometry, Shape::Plane(_)))
+    matches!(geometry, Geometry::Shape(KeyedShape::Plane(_)))
 }
 
 /// Returns the hint on two objects of the same name.

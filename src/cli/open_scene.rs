@@ -1,6 +1,6 @@
 //! A scene of the command line and its frames.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::scene::SceneArguments;
 use super::study;
@@ -105,6 +105,25 @@ impl<'a> OpenScene<'a> {
         Ok(scene_files(&document, &config).collect())
     }
 
+    /// Returns the text of the scene with every value: of a frame, or with its animation.
+    ///
+    /// # Errors
+    /// A setting that the scene does not allow.
+    pub(super) fn resolved(&self, frame: Option<u32>) -> Result<String, Diagnostic> {
+        let (document, config) = match frame {
+            Some(frame) => {
+                self.check_frame(frame)?;
+                let (document, mut config) = self.at(frame)?;
+                config.animation = None;
+                (document, config)
+            }
+            None => self.with_settings(self.document.clone(), self.config.clone())?,
+        };
+        let folder = Path::new(document.name()).parent();
+        let text = config.resolved(folder.unwrap_or(Path::new("")), &document);
+        text.map_err(|error| Diagnostic::new(format!("cannot write the scene: {error}")))
+    }
+
     /// Converts the fault to a diagnostic that shows its line.
     pub(super) fn point_at(&self, fault: Fault) -> Diagnostic {
         self.document.point_at(fault)
@@ -115,10 +134,18 @@ impl<'a> OpenScene<'a> {
     /// # Errors
     /// The first fault in it.
     pub(super) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
-        let (document, mut config) = match &self.frames {
+        let (document, config) = match &self.frames {
             Some(frames) => frames.at(number)?,
             None => (self.document.clone(), self.config.clone()),
         };
+        self.with_settings(document, config)
+    }
+
+    fn with_settings(
+        &self,
+        document: Document,
+        mut config: Config,
+    ) -> Result<(Document, Config), Diagnostic> {
         self.arguments.override_settings(&mut config, &document)?;
         Ok((document, config))
     }

@@ -87,10 +87,9 @@ pub(super) fn section_of(
         version, commit, ..
     } = this_build();
     let settings: Vec<&str> = document.settings().collect();
-    let scene = (document.name(), settings, config);
-    let program = (version, commit, flags);
+    let scene = (document.name(), settings, config, config.image.window);
     let mut hasher = Hasher::default();
-    hasher.add(format!("{program:?}{scene:?}{:?}", (number, time)).as_bytes());
+    hasher.add_value(&(version, commit, flags, scene, number, time));
     let states = states_of(files(document, config));
     hasher.add(&states.bits().to_le_bytes());
     FrameSection {
@@ -114,7 +113,7 @@ fn of_pixels(
     files: impl Iterator<Item = PathBuf>,
 ) -> Result<Checksum, Diagnostic> {
     let mut hasher = Hasher::default();
-    hasher.add(format!("{config:?}{frame:?}{base:?}").as_bytes());
+    hasher.add_value(&(config, config.image.window, frame, base));
     hasher.add(&contents_of(files)?.bits().to_le_bytes());
     Ok(hasher.checksum())
 }
@@ -145,7 +144,10 @@ pub(crate) fn contents_of(
 pub(crate) fn states_of(files: impl Iterator<Item = impl AsRef<Path>>) -> Checksum {
     let mut hasher = Hasher::default();
     for file in files {
-        hasher.add(format!("{:?}", state_of(file.as_ref())).as_bytes());
+        let (path, length, changed) = state_of(file.as_ref());
+        hasher.add(path.as_os_str().as_encoded_bytes());
+        hasher.add(&length.to_le_bytes());
+        hasher.add(&changed.to_le_bytes());
     }
     hasher.checksum()
 }
@@ -172,7 +174,7 @@ fn state_of(file: &Path) -> (&Path, u64, u128) {
 pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
     let materials: Vec<&String> = config.materials.keys().collect();
     let mut hasher = Hasher::default();
-    hasher.add(format!("{:?}", (&config.objects, materials, config.acceleration)).as_bytes());
+    hasher.add_value(&(&config.objects, materials, config.acceleration));
     let states = states_of(geometry_files(document, config).into_iter());
     hasher.add(&states.bits().to_le_bytes());
     hasher.checksum()

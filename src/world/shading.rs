@@ -1,12 +1,12 @@
 //! The `shading` section.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::color::Transfer;
 use crate::geometry::RenderSpace;
 use crate::values;
-use base::deserialize_keywords;
+use base::serde_keywords;
 use math::optics::Masking;
 
 /// The shading model and its parameters.
@@ -18,8 +18,8 @@ use math::optics::Masking;
 /// ").unwrap();
 /// # assert_eq!(shading.max_depth, 4);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "ShadingKeys")]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "ShadingKeys", into = "ShadingKeys")]
 pub struct Shading {
     /// The shading model.
     pub model: ShadingModel,
@@ -38,7 +38,7 @@ pub struct Shading {
     pub shadows: bool,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a mapping with keys such as `model`")]
 struct ShadingKeys {
     #[serde(default)]
@@ -98,6 +98,26 @@ impl TryFrom<ShadingKeys> for Shading {
     }
 }
 
+/// Gives all keys that the model allows.
+impl From<Shading> for ShadingKeys {
+    fn from(shading: Shading) -> Self {
+        let model = shading.model;
+        let is = |others: &[ShadingModel]| others.contains(&model);
+        let is_local = is(&[ShadingModel::BlinnPhong, ShadingModel::Seed]);
+        let chooses_lights = is(&[ShadingModel::BlinnPhong, ShadingModel::Path]);
+        let distance = Some(shading.occlusion_distance).filter(|length| length.is_finite());
+        Self {
+            model,
+            ambient: is_local.then_some(shading.ambient),
+            max_depth: shading.max_depth,
+            light_sampling: chooses_lights.then_some(shading.light_sampling),
+            masking: is(&[ShadingModel::Path]).then_some(shading.masking),
+            occlusion_distance: distance,
+            shadows: is(&[ShadingModel::BlinnPhong]).then_some(shading.shadows),
+        }
+    }
+}
+
 /// The lights toward which shadow rays are traced from a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
@@ -109,7 +129,7 @@ pub enum LightSampling {
     Power,
 }
 
-deserialize_keywords!(LightSampling);
+serde_keywords!(LightSampling);
 
 /// A shading model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -161,7 +181,7 @@ impl ShadingModel {
     }
 }
 
-deserialize_keywords!(ShadingModel);
+serde_keywords!(ShadingModel);
 
 fn default_depth() -> u8 {
     8

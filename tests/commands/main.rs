@@ -28,6 +28,7 @@ mod package;
 mod pinning;
 mod prediction;
 mod reference;
+mod resolved;
 mod roofline;
 mod schema;
 mod settings;

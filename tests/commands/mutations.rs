@@ -1,6 +1,7 @@
 //! Damaged scene files give a scene or an error, never a panic.
 
 use crate::common::generators::cases;
+use crate::resolved::assert_resolves;
 use std::ops::Range;
 use std::path::Path;
 
@@ -157,6 +158,7 @@ const MEMORY: u64 = 96 << 20;
 /// All that `raycost check` does, on a machine with little memory.
 fn check(source: &Source) -> Result<(), Diagnostic> {
     let mut config: Config = source.parse()?;
+    assert_resolves(&config);
     let mut check = || {
         let geometries = Geometries::read(&mut config, Path::new("configs"), MEMORY)?;
         Memory::estimate(&config, &geometries).check(MEMORY)?;

@@ -153,11 +153,10 @@ fn defaults_are_values_that_change_nothing() {
     assert_eq!(default("materials.*.two_sided"), Some(json!(true)));
     assert_eq!(default("camera.look_at.up"), Some(json!([0, 1, 0])));
     assert_eq!(default("fog.anisotropy"), Some(json!(0)));
+    assert_eq!(default("camera.look_at.lens.rotation_deg"), Some(json!(0)));
     // Neither a required key nor a value that is computed from others has one.
     assert_eq!(default("image.width"), None);
     assert_eq!(default("camera.look_at.lens.focus_distance"), None);
-    // A rotation of a circle changes nothing, whatever it is.
-    assert_eq!(default("camera.look_at.lens.rotation_deg"), None);
 }
 
 /// `RAYCOST_BLESS=1 cargo test --test commands schema::` writes them anew.

@@ -15,13 +15,20 @@ pub fn keyword<'de, T: ValueEnum, D: Deserializer<'de>>(d: D) -> Result<T, D::Er
     d.deserialize_enum("keyword", &[], KeywordVisitor(PhantomData))
 }
 
-/// Implements `Deserialize` for types of keywords by [`keyword`](crate::text::keyword).
+/// Implements `Deserialize` and `Serialize` for types of keywords, by [`keyword`] and
+/// [`keyword_name`].
 #[macro_export]
-macro_rules! deserialize_keywords {
+macro_rules! serde_keywords {
     ($($type:ty),+) => {$(
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
                 $crate::text::keyword(d)
+            }
+        }
+
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+                s.serialize_str(&$crate::text::keyword_name(self))
             }
         }
     )+};
@@ -102,7 +109,7 @@ mod tests {
         VeryWide,
     }
 
-    deserialize_keywords!(Width);
+    serde_keywords!(Width);
 
     #[test]
     fn names_are_those_of_the_command_line_and_messages_list_them() {

@@ -53,6 +53,11 @@ pub(super) struct CheckArguments {
     /// Print each report as a line of JSON; memory and disk are in bytes
     #[arg(long)]
     json: bool,
+
+    /// Print the scene with every value, also those it leaves out: a scene file that gives the same
+    /// picture, for the folder of the scene
+    #[arg(long, conflicts_with_all = ["json", "others", "crop"])]
+    resolved: bool,
 }
 
 /// A scene without mistakes, placed, and what `raycost render` would need for it.
@@ -130,6 +135,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     for number in 0..n_frames {
         scene.at(number)?;
         stop::check()?;
+    }
+    if arguments.resolved {
+        return Ok(text::print(&scene.resolved(arguments.frame)?)?);
     }
     let (config, placed, memory) = placed(&scene, arguments.frame)?;
     let expected = Prediction::new(&config, &placed, &memory)

@@ -5,7 +5,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
@@ -21,7 +21,7 @@ pub struct Ggx<R = f32> {
 
 /// How masking (facets that the viewer does not see) correlates with shadowing (facets that light
 /// does not reach), both by Smith's function.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(
     rename_all = "snake_case",
     expecting = "`height_correlated` or `separable`"

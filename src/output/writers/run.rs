@@ -47,10 +47,10 @@ impl PixelHashes {
 pub(super) fn id_of(rendering: &RenderingView) -> RunId {
     let PixelHashes { strips, tiles } = &rendering.survey.hashes;
     let time = rendering.frame.map(|frame| frame.time);
-    let asked = format!("{:?}", (rendering.scene_file, rendering.config, time));
+    let config = rendering.config.filled();
     let mut hasher = Hasher::default();
     hasher.add(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.add(asked.as_bytes());
+    hasher.add_value(&(rendering.scene_file, &config, config.image.window, time));
     for sum in strips.iter().chain(tiles) {
         hasher.add(&sum.to_le_bytes());
     }

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use crate::yaml::{Fault, FieldPath};
 use world::values;
@@ -17,7 +17,7 @@ use world::values;
 /// { eyes: [[0, 1, 6], [3, 1, 3], [3, 1, -3]], targets: [[0, 0, 0]] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a path such as { eyes: [[0, 1, 6], [3, 1, 3]] }"

@@ -1,9 +1,9 @@
 //! Interpolation between keyframes.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// The interpolation between two keyframes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`linear` or `smooth`")]
 pub enum Interpolation {
     /// By the same amount in each frame.

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::Deserialize;
 use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use super::MAX_FRAMES;
 use super::interpolation::Interpolation;
@@ -11,7 +11,7 @@ use world::integers_as_f64;
 use world::values;
 
 /// A value at a frame.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a keyframe such as { frame: 0, value: 1 }"
@@ -28,7 +28,8 @@ pub struct Keyframe {
 }
 
 /// A number, or a list of numbers: a vector or a color.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum KeyframeValue {
     /// One number.
     Number(f64),

@@ -13,8 +13,8 @@ mod fly_through;
 mod frame_range;
 
 use indexmap::IndexMap;
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 pub use fly_through::FlyThrough;
 pub use frame_range::FrameRange;
@@ -41,7 +41,7 @@ use world::values;
 /// orbit: { turns: 1 }
 /// "#).unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an animation such as { frames: 48, orbit: { turns: 1 } }"

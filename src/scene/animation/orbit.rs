@@ -1,14 +1,14 @@
 //! A camera that moves around its target.
 
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use super::Pose;
 use world::values;
 
 /// Moves the camera around its target, about its `up`, at the same distance and height. After a
 /// whole number of turns, the frame after the last would equal the first.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "an orbit such as { turns: 1 }")]
 pub struct Orbit {
     /// The number of turns over all frames, counterclockwise as seen from above; clockwise if

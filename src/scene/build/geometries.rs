@@ -148,7 +148,7 @@ impl Geometries {
         let mut available = available.saturating_sub(found.pictures.n_bytes());
         for (index, object) in config.objects.iter().enumerate() {
             let geometry = match &object.geometry {
-                Geometry::Shape(shape) => ObjectGeometry::Shape(shape.clone()),
+                Geometry::Shape(shape) => ObjectGeometry::Shape(shape.shape()),
                 Geometry::Generator(generator) => ObjectGeometry::Generator(generator.clone()),
                 Geometry::Tube(tube) => ObjectGeometry::Tubes(tube.tubes().clone()),
                 Geometry::File(file) => {

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess};
+use serde::{Deserialize, Serialize};
 
 use super::isosurface::Isosurface;
 use super::normals::MeshNormals;
@@ -14,7 +14,8 @@ use world::material::ArrayChoice;
 use world::values;
 
 /// A file of shapes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum GeometryFile {
     /// A triangle mesh.
     Mesh(MeshFile),
@@ -101,7 +102,7 @@ impl fmt::Display for GeometryFile {
 /// { file: meshes/spot.obj, normals: smooth }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a mesh such as { file: meshes/spot.obj }"
@@ -141,7 +142,7 @@ pub struct MeshFile {
 /// { file: grains.vtp, radius: { array: diameter, scale: 0.5 } }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "spheres such as { file: particles.csv, radius: 0.01 }"
@@ -175,7 +176,7 @@ pub struct SpheresFile {
 /// { file: streamlines.vtp, radius: { array: speed, scale: 0.02 } }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "tubes such as { file: streamlines.vtp, radius: 0.01 }"
@@ -199,7 +200,7 @@ pub struct TubesFile {
 pub type PointRadius = SameOrArray<RadiusArray>;
 
 /// An array of radii.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: diameter, scale: 0.5 }"

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use serde::de::DeserializeSeed;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use world::color::{Development, ToneCurve, Transfer};
 use world::shading::ShadingModel;
@@ -20,7 +20,7 @@ use world::values::Number;
 /// ").unwrap();
 /// # assert_eq!((film.exposure, film.tone_curve, film.bits), (1.5, ToneCurve::Agx, 16));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     default,

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use glam::{DVec3, UVec3, Vec3};
-use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, Unexpected};
+use serde::{Deserialize, Serialize};
 
 use math::sampling::uniform;
 use world::geometry::{Located, Sphere, located};
@@ -14,7 +14,8 @@ use world::values;
 pub const MAX_SHAPES: u32 = 1_000_000_000;
 
 /// A procedural set of spheres.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Generator {
     /// Spheres at random positions in a box.
     SphereCloud(SphereCloud),
@@ -92,7 +93,7 @@ impl fmt::Display for Generator {
 /// { count: 10000, min: [-5, 0, -5], max: [5, 2, 5], radius: [0.02, 0.06], seed: 1 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereCloud {
     /// The number of spheres, at least 1.
@@ -141,7 +142,7 @@ impl SphereCloud {
 /// { counts: [10, 1, 10], min: [-5, 0, -5], max: [5, 0, 5], radius: 0.4 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereGrid {
     /// The number of spheres along x, y and z, each at least 1.

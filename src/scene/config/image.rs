@@ -20,7 +20,7 @@ pub const MAX_SIDE: u32 = 65_535;
 /// ").unwrap();
 /// # assert_eq!(image.samples_per_pixel, 4);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a size such as { width: 400, height: 300 }"

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use super::file::MeshFile;
 use super::generator::MAX_SHAPES;
@@ -35,8 +35,8 @@ use world::values;
 /// cloud: { count: 10000, min: [-50, 0, -50], max: [50, 0, 50], scale: [0.8, 1.2], turn: [0, 1, 0], seed: 1 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "InstanceKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "InstanceKeys", into = "InstanceKeys")]
 pub struct InstancedMesh {
     /// The mesh.
     pub mesh: MeshFile,
@@ -55,7 +55,7 @@ pub enum InstancePlaces {
     Cloud(PlaceCloud),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "instances such as { mesh: { file: … }, places: [ … ] }"
@@ -89,6 +89,22 @@ impl TryFrom<InstanceKeys> for InstancedMesh {
     }
 }
 
+impl From<InstancedMesh> for InstanceKeys {
+    fn from(InstancedMesh { mesh, places }: InstancedMesh) -> Self {
+        let (places, points, cloud) = match places {
+            InstancePlaces::Listed(places) => (Some(places), None, None),
+            InstancePlaces::Points(points) => (None, Some(points), None),
+            InstancePlaces::Cloud(cloud) => (None, None, Some(cloud)),
+        };
+        Self {
+            mesh,
+            places,
+            points,
+            cloud,
+        }
+    }
+}
+
 impl InstancedMesh {
     /// The YAML key.
     pub const KEY: &'static str = "instances";
@@ -110,7 +126,7 @@ fn places<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec<Vec<TransformSte
 /// optionally `scale`, or `scale_x`, `scale_y` and `scale_z`, and `direction_x`, `direction_y` and
 /// `direction_z`, to which the x axis of the mesh is turned. Or a VTK file: an instance at each of
 /// its points.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "points such as { file: trees.csv }")]
 pub struct PlacePoints {
     /// The file, relative to the scene file's folder.
@@ -124,7 +140,7 @@ pub struct PlacePoints {
 }
 
 /// An array of directions.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: velocity }"
@@ -161,7 +177,7 @@ impl PlacePoints {
 
 /// Random places in a box, with random scales in a range and random angles, all uniformly
 /// distributed. The same seed gives the same places.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceCloud {
     /// The number of instances, at least 1.

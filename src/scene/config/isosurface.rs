@@ -1,7 +1,7 @@
 //! The isosurfaces of data sets.
 
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use crate::import::IsosurfaceChoice;
 use world::material::{ArrayChoice, ArrayOf};
@@ -19,7 +19,7 @@ use world::values::OneOrList;
 /// { array: velocity, component: 2, value: [-0.5, 0.5] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an isosurface such as { array: temperature, value: 1200 }"

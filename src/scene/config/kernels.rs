@@ -1,14 +1,11 @@
 //! The vector instructions and the places of threads, which do not change the results.
 
-use serde::Serialize;
-
-use base::deserialize_keywords;
+use base::serde_keywords;
 use base::text::{Diagnostic, keyword_name};
 use math::simd::Simd;
 
 /// A set of vector instructions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum SimdSet {
     /// The instructions that every processor has
@@ -20,8 +17,7 @@ pub enum SimdSet {
 }
 
 /// Where the threads may run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Pinning {
     /// Where the system puts them
@@ -48,4 +44,4 @@ impl SimdSet {
     }
 }
 
-deserialize_keywords!(SimdSet, Pinning);
+serde_keywords!(SimdSet, Pinning);

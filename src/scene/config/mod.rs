@@ -21,13 +21,14 @@ mod object;
 mod outputs;
 mod array_check;
 mod repeats;
+mod resolved;
 
 mod tiling;
 
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use adaptive::{Adaptive, MAX_SAMPLES};
 pub use file::{GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile};
@@ -79,7 +80,7 @@ pub use world::shading::{LightSampling, Shading, ShadingModel};
 /// ").parse().unwrap();
 /// # assert_eq!(config.objects.len(), 1);
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "sections such as `image: { … }`")]
 pub struct Config {
     /// The files whose sections are part of the scene, relative to the file's folder.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
 use world::values;
 
@@ -31,7 +31,7 @@ pub enum MeshNormals {
 }
 
 /// Edges at which smooth normals stop.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "creases such as { angle_deg: 30 }")]
 pub struct Creases {
     /// The largest angle between the normals of two triangles at a smooth edge, 0 to 180.
@@ -53,7 +53,7 @@ enum NormalsWord {
 }
 
 /// Normals with keys.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "normals such as `smooth`")]
 struct NormalsKeys {
     /// The normals of `smooth`, except at creases.
@@ -80,6 +80,17 @@ impl<'de> Visitor<'de> for NormalsVisitor {
     fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<MeshNormals, M::Error> {
         let NormalsKeys { smooth } = NormalsKeys::deserialize(MapAccessDeserializer::new(map))?;
         Ok(MeshNormals::Smooth(Some(smooth)))
+    }
+}
+
+impl Serialize for MeshNormals {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::File => s.serialize_str("file"),
+            Self::Flat => s.serialize_str("flat"),
+            Self::Smooth(None) => s.serialize_str("smooth"),
+            Self::Smooth(Some(smooth)) => NormalsKeys { smooth }.serialize(s),
+        }
     }
 }
 

@@ -5,12 +5,13 @@ use std::sync::LazyLock;
 
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::{Serialize, Serializer};
 
 use super::file::GeometryFile;
 use super::generator::Generator;
 use super::instances::InstancedMesh;
 use super::tube::Tube;
-use world::geometry::{Located, Shape, TransformStep};
+use world::geometry::{KeyedShape, Shape, TransformStep};
 use world::values;
 
 /// One of the scene file's `objects`: a geometry under its own key, a material,
@@ -28,43 +29,64 @@ use world::values;
 /// ").unwrap();
 /// # assert_eq!(object.transform.len(), 2);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Object {
     /// The name, if the file gives one.
     pub name: Option<String>,
     /// The geometry.
+    #[serde(flatten)]
     pub geometry: Geometry,
     /// The name of the material; an object of many spheres may have several, and a mesh none, for
     /// the materials of its file.
+    #[serde(skip_serializing_if = "MaterialNames::is_of_file")]
     pub material: MaterialNames,
     /// The transform to world space; empty for the identity.
     pub transform: Vec<TransformStep>,
 }
 
 /// The geometry of an object.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Geometry {
-    /// One shape.
-    Shape(Located<Shape>),
-    /// Many shapes from a generator.
-    Generator(Generator),
     /// A tube through points.
     Tube(Tube),
-    /// Many shapes from a file.
-    File(GeometryFile),
     /// A mesh at many places.
     Instances(Box<InstancedMesh>),
+    /// One shape.
+    #[serde(untagged)]
+    Shape(KeyedShape),
+    /// Many shapes from a generator.
+    #[serde(untagged)]
+    Generator(Generator),
+    /// Many shapes from a file.
+    #[serde(untagged)]
+    File(GeometryFile),
 }
 
 /// One or more material names: `red` or `[red, green]`; none for the materials of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MaterialNames(pub Vec<String>);
 
+impl MaterialNames {
+    fn is_of_file(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Serialize for MaterialNames {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        match self.0.as_slice() {
+            [name] => s.serialize_str(name),
+            names => names.serialize(s),
+        }
+    }
+}
+
 /// Formats the YAML key.
 impl fmt::Display for Geometry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Shape(shape) => shape.geometry.fmt(f),
+            Self::Shape(shape) => f.write_str(shape.key()),
             Self::Generator(generator) => generator.fmt(f),
             Self::Tube(_) => f.write_str(Tube::KEY),
             Self::File(file) => file.fmt(f),
@@ -163,7 +185,7 @@ fn next_geometry<'de, A: MapAccess<'de>>(
     key: &str,
     map: &mut A,
 ) -> Result<Option<Geometry>, A::Error> {
-    if let Some(shape) = Shape::next_value(key, map)? {
+    if let Some(shape) = KeyedShape::next_value(key, map)? {
         return Ok(Some(Geometry::Shape(shape)));
     }
     if key == Tube::KEY {

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use clap::ValueEnum;
-use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
 use crate::yaml::{Fault, FieldPath};
@@ -38,7 +38,7 @@ pub struct Outputs {
 }
 
 /// A group of files that is written on request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum OptionalOutput {
     /// The time span and the thread of each tile
@@ -85,7 +85,7 @@ pub struct ExtraArrays {
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BvhLimits {
     /// Greatest depth of a node; the root has depth 0.
@@ -201,9 +201,12 @@ impl Outputs {
 }
 
 /// An entry of the list: a name, or a name with settings.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
 enum OutputEntry {
-    Plain(OptionalOutput),
     Bvh(BvhLimits),
+    #[serde(untagged)]
+    Plain(OptionalOutput),
 }
 
 impl From<Vec<OutputEntry>> for Outputs {
@@ -219,6 +222,21 @@ impl From<Vec<OutputEntry>> for Outputs {
             }
         }
         outputs
+    }
+}
+
+/// Writes the optional outputs as requested, and the arrays if some are chosen.
+impl Serialize for Outputs {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let entry = |output: OptionalOutput| match output {
+            OptionalOutput::Bvh => OutputEntry::Bvh(self.bvh),
+            plain => OutputEntry::Plain(plain),
+        };
+        let keys = OutputKeys {
+            also: self.iter().map(entry).collect(),
+            arrays: self.arrays.clone(),
+        };
+        keys.serialize(s)
     }
 }
 
@@ -252,7 +270,7 @@ impl<'de> Visitor<'de> for OutputsVisitor {
 }
 
 /// The YAML mapping of the section.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct OutputKeys {
     /// The optional outputs.

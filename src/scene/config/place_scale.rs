@@ -1,6 +1,6 @@
 //! The scale of instances at points.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::same_or_array::{NumberArray, SameOrArray};
 use world::material::ArrayChoice;
@@ -10,7 +10,7 @@ use world::values;
 pub type PlaceScale = SameOrArray<ScaleArray>;
 
 /// An array of scales.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: diameter, factor: 0.5 }"

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use base::deserialize_keywords;
+use base::serde_keywords;
 use base::text;
 use world::values;
 
@@ -15,7 +15,7 @@ use world::values;
 /// ").unwrap();
 /// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -32,8 +32,7 @@ pub struct Tiling {
 }
 
 /// The order in which threads take tiles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum TileOrder {
     /// Row by row, from the top left
@@ -69,4 +68,4 @@ impl TileOrder {
     }
 }
 
-deserialize_keywords!(TileOrder);
+serde_keywords!(TileOrder);

@@ -1,8 +1,8 @@
 //! A tube through points listed in the scene file.
 
 use glam::DVec3;
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use crate::import::Tubes;
 use world::geometry::{Sphere, origin_near};
@@ -20,11 +20,14 @@ use world::values::OneOrList;
 /// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: [0.1, 0.2, 0.4] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "TubeKeys")]
-pub struct Tube(Tubes);
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "TubeKeys", into = "TubeKeys")]
+pub struct Tube {
+    keys: TubeKeys,
+    tubes: Tubes,
+}
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct TubeKeys {
     /// The points, at least two of which differ.
@@ -34,16 +37,17 @@ struct TubeKeys {
     radius: OneOrList,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 struct LinePoint(#[serde(deserialize_with = "values::point")] DVec3);
 
 impl TryFrom<TubeKeys> for Tube {
     type Error = String;
 
-    fn try_from(TubeKeys { points, radius }: TubeKeys) -> Result<Self, String> {
-        let radii = match radius {
-            OneOrList::One(radius) => vec![radius; points.len()],
-            OneOrList::List(radii) if radii.len() == points.len() => radii,
+    fn try_from(keys: TubeKeys) -> Result<Self, String> {
+        let points = &keys.points;
+        let radii = match &keys.radius {
+            OneOrList::One(radius) => vec![*radius; points.len()],
+            OneOrList::List(radii) if radii.len() == points.len() => radii.clone(),
             OneOrList::List(radii) => {
                 let (n, n_points) = (radii.len(), points.len());
                 return Err(format!(
@@ -53,14 +57,21 @@ impl TryFrom<TubeKeys> for Tube {
             }
         };
         let origin = origin_near(points.iter().map(|LinePoint(point)| *point));
-        let spheres = points.into_iter().zip(radii);
+        let spheres = points.iter().zip(radii);
         let spheres = spheres.map(|(LinePoint(center), radius)| Sphere {
-            center: (center - origin).as_vec3(),
+            center: (*center - origin).as_vec3(),
             radius: radius as f32,
         });
-        Tubes::of_line(spheres)
-            .map(|tubes| Self(tubes.at(origin)))
-            .map_err(|_| "cannot be without a length, expected two different points".to_owned())
+        let line = Tubes::of_line(spheres)
+            .map_err(|_| "cannot be without a length, expected two different points".to_owned())?;
+        let tubes = line.at(origin);
+        Ok(Self { keys, tubes })
+    }
+}
+
+impl From<Tube> for TubeKeys {
+    fn from(tube: Tube) -> Self {
+        tube.keys
     }
 }
 
@@ -70,7 +81,7 @@ impl Tube {
 
     /// Returns the tube's segments.
     pub fn tubes(&self) -> &Tubes {
-        &self.0
+        &self.tubes
     }
 }
 

@@ -30,7 +30,7 @@ pub use deserialize::{Refusal, YamlFile, deserialize};
 pub use document::{Document, Folders};
 pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
-pub use json::{quoted, yaml_of_json};
+pub use json::{json_of, quoted, to_yaml};
 pub(crate) use missing::why_missing;
 pub use origins::Merging;
 pub use source::refusal;

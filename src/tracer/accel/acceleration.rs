@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
-use base::deserialize_keywords;
+use base::serde_keywords;
 
 /// The structure that finds the nearest hit of a ray.
 ///
@@ -70,8 +70,7 @@ impl fmt::Display for Quality {
 }
 
 /// An [`Acceleration`] as one word, for the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Structure {
     /// A BVH of this quality
@@ -84,7 +83,7 @@ pub enum Structure {
     BruteForce,
 }
 
-deserialize_keywords!(Structure, Traversal);
+serde_keywords!(Structure, Traversal);
 
 impl From<Structure> for Acceleration {
     fn from(structure: Structure) -> Self {
@@ -98,8 +97,7 @@ impl From<Structure> for Acceleration {
 }
 
 /// How the kernel takes the rays of a wave.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Traversal {
     /// One after the other
@@ -110,7 +108,7 @@ pub enum Traversal {
 }
 
 /// How the hierarchy of a frame is made if its objects differ from the frame before.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`rebuild`, `refit` or `auto`")]
 pub enum HierarchyUpdate {
     /// It is built, as for a still.
@@ -129,6 +127,15 @@ const EXPECTED: &str = "`bvh`, `brute_force` or { quality: … }";
 impl Default for Acceleration {
     fn default() -> Self {
         Self::Bvh(Quality::default())
+    }
+}
+
+impl Serialize for Acceleration {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::Bvh(quality) => BvhSection { quality }.serialize(s),
+            Self::BruteForce => s.serialize_str("brute_force"),
+        }
     }
 }
 
@@ -165,7 +172,7 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
 }
 
 /// The YAML mapping of a hierarchy.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct BvhSection {
     /// The effort spent on building the hierarchy.

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use base::deserialize_keywords;
+use base::serde_keywords;
 use base::text::keyword_name;
 
 /// An array of the cloud and the frame.
@@ -144,4 +144,4 @@ impl PixelArray {
     }
 }
 
-deserialize_keywords!(PixelArray);
+serde_keywords!(PixelArray);

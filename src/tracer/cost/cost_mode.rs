@@ -1,8 +1,6 @@
 //! The cost that is measured.
 
-use serde::Serialize;
-
-use base::deserialize_keywords;
+use base::serde_keywords;
 
 /// The cost measured for each pixel. All modes give the same picture, and the
 /// three modes with counters the same counters.
@@ -12,8 +10,7 @@ use base::deserialize_keywords;
 /// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
 /// # assert_eq!(cost, CostMode::Counters);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum CostMode {
     /// Nothing; traces rays in streams
@@ -49,4 +46,4 @@ impl CostMode {
     }
 }
 
-deserialize_keywords!(CostMode);
+serde_keywords!(CostMode);

@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
 use clap::ValueEnum;
-use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::PixelArray;
 
@@ -144,6 +144,16 @@ impl Visitor<'_> for RatioPartsVisitor {
 impl<'de> Deserialize<'de> for RatioMetrics {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_map(MetricsVisitor)
+    }
+}
+
+impl Serialize for RatioMetrics {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        s.collect_map(
+            self.0
+                .iter()
+                .map(|metric| (&metric.name, &metric.definition)),
+        )
     }
 }
 

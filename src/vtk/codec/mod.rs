@@ -10,9 +10,8 @@ use std::fmt::Debug;
 use std::io;
 
 use clap::ValueEnum;
-use serde::Serialize;
 
-use base::deserialize_keywords;
+use base::serde_keywords;
 
 /// Bytes of a block before compression; the last block of an array may be shorter. Larger blocks do
 /// not compress better, and leave fewer blocks for the threads.
@@ -25,8 +24,7 @@ pub(crate) const BLOCK: usize = 1 << 18;
 /// let compress: Codec = serde_yaml::from_str("zlib").unwrap();
 /// # assert_eq!(compress, Codec::Zlib);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Codec {
     /// No compression: supported by every reader of VTK files
@@ -59,7 +57,7 @@ impl Codec {
     }
 }
 
-deserialize_keywords!(Codec);
+serde_keywords!(Codec);
 
 /// Compresses blocks, each independently of the others.
 pub trait Compressor: Debug + Sync {

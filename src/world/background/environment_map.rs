@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::color::Transfer;
 use crate::picture::Picture;
@@ -24,7 +24,7 @@ use math::simd::{Arithmetic, LookupTable, Real, Vector, cos_sin, turns_of};
 ///   transfer: linear    # what its numbers are, or srgb
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a picture such as { file: sky.hdr }")]
 pub struct EnvironmentMap {
     /// The file, relative to the scene file's folder.

@@ -1,13 +1,13 @@
 //! Two colors, linear in the height of the direction.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::values;
 use math::simd::{Real, Vector};
 
 /// A linear gradient between two colors; see the module's documentation.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 pub struct Gradient {
     /// The color straight down, each channel at least 0.

@@ -9,7 +9,7 @@ mod sky;
 mod sun;
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use environment_map::EnvironmentMap;
 pub use gradient::Gradient;
@@ -29,8 +29,8 @@ use math::simd::{Real, Vector};
 /// let gray: Background = scene::yaml::from_str("0.2").unwrap();
 /// # assert_eq!(gray.color(glam::Vec3::Y.into()), glam::Vec3::splat(0.2).into());
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(from = "RadianceOr<BackgroundPattern>")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(from = "RadianceOr<BackgroundPattern>", rename_all = "snake_case")]
 pub enum Background {
     /// One or two colors.
     Gradient(Gradient),

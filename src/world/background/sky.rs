@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
-use serde::Deserialize;
 use serde::de::Deserializer;
+use serde::{Deserialize, Serialize};
 
 use super::EnvironmentMap;
 use super::sun::Sun;
@@ -27,20 +27,20 @@ use crate::values;
 ///   intensity: 1     # a factor on all of it
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(from = "SkyKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(from = "SkyKeys", into = "SkyKeys")]
 pub struct Sky {
+    keys: SkyKeys,
     /// The cosine of the angle between the sun and the zenith.
     cos_zenith: f64,
     turbidity: f64,
-    ground: DVec3,
     /// The sky and the ground: white until they are [drawn](Self::draw).
     pub map: EnvironmentMap,
     /// The sun.
     pub sun: Sun,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a sky such as { sun: { elevation_deg: 40 } }"
@@ -59,7 +59,7 @@ struct SkyKeys {
     intensity: f32,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a place such as { elevation_deg: 40, azimuth_deg: 120 }"
@@ -104,14 +104,20 @@ impl From<SkyKeys> for Sky {
         Self {
             cos_zenith: height,
             turbidity,
-            ground: keys.ground.as_dvec3(),
             map: EnvironmentMap {
                 rotation_deg: -keys.sun.azimuth_deg,
                 intensity: keys.intensity,
                 ..EnvironmentMap::default()
             },
             sun: Sun::new(direction.as_vec3().normalize(), of_white.as_vec3()),
+            keys,
         }
+    }
+}
+
+impl From<Sky> for SkyKeys {
+    fn from(sky: Sky) -> Self {
+        sky.keys
     }
 }
 
@@ -143,7 +149,7 @@ impl Sky {
         }
         let steradians = 2.0 * PI / f64::from(width) * PI / f64::from(height);
         let of_sun = self.cos_zenith * sunlight(self.cos_zenith, self.turbidity);
-        let ground = self.ground * (irradiance * steradians / PI + of_sun);
+        let ground = self.keys.ground.as_dvec3() * (irradiance * steradians / PI + of_sun);
         texels.resize((width * height) as usize, texel(ground));
         if let Some(picture) = Picture::new(SIZE, Texels::Floats(texels)) {
             self.map.picture = Arc::new(picture);

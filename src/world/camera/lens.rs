@@ -5,7 +5,7 @@
 //! on the plane in focus.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
 use crate::geometry::RenderSpace;
@@ -29,12 +29,17 @@ pub struct Lens {
 }
 
 /// The scene file's `lens`.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "LensFields", expecting = "a lens such as { radius: 0.05 }")]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(
+    try_from = "LensFields",
+    into = "LensFields",
+    expecting = "a lens such as { radius: 0.05 }"
+)]
 pub(super) struct LensKeys {
     size: LensSize,
     focus: Focus,
-    blades: Option<Polygon>,
+    blades: u32,
+    rotation_deg: f32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +61,7 @@ enum Focus {
     Point(DVec3),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a lens such as { radius: 0.05 }")]
 struct LensFields {
     /// The radius of the lens in world units; 0 is a pinhole.
@@ -115,14 +120,34 @@ impl TryFrom<LensFields> for LensKeys {
                 );
             }
         };
-        // The first corner is on top.
-        let polygon = |n| Polygon::new(n, 0.25 + fields.rotation_deg / 360.0);
-        let blades = (fields.blades > 0).then(|| polygon(fields.blades));
         Ok(Self {
             size,
             focus,
-            blades,
+            blades: fields.blades,
+            rotation_deg: fields.rotation_deg,
         })
+    }
+}
+
+impl From<LensKeys> for LensFields {
+    fn from(keys: LensKeys) -> Self {
+        let (radius, f_number) = match keys.size {
+            LensSize::Radius(radius) => (Some(radius), None),
+            LensSize::FNumber(n) => (None, Some(n)),
+        };
+        let (focus_distance, focus_point) = match keys.focus {
+            Focus::Target => (None, None),
+            Focus::Distance(distance) => (Some(distance), None),
+            Focus::Point(point) => (None, Some(point)),
+        };
+        Self {
+            radius,
+            f_number,
+            focus_distance,
+            focus_point,
+            blades: keys.blades,
+            rotation_deg: keys.rotation_deg,
+        }
     }
 }
 
@@ -154,10 +179,12 @@ impl LensKeys {
             // The focal length at which the frame has this height of view.
             LensSize::FNumber(n) => 0.5 * FRAME_HEIGHT / half_height / (2.0 * n),
         };
+        // The first corner is on top.
+        let polygon = || Polygon::new(self.blades, 0.25 + self.rotation_deg / 360.0);
         Ok((radius > 0.0).then_some(Lens {
             radius,
             focus_distance,
-            blades: self.blades,
+            blades: (self.blades > 0).then(polygon),
             basis,
         }))
     }

@@ -1,7 +1,7 @@
 //! The perspective camera that looks from one point to another.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
@@ -17,19 +17,17 @@ use crate::values;
 /// look_at: { eye: [0, 1, -5], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 40 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "LookAtKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "LookAtKeys", into = "LookAtKeys")]
 pub struct LookAt {
-    eye: DVec3,
-    /// The distance of the target.
-    distance: f64,
+    keys: LookAtKeys,
     basis: Basis,
     /// Half the height of view at distance 1.
     half_height: f32,
     lens: Option<Lens>,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct LookAtKeys {
     /// The center of projection.
@@ -82,13 +80,12 @@ impl TryFrom<LookAtKeys> for LookAt {
             }
         };
         let basis = Basis::look_at(keys.eye, keys.target, keys.up)?;
-        let lens = match keys.lens {
+        let lens = match &keys.lens {
             Some(lens) => lens.placed([keys.eye, keys.target], basis, half_height)?,
             None => None,
         };
         Ok(Self {
-            eye: keys.eye,
-            distance: keys.eye.distance(keys.target),
+            keys,
             basis,
             half_height,
             lens,
@@ -96,12 +93,15 @@ impl TryFrom<LookAtKeys> for LookAt {
     }
 }
 
+impl From<LookAt> for LookAtKeys {
+    fn from(camera: LookAt) -> Self {
+        camera.keys
+    }
+}
+
 impl LookAt {
     pub(super) fn focus(&self) -> [DVec3; 2] {
-        [
-            self.eye,
-            self.eye + self.distance * self.basis.forward.as_dvec3(),
-        ]
+        [self.keys.eye, self.keys.target]
     }
 
     /// Returns the image plane at distance 1 in render space.
@@ -109,7 +109,7 @@ impl LookAt {
         let Basis { forward, right, up } = self.basis;
         let half_height = self.half_height;
         let to_plane = [forward, right, up];
-        let eye = (*space, self.eye);
+        let eye = (*space, self.keys.eye);
         ImagePlane {
             lens: self.lens.map(|lens| lens.in_space(space)),
             ..ImagePlane::centered(

@@ -15,7 +15,7 @@ mod panorama;
 mod window;
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use cone::RayCone;
 pub use image_plane::{ImagePlane, Projection};
@@ -32,7 +32,7 @@ macro_rules! cameras {
         $(pub use $file::$camera;)*
 
         /// The scene file's `camera`.
-        #[derive(Debug, Clone, PartialEq, Deserialize)]
+        #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
         #[serde(
             rename_all = "snake_case",
             expecting = "a camera such as { look_at: { … } }"

@@ -1,7 +1,7 @@
 //! The camera with parallel rays.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
@@ -16,15 +16,14 @@ use crate::values;
 /// orthographic: { eye: [0, 5, 0], target: [0, 0, 0], up: [0, 0, 1], height: 4 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "OrthographicKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "OrthographicKeys", into = "OrthographicKeys")]
 pub struct Orthographic {
-    eye: DVec3,
+    keys: OrthographicKeys,
     basis: Basis,
-    height: f32,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct OrthographicKeys {
     /// A point of the plane where the view begins, in the middle of the picture.
@@ -46,28 +45,33 @@ impl TryFrom<OrthographicKeys> for Orthographic {
 
     fn try_from(keys: OrthographicKeys) -> Result<Self, Self::Error> {
         Ok(Self {
-            eye: keys.eye,
             basis: Basis::look_at(keys.eye, keys.target, keys.up)?,
-            height: keys.height,
+            keys,
         })
+    }
+}
+
+impl From<Orthographic> for OrthographicKeys {
+    fn from(camera: Orthographic) -> Self {
+        camera.keys
     }
 }
 
 impl Orthographic {
     pub(super) fn focus(&self) -> [DVec3; 2] {
         [
-            self.eye,
-            self.eye + f64::from(self.height) * self.basis.forward.as_dvec3(),
+            self.keys.eye,
+            self.keys.eye + f64::from(self.keys.height) * self.basis.forward.as_dvec3(),
         ]
     }
 
     pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
         let Basis { forward, right, up } = self.basis;
         let projection = Projection::Parallel { direction: forward };
-        let height = space.length(self.height);
+        let height = space.length(self.keys.height);
         ImagePlane::centered(
             projection,
-            (*space, self.eye),
+            (*space, self.keys.eye),
             [Vec3::ZERO, right, up],
             height,
             size,

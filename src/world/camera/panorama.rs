@@ -1,7 +1,7 @@
 //! The camera that sees all around.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
@@ -19,15 +19,14 @@ use crate::values;
 /// panorama: { eye: [0, 1.6, 0], target: [0, 1.6, -1] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "PanoramaKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "PanoramaKeys", into = "PanoramaKeys")]
 pub struct Panorama {
-    eye: DVec3,
-    target: DVec3,
+    keys: PanoramaKeys,
     axes: SphereAxes,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct PanoramaKeys {
     /// The center of the panorama.
@@ -47,20 +46,25 @@ impl TryFrom<PanoramaKeys> for Panorama {
     fn try_from(keys: PanoramaKeys) -> Result<Self, Self::Error> {
         let Basis { right, .. } = Basis::look_at(keys.eye, keys.target, keys.up)?;
         Ok(Self {
-            eye: keys.eye,
-            target: keys.target,
             axes: SphereAxes {
                 forward: keys.up.cross(right),
                 right,
                 up: keys.up,
             },
+            keys,
         })
+    }
+}
+
+impl From<Panorama> for PanoramaKeys {
+    fn from(camera: Panorama) -> Self {
+        camera.keys
     }
 }
 
 impl Panorama {
     pub(super) fn focus(&self) -> [DVec3; 2] {
-        [self.eye, self.target]
+        [self.keys.eye, self.keys.target]
     }
 
     pub(super) fn image_plane(&self, size: [u32; 2], space: &RenderSpace) -> ImagePlane {
@@ -75,8 +79,8 @@ impl Panorama {
             projection: Projection::Panorama { axes },
             lens: None,
             space: *space,
-            eye_in_world: self.eye,
-            eye: space.point(self.eye),
+            eye_in_world: self.keys.eye,
+            eye: space.point(self.keys.eye),
             to_first: axes.forward - to_column * right - to_row * down,
             right,
             down,

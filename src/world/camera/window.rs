@@ -1,7 +1,7 @@
 //! The perspective camera that looks through a window, which may be off-axis.
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::image_plane::{ImagePlane, Projection};
 use crate::geometry::RenderSpace;
@@ -16,14 +16,14 @@ use crate::values;
 /// window: { eye: [0, 0.35, -1], x: [-1, 1], y: [-0.5, 1], z: 0, samples: edges }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "WindowKeys")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "WindowKeys", into = "WindowKeys")]
 pub struct Window {
     keys: WindowKeys,
 }
 
 /// The positions of the pixels' centers in the window.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`centers` or `edges`")]
 pub enum WindowSamples {
     /// In the centers of `width * height` equal cells.
@@ -35,7 +35,7 @@ pub enum WindowSamples {
     Edges,
 }
 
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct WindowKeys {
     /// The center of projection.
@@ -64,6 +64,12 @@ impl TryFrom<WindowKeys> for Window {
         } else {
             Ok(Self { keys })
         }
+    }
+}
+
+impl From<Window> for WindowKeys {
+    fn from(window: Window) -> Self {
+        window.keys
     }
 }
 

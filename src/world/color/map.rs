@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 
 use super::{diverging, tables};
-use base::deserialize_keywords;
+use base::serde_keywords;
 
 /// Number of colors of a named map for numbers, as matplotlib and VTK draw it.
 const N_STEPS: f64 = 256.0;
@@ -119,7 +119,7 @@ pub(super) fn nearest<T>(colors: &[T], position: f64) -> &T {
     &colors[((position * n as f64) as usize).min(n - 1)]
 }
 
-deserialize_keywords!(ColorMap);
+serde_keywords!(ColorMap);
 
 #[cfg(test)]
 mod tests {

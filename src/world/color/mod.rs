@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use base::deserialize_keywords;
+use base::serde_keywords;
 use levels::linear8;
 pub use map::ColorMap;
 pub use map::rgb8;
@@ -150,7 +150,7 @@ impl Default for Development {
     }
 }
 
-deserialize_keywords!(Transfer);
+serde_keywords!(Transfer);
 
 #[cfg(test)]
 mod tests {

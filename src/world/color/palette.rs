@@ -23,20 +23,22 @@ const MAX_COLORS: usize = 1024;
 /// let steps: Palette = scene::yaml::from_str("bands: [0.2, 0.5, 1]").unwrap();
 /// let phases: Palette = scene::yaml::from_str("categories: [[0, 0, 1], [1, 0, 0]]").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Palette {
-    /// A named map.
-    Named(ColorMap),
     /// Evenly spread colors, interpolated between them.
     Colors(ColorList),
     /// Steps of equal width, one color per step.
     Bands(ColorList),
     /// One color per category.
     Categories(ColorList),
+    /// A named map.
+    #[serde(untagged)]
+    Named(ColorMap),
 }
 
 /// Red, green and blue of some colors, from 0 to 1.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
 #[serde(try_from = "Vec<ListedColor>")]
 pub struct ColorList(Vec<[f64; 3]>);
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{aces, agx};
-use base::deserialize_keywords;
+use base::serde_keywords;
 
 /// A function from exposed light to displayed light, both linear and with the primaries of sRGB.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -30,7 +30,7 @@ impl ToneCurve {
     }
 }
 
-deserialize_keywords!(ToneCurve);
+serde_keywords!(ToneCurve);
 
 #[cfg(test)]
 mod tests {

@@ -4,7 +4,7 @@ mod phase;
 mod sphere;
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::values;
 
@@ -23,7 +23,7 @@ pub use sphere::FogSphere;
 /// ").unwrap();
 /// # assert_eq!(fog.mean_free_path, 12.0);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "fog such as { mean_free_path: 10, color: 0.8 }"

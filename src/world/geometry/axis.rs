@@ -4,7 +4,7 @@
 //! center and `across` it, and so is the direction.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Located, located};
 use super::surface::{parameters_of, vector};
@@ -17,11 +17,14 @@ use math::simd::{Real, Vector};
 pub(super) struct Ends(pub(super) [Vec3; 2]);
 
 /// Two distinct points: `[[x, y, z], [x, y, z]]`.
-#[derive(Deserialize)]
-#[serde(try_from = "TwoPoints")]
-pub(super) struct EndKeys(pub(super) Located<Ends>);
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "TwoPoints", into = "TwoPoints")]
+pub(super) struct EndKeys {
+    points: TwoPoints,
+    pub(super) ends: Located<Ends>,
+}
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(expecting = "two ends: [[x, y, z], [x, y, z]]")]
 struct TwoPoints(
     #[serde(deserialize_with = "values::point")] DVec3,
@@ -31,14 +34,22 @@ struct TwoPoints(
 impl TryFrom<TwoPoints> for EndKeys {
     type Error = &'static str;
 
-    fn try_from(TwoPoints(from, to): TwoPoints) -> Result<Self, Self::Error> {
+    fn try_from(points: TwoPoints) -> Result<Self, Self::Error> {
+        let TwoPoints(from, to) = points;
         let ends = located([from, to]);
         let [first, second] = ends.geometry;
         if (second - first).length() > 0.0 {
-            Ok(Self(ends.map(Ends)))
+            let ends = ends.map(Ends);
+            Ok(Self { points, ends })
         } else {
             Err("cannot be without a length, expected two different ends")
         }
+    }
+}
+
+impl From<EndKeys> for TwoPoints {
+    fn from(keys: EndKeys) -> Self {
+        keys.points
     }
 }
 

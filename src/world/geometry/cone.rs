@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
 use super::located::{Described, Located};
@@ -29,7 +29,7 @@ pub struct Cone {
     radius: [f32; 2],
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConeKeys {
     /// The centers of the two ends, which differ.
@@ -44,7 +44,7 @@ impl Described for Cone {
     type Keys = ConeKeys;
 
     fn described(ConeKeys { ends, radius }: ConeKeys) -> Result<Located<Self>, &'static str> {
-        Ok(ends.0.map(|ends| Self { ends, radius }))
+        Ok(ends.ends.map(|ends| Self { ends, radius }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Axis-aligned boxes as shapes.
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
@@ -21,7 +21,7 @@ pub struct Cuboid {
     bounds: Aabb,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CuboidKeys {
     /// The corner with the least coordinates.

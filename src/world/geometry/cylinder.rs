@@ -1,7 +1,7 @@
 //! Cylinders with flat ends.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::axis::EndKeys;
 use super::located::{Described, Located};
@@ -22,7 +22,7 @@ use math::simd::{Real, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder(Cone);
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderKeys {
     /// The centers of the two ends, which differ.
@@ -39,7 +39,7 @@ impl Described for Cylinder {
     fn described(
         CylinderKeys { ends, radius }: CylinderKeys,
     ) -> Result<Located<Self>, &'static str> {
-        Ok(ends.0.map(|ends| Self::new(ends.0, radius)))
+        Ok(ends.ends.map(|ends| Self::new(ends.0, radius)))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
@@ -32,7 +32,7 @@ pub struct Disk {
     pub radius: f32,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DiskKeys {
     /// The center.

@@ -1,7 +1,10 @@
 //! Geometry near its own origin: 32-bit coordinates around a 64-bit point.
 
 use glam::{DVec3, Vec3};
+use std::fmt;
+
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
+use serde::{Serialize, Serializer};
 
 /// The distance from the origin, in sizes of the geometry, up to which 32 bits are precise enough.
 const NEAR: f64 = 16.0;
@@ -62,7 +65,7 @@ pub fn origin_near(points: impl Iterator<Item = DVec3>) -> DVec3 {
 /// A shape that scene files describe.
 pub trait Described: Sized {
     /// The YAML keys, with 64-bit points.
-    type Keys: DeserializeOwned;
+    type Keys: fmt::Debug + Clone + PartialEq + Serialize + DeserializeOwned;
 
     /// Returns the shape with these keys.
     ///
@@ -74,6 +77,28 @@ pub trait Described: Sized {
 impl<'de, S: Described> Deserialize<'de> for Located<S> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         S::described(S::Keys::deserialize(d)?).map_err(D::Error::custom)
+    }
+}
+
+/// A shape beside the keys that describe it: the shape alone has rounded them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keyed<S: Described> {
+    keys: S::Keys,
+    /// The shape.
+    pub shape: Located<S>,
+}
+
+impl<'de, S: Described> Deserialize<'de> for Keyed<S> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        let keys = S::Keys::deserialize(d)?;
+        let shape = S::described(keys.clone()).map_err(D::Error::custom)?;
+        Ok(Self { keys, shape })
+    }
+}
+
+impl<S: Described> Serialize for Keyed<S> {
+    fn serialize<T: Serializer>(&self, s: T) -> Result<T::Ok, T::Error> {
+        self.keys.serialize(s)
     }
 }
 

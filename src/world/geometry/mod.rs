@@ -39,7 +39,7 @@ pub use aabb::Aabb;
 pub use areas::{AreaTest, Areas};
 pub use instance_transform::InstanceTransform;
 pub use intersect::Intersectable;
-pub use located::{Described, Located, located, located_points, origin_near};
+pub use located::{Described, Keyed, Located, located, located_points, origin_near};
 pub use patch::Patch;
 pub use ray::{Ray, leaving};
 pub use ray_stream::RayStream;

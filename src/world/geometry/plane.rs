@@ -1,7 +1,7 @@
 //! Infinite planes.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
@@ -28,7 +28,7 @@ pub struct Plane {
     pub normal: Vec3,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneKeys {
     /// One of its points.

@@ -1,7 +1,7 @@
 //! Flat rectangles and parallelograms.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::plane::MIN_COS;
@@ -28,7 +28,7 @@ pub struct Rectangle {
     edges: [Vec3; 2],
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RectangleKeys {
     /// A corner.
@@ -38,7 +38,7 @@ pub struct RectangleKeys {
     edges: Edges,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(expecting = "two edges: [[x, y, z], [x, y, z]]")]
 struct Edges(
     #[serde(deserialize_with = "values::point")] DVec3,

@@ -211,7 +211,7 @@ mod tests {
             let expected = f64::from(solid_angle(&shape, from));
             assert!(
                 (mean / expected - 1.0).abs() < 0.01,
-                "{shape}: {mean} {expected}"
+                "{shape:?}: {mean} {expected}"
             );
         }
     }
@@ -278,7 +278,7 @@ mod tests {
             let mean = sum / f64::from(N * N);
             assert!(
                 (mean / (4.0 * std::f64::consts::PI) - 1.0).abs() < 0.005,
-                "{shape}: {mean}"
+                "{shape:?}: {mean}"
             );
         }
     }
@@ -295,12 +295,12 @@ mod tests {
                 let (kind, parameters) = (shape.kind(), shape.parameters());
                 let sample = kind.sample(&parameters, from.into(), [u, v]);
                 let found = kind.density(&parameters, from.into(), &sample.seen);
-                prop_assert!((found / sample.density - 1.0).abs() < 1e-3, "{}: {} {}", shape, found, sample.density);
+                prop_assert!((found / sample.density - 1.0).abs() < 1e-3, "{:?}: {} {}", shape, found, sample.density);
                 let point = from + Vec3::from(sample.seen.direction) * sample.seen.distance;
                 let (on_surface, normal) = shape.project(point);
-                prop_assert!((on_surface - point).length() < 2e-3, "{}", shape);
+                prop_assert!((on_surface - point).length() < 2e-3, "{:?}", shape);
                 let cos = -normal.dot(sample.seen.direction.into());
-                prop_assert!((cos - sample.seen.cos).abs() < 2e-2, "{}: {} {}", shape, cos, sample.seen.cos);
+                prop_assert!((cos - sample.seen.cos).abs() < 2e-2, "{:?}: {} {}", shape, cos, sample.seen.cos);
             }
         }
     }

@@ -1,13 +1,12 @@
 //! The list of shapes, and all kinds of shapes under their names.
 
-use std::fmt;
-
 use glam::Vec3;
+use serde::Serialize;
 use serde::de::MapAccess;
 
 use super::{
-    Aabb, Intersectable, Located, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen, SurfaceSample,
-    Transform,
+    Aabb, Intersectable, Keyed, Located, N_PARAMETERS, Patch, Project, Ray, Sampled, Seen,
+    SurfaceSample, Transform,
 };
 use math::simd::{Real, Vector};
 
@@ -27,19 +26,37 @@ macro_rules! shapes {
             /// The YAML keys of all kinds.
             pub const KEYS: &[&str] = &[$($key),*];
 
+        }
+
+        /// A shape of any kind in a scene file, with its keys.
+        #[derive(Debug, Clone, PartialEq, Serialize)]
+        pub enum KeyedShape {
+            $($(#[$doc])* #[serde(rename = $key)] $shape(Keyed<$shape>),)*
+        }
+
+        impl KeyedShape {
             /// Reads the value of `key` from `map`; `None` if the key is not one of
-            /// [`Self::KEYS`].
+            /// [`Shape::KEYS`].
             pub fn next_value<'de, A: MapAccess<'de>>(
                 key: &str,
                 map: &mut A,
-            ) -> Result<Option<Located<Self>>, A::Error> {
+            ) -> Result<Option<Self>, A::Error> {
                 match key {
-                    $($key => {
-                        let shape: Located<$shape> = map.next_value()?;
-                        Ok(Some(shape.map(Self::$shape)))
-                    })*
+                    $($key => map.next_value().map(|shape| Some(Self::$shape(shape))),)*
                     _ => Ok(None),
                 }
+            }
+
+            /// Returns the shape.
+            pub fn shape(&self) -> Located<Shape> {
+                match self {
+                    $(Self::$shape(keyed) => keyed.shape.map(Shape::$shape),)*
+                }
+            }
+
+            /// Returns the YAML key.
+            pub fn key(&self) -> &'static str {
+                match self { $(Self::$shape(_) => $key,)* }
             }
         }
 
@@ -150,13 +167,6 @@ macro_rules! shapes {
 
             fn patch(&self) -> Option<Patch> {
                 match self { $(Self::$shape(shape) => shape.patch(),)* }
-            }
-        }
-
-        /// Formats the YAML key.
-        impl fmt::Display for Shape {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(match self { $(Self::$shape(_) => $key,)* })
             }
         }
     };

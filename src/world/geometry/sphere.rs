@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_unit_sphere};
@@ -28,7 +28,7 @@ pub struct Sphere {
     pub radius: f32,
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereKeys {
     /// The center.

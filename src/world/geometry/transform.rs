@@ -1,7 +1,7 @@
 //! Affine transforms, and the steps that define them in a scene file.
 
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Mat3A, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::aabb::Aabb;
 use super::ray::Ray;
@@ -19,7 +19,7 @@ use crate::values;
 /// ").unwrap();
 /// # assert_eq!(steps.len(), 3);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "a step such as { scale: 2 }")]
 pub enum TransformStep {
     /// Translates by a vector.
@@ -31,7 +31,7 @@ pub enum TransformStep {
 }
 
 /// A right-handed rotation about an axis through the origin.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a turn such as { axis: [0, 1, 0], angle_deg: 30 }"

@@ -1,8 +1,7 @@
 //! Triangles.
 
 use glam::{DVec3, Vec3};
-use serde::de::{Error, Unexpected};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
@@ -26,19 +25,48 @@ pub struct Triangle {
     pub vertices: [Vec3; 3],
 }
 
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TriangleKeys {
     /// The vertices, counterclockwise as seen from outside; not on one line.
-    #[serde(deserialize_with = "vertices")]
-    vertices: Located<Triangle>,
+    vertices: TriangleCorners,
+}
+
+/// Three points that are not on one line.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "[Corner; 3]", into = "[Corner; 3]")]
+struct TriangleCorners {
+    points: [Corner; 3],
+    triangle: Located<Triangle>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+struct Corner(#[serde(deserialize_with = "values::point")] DVec3);
+
+impl TryFrom<[Corner; 3]> for TriangleCorners {
+    type Error = &'static str;
+
+    fn try_from(points: [Corner; 3]) -> Result<Self, Self::Error> {
+        let vertices = located(points.map(|Corner(point)| point));
+        let triangle = vertices.map(|vertices| Triangle { vertices });
+        let has_area = triangle.geometry.normal().is_some();
+        has_area.then_some(Self { points, triangle }).ok_or(
+            "invalid value: three points on one line, expected three corners that span an area",
+        )
+    }
+}
+
+impl From<TriangleCorners> for [Corner; 3] {
+    fn from(corners: TriangleCorners) -> Self {
+        corners.points
+    }
 }
 
 impl Described for Triangle {
     type Keys = TriangleKeys;
 
     fn described(keys: TriangleKeys) -> Result<Located<Self>, &'static str> {
-        Ok(keys.vertices)
+        Ok(keys.vertices.triangle)
     }
 }
 
@@ -167,22 +195,6 @@ fn normal_and_area<R: Real>(parameters: &[R; N_PARAMETERS]) -> (Vector<R>, R) {
     let normal = cross.normalize_or(Vector::splat(a.x, Vec3::Y));
     (normal, a.x.splat(0.5) * cross.length())
 }
-
-/// Reads three points that are not on one line.
-fn vertices<'de, D: Deserializer<'de>>(d: D) -> Result<Located<Triangle>, D::Error> {
-    let vertices = located(<[YamlPoint; 3]>::deserialize(d)?.map(|YamlPoint(point)| point));
-    let triangle = vertices.map(|vertices| Triangle { vertices });
-    if triangle.geometry.normal().is_none() {
-        return Err(D::Error::invalid_value(
-            Unexpected::Other("three points on one line"),
-            &"three corners that span an area",
-        ));
-    }
-    Ok(triangle)
-}
-
-#[derive(Deserialize)]
-struct YamlPoint(#[serde(deserialize_with = "values::point")] DVec3);
 
 #[cfg(test)]
 mod tests {

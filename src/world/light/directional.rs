@@ -1,7 +1,7 @@
 //! The light from one direction.
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::illumination::{Illumination, MAX_RADIANCE};
 use crate::geometry::RenderSpace;
@@ -16,7 +16,7 @@ use math::simd::{Real, Vector};
 /// directional: { direction: [-1, -2, 1], color: [1, 1, 0.9], intensity: 0.8 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
     /// The direction in which the light travels, a unit vector; the file may give any length but

@@ -1,11 +1,11 @@
 //! The falloff of light with the distance.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use math::simd::Real;
 
 /// The falloff of a light with the distance `d` from it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(
     rename_all = "snake_case",
     expecting = "`none`, `inverse` or `inverse_square`"

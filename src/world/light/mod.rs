@@ -10,7 +10,7 @@ mod point;
 mod spot;
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use falloff::Falloff;
 pub use illumination::{Illumination, LitPoint};
@@ -25,7 +25,7 @@ macro_rules! lights {
         $(pub use $file::$light;)*
 
         /// One of the scene file's `lights`.
-        #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
         #[serde(
             rename_all = "snake_case",
             expecting = "a light such as { point: { … } }"

@@ -1,7 +1,7 @@
 //! The point light.
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::falloff::Falloff;
 use super::illumination::{Illumination, MAX_RADIANCE};
@@ -17,7 +17,7 @@ use math::simd::{Real, Vector};
 /// point: { position: [5, 5, -10], color: [1, 0.9, 0.8], intensity: 60, falloff: inverse_square }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
     /// The position.

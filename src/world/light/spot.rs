@@ -1,7 +1,7 @@
 //! The spot light.
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
@@ -18,18 +18,24 @@ use math::simd::{Real, Vector};
 /// spot: { position: [0, 5, 0], target: [0, 0, 0], angle_deg: 40, soft_edge: 0.2, intensity: 60, falloff: inverse_square }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "SpotKeys")]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "SpotKeys", into = "SpotKeys")]
 pub struct SpotLight {
     /// The light in the middle of the cone.
     light: PointLight,
+    /// A point on the axis, in world space.
+    target: DVec3,
+    /// The angle of the cone in degrees, from edge to edge.
+    angle_deg: f32,
+    /// The outer fraction of the angle, in which the light fades.
+    soft_edge: f32,
     /// The unit vector along the middle of the cone.
     axis: Vec3,
     /// The cosines at the edge of the cone and where the light begins to fade.
     cosines: [f32; 2],
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct SpotKeys {
     /// The position.
@@ -81,7 +87,32 @@ impl TryFrom<SpotKeys> for SpotLight {
             intensity: keys.intensity,
             falloff: keys.falloff,
         };
-        Ok(Self::new(light, axis, [half_angle, full_light]))
+        Ok(Self {
+            target: keys.target,
+            angle_deg: keys.angle_deg,
+            soft_edge: keys.soft_edge,
+            ..Self::new(light, axis, [half_angle, full_light])
+        })
+    }
+}
+
+impl From<SpotLight> for SpotKeys {
+    fn from(spot: SpotLight) -> Self {
+        let PointLight {
+            position,
+            color,
+            intensity,
+            falloff,
+        } = spot.light;
+        Self {
+            position,
+            target: spot.target,
+            angle_deg: spot.angle_deg,
+            soft_edge: spot.soft_edge,
+            color,
+            intensity,
+            falloff,
+        }
     }
 }
 
@@ -89,8 +120,12 @@ impl SpotLight {
     /// Creates the light of a cone around a unit vector; `angles` are those from the axis to the
     /// edge and to where the light begins to fade, in radians.
     pub fn new(light: PointLight, axis: Vec3, angles: [f64; 2]) -> Self {
+        let [edge, full] = angles;
         Self {
             light,
+            target: light.position + axis.as_dvec3(),
+            angle_deg: (2.0 * edge).to_degrees() as f32,
+            soft_edge: (1.0 - full / edge) as f32,
             axis,
             cosines: angles.map(|angle| angle.cos() as f32),
         }
@@ -117,6 +152,7 @@ impl SpotLight {
         let axis = world_from_object.transform_vector3(self.axis.as_dvec3());
         Some(Self {
             light: self.light.placed(world_from_object, factor)?,
+            target: world_from_object.transform_point3(self.target),
             axis: axis.try_normalize()?.as_vec3(),
             ..*self
         })

@@ -5,9 +5,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::Vec3;
-use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use super::array_choice::{ArrayChoice, ArrayOf};
 use super::color_table::{ColorChoice, ColorTable, MAX_LISTED, category};
@@ -36,9 +36,10 @@ use math::simd::{Real, Vector};
 /// array: { name: velocity, component: 2, of: points }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     try_from = "ArrayKeys",
+    into = "ArrayKeys",
     expecting = "an array such as { name: temperature }"
 )]
 pub struct ArrayTexture {
@@ -62,7 +63,7 @@ pub struct ArrayTexture {
     pub table: Arc<ColorTable>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { name: temperature }"
@@ -103,12 +104,12 @@ struct ArrayKeys {
     labels: Vec<CategoryLabel>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(transparent)]
 struct CategoryLabel(#[serde(deserialize_with = "values::name")] String);
 
 /// The elements that an array has values for.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
 pub(super) enum ArrayKind {
     /// Points: interpolated between them.
@@ -126,8 +127,18 @@ impl From<ArrayKind> for ArrayOf {
     }
 }
 
+impl From<ArrayOf> for ArrayKind {
+    fn from(of: ArrayOf) -> Self {
+        match of {
+            ArrayOf::Points => Self::Points,
+            ArrayOf::Cells => Self::Cells,
+        }
+    }
+}
+
 /// The numbers of the first and the last color of a map.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ArrayRange {
     /// The least and the greatest number of the data of the material's objects, as in ParaView:
     /// in all blocks, on their surfaces or in the interior.
@@ -136,11 +147,12 @@ pub enum ArrayRange {
     /// The 1 % and the 99 % quantiles of these numbers, so that a few do not hide the others.
     Quantiles,
     /// Given numbers, ascending.
+    #[serde(untagged)]
     Given([f64; 2]),
 }
 
 /// How numbers become positions in a color map.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`linear` or `log`")]
 pub enum ArrayScale {
     /// In equal steps.
@@ -198,6 +210,23 @@ impl TryFrom<ArrayKeys> for ArrayTexture {
             labels: keys.labels.into_iter().map(|label| label.0).collect(),
             table: Arc::default(),
         })
+    }
+}
+
+impl From<ArrayTexture> for ArrayKeys {
+    fn from(texture: ArrayTexture) -> Self {
+        let has_categories = texture.map.n_categories().is_some();
+        Self {
+            name: texture.choice.name,
+            component: texture.choice.component.map(|component| component as u32),
+            of: texture.choice.of.map(Into::into),
+            map: texture.map,
+            range: (!has_categories).then_some(texture.range),
+            scale: (!has_categories).then_some(texture.scale),
+            nan_color: texture.nan_color,
+            bar: texture.bar,
+            labels: texture.labels.into_iter().map(CategoryLabel).collect(),
+        }
     }
 }
 

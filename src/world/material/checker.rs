@@ -1,7 +1,7 @@
 //! The checkerboard.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::texture_point::TexturePoint;
 use crate::geometry::RenderSpace;
@@ -16,7 +16,7 @@ use math::simd::{Real, Vector};
 /// checker: { even: [1, 1, 1], odd: [0, 0, 0], size: 0.5, axes: xz }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
     /// The color of the cell at the origin of world space.
@@ -41,7 +41,7 @@ pub struct Checker {
 }
 
 /// A set of axes of world space.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase", expecting = "axes such as `x` or `xz`")]
 #[expect(missing_docs, reason = "each variant names its axes")]
 pub enum Axes {
@@ -56,7 +56,7 @@ pub enum Axes {
 }
 
 /// The rounding of coordinates to cell indices.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
 pub enum Rounding {
     /// Toward negative infinity: all cells have the same size.

@@ -5,7 +5,7 @@ use std::fmt;
 use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::values::{self, Number};
 
@@ -20,7 +20,7 @@ use crate::values::{self, Number};
 /// ").unwrap();
 /// # assert!((copper.index - other.index).abs().max_element() < 0.01);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Conductor {
     /// The real part of the index of refraction in each channel.
     pub index: Vec3,

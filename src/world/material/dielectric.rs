@@ -1,7 +1,7 @@
 //! Transparent media: glass, water, ice.
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::values;
 
@@ -15,7 +15,7 @@ use crate::values;
 /// priority: 1                   # where media overlap, the higher one counts
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, expecting = "a medium such as { index: 1.5 }")]
 pub struct Dielectric {
     /// The index of refraction, from 1 (vacuum) to 10.

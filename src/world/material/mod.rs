@@ -20,7 +20,7 @@ mod texture;
 use std::sync::Arc;
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use array::{ArrayRange, ArrayScale, ArrayTexture};
 pub use array_choice::{ArrayChoice, ArrayOf};
@@ -58,9 +58,10 @@ use math::simd::{Real, Vector};
 /// normal_map: { image: { file: dents.png, mapping: planar } }   # bumps and dents
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     try_from = "MaterialKeys",
+    into = "MaterialKeys",
     expecting = "a material such as { color: [1, 0, 0] }"
 )]
 pub struct Material {
@@ -246,7 +247,7 @@ impl Material {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a material such as { color: [1, 0, 0] }"
@@ -371,5 +372,51 @@ impl TryFrom<MaterialKeys> for Material {
             opacity,
             factors: FactorPictures::default(),
         })
+    }
+}
+
+/// Gives all keys that the kind allows, as far as a scene file has them.
+impl From<Material> for MaterialKeys {
+    fn from(material: Material) -> Self {
+        let kind = material.kind;
+        let (principled, conductor) = match kind {
+            MaterialKind::Principled { surface, .. } => (Some(surface), None),
+            MaterialKind::Conductor { metal, .. } => (None, Some(metal)),
+            _ => (None, None),
+        };
+        let dielectric = match kind {
+            MaterialKind::Dielectric { medium, .. } => Some(medium),
+            _ => None,
+        };
+        let reflection = match kind {
+            MaterialKind::Opaque { reflection } => Some(reflection),
+            _ => None,
+        };
+        let (holes, veil) = match material.opacity {
+            Some(opacity) if opacity.threshold.is_some() => (Some(opacity), None),
+            opacity => (None, opacity),
+        };
+        let is_fresnel = dielectric.is_some() || conductor.is_some();
+        // A principled lamp without a color has no lobes, which no key could say.
+        let is_plain_lamp = principled.is_some() && material.diffuse == 0.0;
+        let of_lobes = |share: f32| principled.is_none().then_some(share);
+        Self {
+            color: (!is_plain_lamp).then_some(material.color),
+            ambient: Some(material.ambient),
+            diffuse: of_lobes(material.diffuse),
+            specular: of_lobes(material.specular),
+            exponent: Some(material.exponent),
+            reflection,
+            dielectric,
+            conductor,
+            normal_map: material.normal_map,
+            opacity: veil,
+            cutout: holes.and_then(Opacity::into_cutout),
+            roughness: is_fresnel.then(|| kind.roughness()),
+            principled,
+            multiple_scattering: material.multiple_scattering,
+            emission: material.emission,
+            two_sided: material.two_sided,
+        }
     }
 }

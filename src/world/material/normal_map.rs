@@ -1,6 +1,6 @@
 //! Bumps and dents as a picture of normals.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
@@ -19,7 +19,7 @@ use math::simd::{Real, Vector};
 /// strength: 0.5   # of the bumps; 1 for those of the picture
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(from = "NormalMapKeys")]
 pub struct NormalMap {
     /// The picture. Its numbers are linear unless specified otherwise.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
@@ -94,7 +94,7 @@ impl<'de> Visitor<'de> for OpacityVisitor {
     }
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct OpacityKeys {
     /// The picture: its opacity counts, or its largest channel if it is opaque.
@@ -114,7 +114,7 @@ struct OpacityKeys {
 /// threshold: 0.3              # 0.5 by default
 /// ").unwrap();
 /// ```
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a picture with holes such as { image: { file: leaf.png } }"
@@ -125,6 +125,25 @@ pub struct Cutout {
     /// The least opacity of the surface, 0 to 1; there are holes below it. 0.5 by default.
     #[serde(default = "values::half", deserialize_with = "values::fraction")]
     pub threshold: f32,
+}
+
+/// Writes a number, or the keys of a picture.
+impl Serialize for Opacity {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let (factor, image) = (self.factor, self.image.clone());
+        match image {
+            None => s.serialize_f32(factor),
+            Some(image) => OpacityKeys { image, factor }.serialize(s),
+        }
+    }
+}
+
+impl Opacity {
+    /// Returns the picture with holes that this opacity is.
+    pub(super) fn into_cutout(self) -> Option<Cutout> {
+        let (image, threshold) = (self.image?, self.threshold?);
+        Some(Cutout { image, threshold })
+    }
 }
 
 impl From<Cutout> for Opacity {

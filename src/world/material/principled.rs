@@ -1,7 +1,7 @@
 //! The principled material: few keys for most surfaces.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::dielectric::{Dielectric, index};
 use crate::values;
@@ -21,7 +21,7 @@ use math::optics::{Ggx, Masking};
 /// ").unwrap();
 /// # assert_eq!((plastic.metallic, frosted.index), (0.0, 1.45));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a principled surface such as { metallic: 1, roughness: 0.3 }"

@@ -1,7 +1,7 @@
 //! Colors that may depend on the position.
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::texture_point::TexturePoint;
 use crate::material::ArrayChoice;
@@ -15,12 +15,13 @@ macro_rules! textures {
         $(pub use super::$file::$texture;)*
 
         /// The color of each point of a surface.
-        #[derive(Debug, Clone, PartialEq, Deserialize)]
-        #[serde(from = "ColorOr<TexturePattern>")]
+        #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+        #[serde(from = "ColorOr<TexturePattern>", rename_all = "snake_case")]
         pub enum Texture {
-            /// The same everywhere.
-            Color(Vec3),
             $($(#[$doc])* $kind($texture),)*
+            /// The same everywhere.
+            #[serde(untagged)]
+            Color(Vec3),
         }
 
         /// A texture other than one color.
@@ -60,6 +61,7 @@ textures! {
     /// The numbers of an array of a VTK file.
     Array(array::ArrayTexture),
     /// The colors of the vertices of a mesh.
+    #[serde(untagged)]
     VertexColors(vertex_colors::VertexColors),
 }
 

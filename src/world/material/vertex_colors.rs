@@ -1,7 +1,7 @@
 //! The colors of the vertices of a mesh.
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::array::ArrayKind;
 use super::image::ImageTexture;
@@ -43,7 +43,7 @@ impl VertexColors {
 }
 
 /// The keys for a VTK file.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "`vertex_colors`, or an array such as { array: RGB }"
@@ -56,6 +56,20 @@ struct VertexColorKeys {
     /// if it has both.
     #[serde(default)]
     of: Option<ArrayKind>,
+}
+
+/// Writes a word without keys, or an array.
+impl Serialize for VertexColors {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let Some(choice) = &self.array else {
+            return s.serialize_str("vertex_colors");
+        };
+        let keys = VertexColorKeys {
+            array: choice.name.clone(),
+            of: choice.of.map(Into::into),
+        };
+        s.serialize_newtype_variant("Texture", 0, "vertex_colors", &keys)
+    }
 }
 
 /// Reads a word without keys, or an array.

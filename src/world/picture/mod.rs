@@ -10,7 +10,7 @@ mod wrap;
 #[cfg(test)]
 mod tests;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use levels::{MipLevel, SmallerTexels};
 use math::simd::{Arithmetic, Real};
@@ -41,7 +41,7 @@ pub struct Sampling {
 }
 
 /// The filter between the texels of a picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(
     rename_all = "snake_case",
     expecting = "`trilinear`, `bilinear` or `nearest`"

@@ -1,11 +1,11 @@
 //! The continuation of pictures beyond their edges.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use math::simd::{Arithmetic, Real};
 
 /// The continuation of a picture beyond its edges.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", expecting = "`repeat`, `clamp` or `mirror`")]
 pub enum Wrap {
     /// The picture is repeated.

@@ -8,8 +8,8 @@ use std::fmt;
 use std::ops::RangeInclusive;
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize};
 
 /// Largest magnitude of a coordinate or length.
 const MAX_MAGNITUDE: f64 = 1e15;
@@ -124,7 +124,8 @@ pub fn unsigned<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
 }
 
 /// A number, or a list of at least one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum OneOrList {
     /// A number.
     One(f64),
@@ -220,10 +221,14 @@ pub fn vector<'de, D: Deserializer<'de>>(d: D) -> Result<DVec3, D::Error> {
 }
 
 /// Reads a direction, `[x, y, z]` of any length but zero; returns the unit
-/// vector.
+/// vector, and a unit vector as it is.
 pub fn direction<'de, D: Deserializer<'de>, T: From<Vec3>>(d: D) -> Result<T, D::Error> {
     let found = d.deserialize_seq(NumberList(COORDINATE, "a direction [x, y, z]"))?;
     let found = Vec3::from(rounded(found));
+    let is_unit = (found.length_squared() - 1.0).abs() <= 8.0 * f32::EPSILON;
+    if is_unit {
+        return Ok(found.into());
+    }
     // Scaled first, so that no square overflows or underflows f32.
     let largest = found.abs().max_element();
     let unit = (found / largest).try_normalize();

@@ -18,7 +18,8 @@ use super::triplanar::Triplanar;
 /// ").unwrap();
 /// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Mapping {
     /// By the texture coordinates of a mesh.
     #[default]
@@ -29,6 +30,7 @@ pub enum Mapping {
     Spherical(Spherical),
     /// Projected along all three axes of world space, weighted by how close the normal is to each
     /// axis.
+    #[serde(untagged)]
     Triplanar(Triplanar),
 }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use mapping::Mapping;
 pub use planar::Planar;
@@ -38,7 +38,7 @@ use math::simd::{LookupTable, Real, Vector};
 ///   transfer: srgb      # what its numbers are, or linear
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     expecting = "a picture such as { file: planks.png }"

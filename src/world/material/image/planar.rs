@@ -1,14 +1,14 @@
 //! Pictures that are projected onto a plane.
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::RenderSpace;
 use crate::values;
 use math::simd::{Real, Vector};
 
 /// A plane onto which points are projected orthogonally.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "PlanarKeys")]
 pub struct Planar {
     /// The lower left corner of the picture.
@@ -19,7 +19,7 @@ pub struct Planar {
     up: Vec3,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     default,

@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, SQRT_2};
 
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::RenderSpace;
 use crate::values;
@@ -11,19 +11,21 @@ use math::simd::{Real, Vector, turns_of};
 
 /// A sphere of directions from a center. The picture is a map of the whole
 /// sphere as seen from outside, with equal steps of longitude and latitude.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "SphericalKeys")]
 pub struct Spherical {
     center: DVec3,
-    /// The direction of the middle of the picture; `front`, `right` and `up` are orthonormal.
+    /// The direction of the middle of the picture; in render space `front`, `right` and `up` are
+    /// orthonormal.
     front: Vec3,
     /// The direction a quarter turn to the right in the picture.
+    #[serde(skip_serializing)]
     right: Vec3,
     /// The direction of the upper edge.
     up: Vec3,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -76,7 +78,7 @@ impl TryFrom<SphericalKeys> for Spherical {
         let right = right.normalize();
         Ok(Self {
             center,
-            front: right.cross(up),
+            front,
             right,
             up,
         })
@@ -87,6 +89,7 @@ impl Spherical {
     /// Converts the sphere from world space to render space.
     pub(super) fn in_space(&mut self, space: &RenderSpace) {
         self.center = space.point(self.center).as_dvec3();
+        self.front = self.right.cross(self.up);
     }
 
     /// Returns the rightward and upward directions in the picture at a point, of any length: east

@@ -1,6 +1,7 @@
 //! Projections along the axes of world space.
 
 use glam::Vec3;
+use serde::{Serialize, Serializer};
 
 use crate::geometry::RenderSpace;
 use crate::material::texture_point::TexturePoint;
@@ -24,6 +25,13 @@ pub(super) struct AxisProjection<R> {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Triplanar {
     origins: [Vec3; 2],
+}
+
+/// Writes a word: it has no keys.
+impl Serialize for Triplanar {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str("triplanar")
+    }
 }
 
 impl Triplanar {
