@@ -27,7 +27,7 @@ use output::estimate::{Memory, least_disk};
 use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
 use scene::config::{Config, HierarchyUpdate};
-use scene::yaml::{Document, Source, yaml_of_json};
+use scene::yaml::{Document, Source, json_of, to_yaml};
 use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 use world::scene::Scene;
 
@@ -100,15 +100,16 @@ impl Session {
     }
 
     /// Checks a scene that a program describes: any value that serializes to the same keys and
-    /// values as a scene file, such as `serde_json::json!({ … })`. `name` stands for the file in
-    /// messages and in `summary.json`. Relative paths in the scene start from the current folder.
+    /// values as a scene file, such as `serde_json::json!({ … })` or a [`Config`]; keys without a
+    /// value are left out. `name` stands for the file in messages and in `summary.json`. Relative
+    /// paths in the scene start from the current folder.
     ///
     /// # Errors
-    /// The errors of [`Self::open`], with a line of the scene as JSON.
+    /// The errors of [`Self::open`], with a line of the scene as YAML.
     pub fn from_value(name: &str, scene: &impl Serialize) -> Result<Self, Diagnostic> {
         let stages = Stages::default();
         let cannot = |error| Diagnostic::new(format!("cannot serialize the scene: {error}"));
-        let text = yaml_of_json(&serde_json::to_string_pretty(scene).map_err(cannot)?);
+        let text = to_yaml(&json_of(scene).map_err(cannot)?);
         let document = Document::new(Source::new(name, text), Config::MERGING)?;
         let (document, config) = Frames::first(document)?;
         Self::new(Input::read(document, config, Memory::estimate)?, stages)

@@ -64,11 +64,19 @@ fn a_scene_in_code_is_rendered_and_written() {
 }
 
 #[test]
-fn a_mistake_in_a_scene_in_code_is_shown_in_its_json() {
+fn a_mistake_in_a_scene_in_code_is_shown_in_its_yaml() {
     let scene = json!({ "image": { "width": 0, "height": 10 } });
     let error = Session::from_value("tiny", &scene).unwrap_err().to_string();
-    assert!(error.contains("\"width\": 0"), "{error}");
+    assert!(error.contains("image: { width: 0, height: 10 }"), "{error}");
     assert!(error.contains("tiny:"), "{error}");
+}
+
+#[test]
+fn a_config_that_a_program_has_changed_is_a_scene() {
+    let mut config = crate::common::config("hall_of_mirrors");
+    config.shading.max_depth = 3;
+    let session = Session::from_value("mirrors", &config).unwrap();
+    assert!(session.config().filled() == config.filled());
 }
 
 /// A session of a scene file with counters alone: its results never vary.
