@@ -196,6 +196,41 @@ fn specular_colors_are_those_of_metals_or_of_clear_coats() {
     }
 }
 
+#[test]
+fn glossiness_counts_texel_by_texel() {
+    let opacities = [0, 51, 204, 255];
+    let picture = image::RgbaImage::from_fn(2, 2, |x, y| {
+        image::Rgba([90, 90, 90, opacities[(2 * y + x) as usize]])
+    });
+    let mut png = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let uri = format!(
+        "data:image/png;base64,{}",
+        STANDARD.encode(png.into_inner())
+    );
+    let mut file = with_extension(
+        "KHR_materials_pbrSpecularGlossiness",
+        json!({
+            "diffuseFactor": [0.5, 0.5, 0.5, 1.0], "glossinessFactor": 0.5,
+            "specularGlossinessTexture": { "index": 0 },
+        }),
+    );
+    file.json["images"][0] = json!({ "uri": uri });
+    let material = &mesh(&file).materials[0];
+    let (map, factors) = material.facets_map.as_ref().unwrap();
+    let (size, texels) = map.picture.reduced(4);
+    assert_eq!(size, [2, 2]);
+    for ([_, found, ..], opacity) in texels.zip(opacities) {
+        let expected = factors[0] * (1.0 - 0.5 * f32::from(opacity) / 255.0);
+        assert!((found - expected).abs() < 0.003, "{found}, not {expected}");
+    }
+    let metallic = map.picture.reduced(1).1.next().unwrap()[2] * factors[1];
+    assert!(
+        matches!(material.finish, Finish::Facets { metallic: share, .. } if share == metallic),
+        "{metallic}"
+    );
+}
+
 /// The validator of Khronos has no error for files of these kinds.
 #[test]
 fn mistakes_without_consequence_change_nothing() {

@@ -3,6 +3,8 @@
 use glam::Vec3;
 use gltf_json::extensions::material::PbrSpecularGlossiness;
 use gltf_json::material::Material;
+use world::color::Transfer;
+use world::picture::{Picture, Texels};
 
 /// A surface with a share of metal.
 pub(super) struct MetallicColor {
@@ -45,6 +47,17 @@ fn share_of_metal(diffuse: f32, specular: f32) -> f32 {
 /// Returns the perceived brightness of a color.
 fn brightness(color: Vec3) -> f32 {
     (color * color).dot(Vec3::new(0.299, 0.587, 0.114)).sqrt()
+}
+
+/// Returns the picture of a surface's roughness, in green, by one of its glossiness, the opacity;
+/// `factor` multiplies the glossiness.
+pub(super) fn roughness_picture(glossy: &Picture, factor: f32) -> Option<Picture> {
+    let (size, texels) = glossy.reduced(usize::MAX);
+    let rough = |[.., glossy]: [f32; 4]| [0, ((1.0 - factor * glossy) * 255.0).round() as u8, 255];
+    Picture::new(
+        size,
+        Texels::Rgb(texels.map(rough).collect(), Transfer::Linear),
+    )
 }
 
 /// Returns the description of a material by the colors of its diffuse and specular light.

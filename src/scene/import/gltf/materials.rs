@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
 use gltf_json::extensions::material::PbrSpecularGlossiness;
@@ -12,7 +13,7 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, image, texture};
 
 use super::buffers::{Buffers, embedded};
-use super::glossy::{MetallicColor, specular_glossiness};
+use super::glossy::{MetallicColor, roughness_picture, specular_glossiness};
 use crate::import::budget::Budget;
 use crate::import::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
@@ -94,7 +95,7 @@ impl Materials<'_> {
             index: index.clamp(1.0, 10.0),
             emission,
             emission_map,
-            facets_map: self.facets_map(of),
+            facets_map: self.facets_map(of, finish),
             normal_map: self.normal_map(of),
             is_unlit: extensions.is_some_and(|of| of.unlit.is_some()),
             ..MeshMaterial::new(name, color)
@@ -138,7 +139,7 @@ impl Materials<'_> {
     }
 
     /// Reads the colors of diffuse and specular light as those of a surface with a share of metal,
-    /// by their means.
+    /// by their means; [`facets_map`](Self::facets_map) has the roughness of each texel.
     fn base_of_glossy(&mut self, of: &PbrSpecularGlossiness) -> Base {
         let [red, green, blue, opacity] = of.diffuse_factor.0;
         let factor = Vec3::new(red, green, blue).clamp(Vec3::ZERO, Vec3::ONE);
@@ -183,10 +184,15 @@ impl Materials<'_> {
     }
 
     /// Returns the picture of roughness and metallicness, with its factors, if it is placed as the
-    /// others are.
-    fn facets_map(&mut self, of: &Material) -> Option<(MeshPicture, [f32; 2])> {
-        if specular_glossiness(of).is_some() {
-            return None;
+    /// others are. One of glossiness varies the roughness of a surface with this finish.
+    fn facets_map(&mut self, of: &Material, finish: Finish) -> Option<(MeshPicture, [f32; 2])> {
+        if let (Some(glossy), Finish::Facets { metallic, .. }) = (specular_glossiness(of), finish) {
+            let info = glossy.specular_glossiness_texture.as_ref();
+            let mut map = self.placed_as_others(of, info, None)?;
+            self.budget.take(map.picture.n_bytes()).ok()?;
+            let factor = glossy.glossiness_factor.0.clamp(0.0, 1.0);
+            map.picture = Arc::new(roughness_picture(&map.picture, factor)?);
+            return Some((map, [1.0, metallic]));
         }
         let pbr = &of.pbr_metallic_roughness;
         let info = pbr.metallic_roughness_texture.as_ref();
@@ -279,12 +285,12 @@ pub(super) fn of_material(material: &Material) -> Placing {
             ..Placing::default()
         };
     }
-    let color = match specular_glossiness(material) {
-        Some(glossy) => glossy.diffuse_texture.as_ref(),
-        None => pbr.base_color_texture.as_ref(),
+    let (color, others) = match specular_glossiness(material) {
+        Some(glossy) => (&glossy.diffuse_texture, &glossy.specular_glossiness_texture),
+        None => (&pbr.base_color_texture, &pbr.metallic_roughness_texture),
     };
-    let others = pbr.metallic_roughness_texture.as_ref();
-    let first = color.or(others).or(material.emissive_texture.as_ref());
+    let first = color.as_ref().or(others.as_ref());
+    let first = first.or(material.emissive_texture.as_ref());
     first.map_or(Placing::default(), placing)
 }
 
