@@ -45,3 +45,11 @@ pub use ::{
 
 pub use cost::Metric;
 pub use session::{Options, Session};
+
+/// The steps of a rendering, for scenes that a program makes of the types of [`world`].
+#[doc(inline)]
+pub use ::{
+    render::tiles::{TilePlan, render},
+    scene::build::Sensor,
+    tracer::trace::Tracer,
+};

@@ -4,17 +4,18 @@
 use std::fs;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use ::render::film::Film;
 use output::results::Results;
 use raycost::session::{Cancellation, Event, Options, RenderError, Session, Stopped};
 use scene::config::{Config, CostMode};
-use tracer::cost::Metric;
+use tracer::cost::{Counter, Metric};
 use world::geometry::{Shape, Triangle};
 use world::scene::MaterialId;
 
 use glam::Vec3;
 use serde_json::json;
 
-use crate::common::{in_repository, names};
+use crate::common::{counts, in_repository, names};
 
 #[allow(dead_code, reason = "`main` is for cargo")]
 #[path = "../../examples/cost_histogram.rs"]
@@ -28,6 +29,9 @@ mod render;
 #[allow(dead_code, reason = "`main` is for cargo")]
 #[path = "../../examples/scene_in_code.rs"]
 mod scene_in_code;
+#[allow(dead_code, reason = "`main` is for cargo")]
+#[path = "../../examples/two_spheres.rs"]
+mod two_spheres;
 
 #[test]
 fn the_example_of_ten_lines_writes_every_file() {
@@ -183,4 +187,29 @@ fn a_scene_is_unchanged_by_shapes_that_it_refuses() {
     });
     assert!(scene.add_shapes([sound, point], MaterialId(0)).is_none());
     assert_eq!((scene.primitives.len(), scene.n_objects()), (n, 1));
+}
+
+/// The same scene as a file.
+const TWO_SPHERES: &str = "
+image: { width: 40, height: 30 }
+camera: { look_at: { eye: [0, 1, 6], target: [0, 0, 0], fov_y_deg: 30 } }
+cost: counters
+materials: { clay: { color: [0.8, 0.4, 0.3] } }
+lights: [{ point: { position: [3, 5, 4] } }]
+objects:
+  - sphere: { center: [-0.5, 0, 0], radius: 1 }
+    material: clay
+  - sphere: { center: [1, 0, 0], radius: 0.5 }
+    material: clay
+";
+
+#[test]
+fn a_scene_of_types_is_that_of_a_file() {
+    let (film, cost) = two_spheres::picture(40, 30).unwrap();
+    let expected = crate::common::film(&crate::common::parse(TWO_SPHERES), 1);
+    let pixels = |film: &Film| film.values(|strip| &strip.rgb).collect::<Vec<_>>();
+    assert!(film.n_hits() > 200 && pixels(&film) == pixels(&expected));
+    let counts = [film, expected].map(|film| counts(&film, Counter::NodeVisits));
+    assert_eq!(counts[0], counts[1]);
+    assert!(cost.node_visits > 0 && cost.primitive_tests > 0);
 }

@@ -1,7 +1,7 @@
 //! The camera, the sampler and the film settings of an image.
 
-use crate::config::{Config, ExtraArrays, Image};
-use world::camera::{ImagePlane, RayCone};
+use crate::config::{Config, ExtraArrays, FilmSettings, Image};
+use world::camera::{Camera, ImagePlane, RayCone};
 use world::color::Development;
 use world::scene::Scene;
 
@@ -31,16 +31,27 @@ impl Sensor {
 
     /// Creates the sensor of a scene's config for another image.
     pub fn of_image(scene: &Scene, config: &Config, image: Image) -> Self {
-        let plane = (config.camera).image_plane(image.picture_size(), &scene.space);
+        let model = scene.shading.model;
+        Self {
+            development: config.film.development(model),
+            sample_limit: config.film.sample_limit(model),
+            extra_arrays: config.extra_arrays(),
+            ..Self::from_camera(scene, &config.camera, image)
+        }
+    }
+
+    /// Creates the sensor of a camera in a scene, with the default film.
+    pub fn from_camera(scene: &Scene, camera: &Camera, image: Image) -> Self {
+        let plane = camera.image_plane(image.picture_size(), &scene.space);
         let cone = || plane.ray_cone(image.samples_per_pixel);
-        let model = config.shading.model;
+        let (model, film) = (scene.shading.model, FilmSettings::default());
         Self {
             image,
             plane,
             cone: scene.has_images.then(cone),
-            development: config.film.development(model),
-            sample_limit: config.film.sample_limit(model),
-            extra_arrays: config.extra_arrays(),
+            development: film.development(model),
+            sample_limit: film.sample_limit(model),
+            extra_arrays: ExtraArrays::default(),
         }
     }
 }

@@ -70,6 +70,22 @@ pub struct PictureWindow {
 }
 
 impl Image {
+    /// Creates an image of `width` times `height` pixels with the defaults of a scene file; sides are
+    /// from 1 to 65,535.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            samples_per_pixel: 1,
+            seed: 0,
+            sampler: PixelPattern::default(),
+            filter: PixelFilter::default(),
+            filter_radius: None,
+            adaptive: None,
+            window: None,
+        }
+    }
+
     /// Returns columns and rows of the whole picture.
     pub fn picture_size(&self) -> [u32; 2] {
         let size = [self.width, self.height];

@@ -100,6 +100,22 @@ impl From<LookAt> for LookAtKeys {
 }
 
 impl LookAt {
+    /// Creates a pinhole camera with +y upward in the picture, and this angle of view from its bottom
+    /// to its top in degrees, from 0.001 to 179.9. Points are in world space.
+    ///
+    /// # Errors
+    /// Eye and target are the same point, or one is straight above the other.
+    pub fn new(eye: DVec3, target: DVec3, fov_y_deg: f32) -> Result<Self, &'static str> {
+        Self::try_from(LookAtKeys {
+            eye,
+            target,
+            up: up(),
+            fov_y_deg: Some(fov_y_deg),
+            focal_length_mm: None,
+            lens: None,
+        })
+    }
+
     pub(super) fn focus(&self) -> [DVec3; 2] {
         [self.keys.eye, self.keys.target]
     }
@@ -129,16 +145,8 @@ mod tests {
 
     #[test]
     fn the_field_of_view_spans_the_rows_from_edge_to_edge() {
-        let keys = LookAtKeys {
-            eye: DVec3::ZERO,
-            target: DVec3::NEG_Z,
-            up: Vec3::Y,
-            fov_y_deg: Some(90.0),
-            focal_length_mm: None,
-            lens: None,
-        };
-        let plane = LookAt::try_from(keys).unwrap();
-        let plane = plane.image_plane([200, 100], &RenderSpace::default());
+        let camera = LookAt::new(DVec3::ZERO, DVec3::NEG_Z, 90.0).unwrap();
+        let plane = camera.image_plane([200, 100], &RenderSpace::default());
         let top = plane.point(99.5, -0.5);
         assert!((top - Vec3::new(0.0, 1.0, -1.0)).length() < 1e-5, "{top}");
         let right = plane.point(199.5, 49.5);
