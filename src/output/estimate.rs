@@ -16,6 +16,7 @@ use scene::config::{Acceleration, Config, Image, OptionalOutput, Repeats};
 use tracer::accel::Bvh;
 use tracer::cost::StepCounts;
 use vtk::{Codec, compressed};
+use world::geometry::Transform;
 use world::scene::{Instance, Primitive, SurfaceClass};
 
 /// Bytes of a pixel's counters, packed, measured: 2 to 13 in the example scenes.
@@ -28,6 +29,9 @@ const MOST_OF_MAP: u64 = 64 << 20;
 /// Numbers of a pixel that only `image.exr` has: light, albedo, position and depth, less the color
 /// and the place.
 const ONLY_IN_LAYERS: usize = 5;
+
+/// Bytes of an ellipsoid beyond those of a sphere, measured: its transform, and more of a leaf.
+const STRETCHED: usize = size_of::<Transform>() + 96;
 
 /// The expected memory of one rendering, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,6 +113,7 @@ impl Memory {
             // The geometries as read, and their attributes in render space.
             scene: n_primitives as u64 * primitive_bytes(config, of_attribution)
                 + (geometries.n_instances() * size_of::<Instance>()) as u64
+                + (geometries.n_stretched(config) * STRETCHED) as u64
                 + 2 * geometries.n_bytes()
                 + geometries.picture_bytes(),
             band_rows: None,

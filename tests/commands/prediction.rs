@@ -96,6 +96,15 @@ fn memory_and_disk_are_estimated_within_a_quarter() {
             "million_spheres",
             &["--spp=1", "--cost=counters", "--also=surface,bvh"],
         ),
+        // Ellipsoids.
+        (
+            "million_spheres",
+            &[
+                "--spp=1",
+                "--cost=counters",
+                "--set=objects[0].transform=[{ scale: [1, 2, 1] }]",
+            ],
+        ),
         // A small picture, whose disk is known.
         ("spot", &["--width=301", "--height=199"]),
         // Compressed files, more rows than are rendered to know them, and all rows.

@@ -17,7 +17,7 @@ use crate::config::{
 use crate::import::{self, DataFile, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 use base::text::numbers::memory_sizes;
-use world::geometry::{Located, Shape, Transform, world_from_object};
+use world::geometry::{Located, Shape, Transform, TransformStep, world_from_object};
 use world::light::Light;
 use world::material::{ArrayChoice, ArrayTexture};
 use world::scene::CornerValues;
@@ -246,6 +246,27 @@ impl Geometries {
             ObjectGeometry::Instances(placed) => placed.mesh.triangles.len() + placed.places.len(),
         };
         self.objects.iter().map(of_object).sum()
+    }
+
+    /// Returns the number of spheres and capsules, without those of single shapes, that a stretching
+    /// transform turns into shapes with a transform each.
+    pub fn n_stretched(&self, config: &Config) -> usize {
+        let is_stretched = |steps: &[TransformStep]| {
+            let mut steps = steps.iter();
+            steps.any(|step| matches!(step, TransformStep::Scale(by) if by.abs().min_element() != by.abs().max_element()))
+        };
+        let of_object = |(geometry, object): (&ObjectGeometry, &Object)| match geometry {
+            _ if !is_stretched(&object.transform) => 0,
+            ObjectGeometry::Generator(generator) => generator.n_spheres(),
+            ObjectGeometry::Spheres(spheres) => spheres.spheres.len(),
+            ObjectGeometry::Tubes(tubes) => tubes.capsules().len(),
+            _ => 0,
+        };
+        self.objects
+            .iter()
+            .zip(&config.objects)
+            .map(of_object)
+            .sum()
     }
 
     /// Returns the number of instances.
