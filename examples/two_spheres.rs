@@ -24,10 +24,7 @@ pub fn picture(width: u32, height: u32) -> Result<(Film, Cost), &'static str> {
             radius,
         })
     };
-    scene.add_shapes(
-        [sphere(-0.5, 1.0), sphere(1.0, 0.5)].into_iter(),
-        MaterialId(0),
-    );
+    scene.add_shapes([sphere(-0.5, 1.0), sphere(1.0, 0.5)], MaterialId(0));
     scene.add_lights(&[Light::Point(PointLight {
         position: DVec3::new(3.0, 5.0, 4.0),
         color: Vec3::ONE,
