@@ -22,10 +22,11 @@
 //! 1. `base` has files and folders, `math` numbers and SIMD lanes, `vtk` files of VTK.
 //! 2. `world` has what rays meet: shapes, materials, lights, fog and cameras in render space.
 //! 3. `tracer` finds hits and makes colors of them, and counts and times both.
-//! 4. `scene` reads a YAML file and the files that it names, and builds a world of them.
-//! 5. `render` traces it tile by tile on all threads, onto a film.
-//! 6. `output` writes files: pictures, VTK files, ParaView states and the summary.
-//! 7. `tools` reads them again, for `view`, `diff` and `study`.
+//! 4. `import` reads files of meshes, points and pictures.
+//! 5. `scene` reads a YAML file and the files that it names, and builds a world of them.
+//! 6. `render` traces it tile by tile on all threads, onto a film.
+//! 7. `output` writes files: pictures, VTK files, ParaView states and the summary.
+//! 8. `tools` reads them again, for `view`, `diff` and `study`.
 //!
 //! [`session`] runs these steps; `cli` is its command line. The crates are public for the tests and
 //! the benchmarks; programs use only the names listed here.

@@ -8,10 +8,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use glam::Vec3;
+use import::read_mesh;
 use math::sampling::uniform;
 use math::simd::Simd;
 use scene::config::Acceleration;
-use scene::import::read_mesh;
 use serde_json::json;
 use tracer::accel::{Accel, ShadowRay, ShadowStream};
 use tracer::cost::{ByPixel, Cost, Counters, NoProbe, PixelProbe, Probe};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use glam::Vec3;
+use import::read_mesh;
 use math::sampling::uniform;
-use scene::import::read_mesh;
 use world::geometry::{Ray, Shape, Sphere, Triangle};
 use world::scene::{MaterialId, ObjectId, Primitive};
 

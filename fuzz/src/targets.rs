@@ -4,14 +4,14 @@
 use std::path::{Path, PathBuf};
 
 use base::text::Diagnostic;
+use import::{
+    IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface, read_lines,
+    read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
+};
 use output::estimate::Memory;
 use output::results::{self, FrameFile, HitsFile};
 use scene::build::Geometries;
 use scene::config::Config;
-use scene::import::{
-    IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface, read_lines,
-    read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,
-};
 use scene::yaml::Source;
 use serde_json::Value;
 use tempfile::TempDir;

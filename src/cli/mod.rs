@@ -35,7 +35,6 @@ use clap::{Parser, Subcommand};
 pub use failure::Failure;
 
 use crate::session;
-use ::scene::import;
 use base::stop::{self, Cancellation};
 use base::text::numbers::shell_word;
 use base::text::{self, Diagnostic, one_line, shortened};

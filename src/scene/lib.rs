@@ -5,11 +5,9 @@
 //! of names. A mistake is a message with the line of the file.
 //!
 //! Read [`config`] first, the sections of a file, then [`build`], which places them in a
-//! [`Scene`](world::scene::Scene). [`yaml`] turns text into values, [`import`] reads meshes, points and
-//! pictures.
+//! [`Scene`](world::scene::Scene). [`yaml`] turns text into values.
 
 pub mod yaml;
-pub mod import;
 pub mod animation;
 pub mod config;
 pub mod build;

@@ -12,7 +12,6 @@ use render::film;
 use render::tiles::least_repeats;
 use scene::build::SceneFrame;
 use scene::config::{Config, Geometry};
-use scene::import;
 
 use super::this_build;
 use base::text::Diagnostic;

@@ -2,8 +2,8 @@
 //! subcommand.
 
 use clap::CommandFactory;
+use import::read_mesh;
 use raycost::cli::Cli;
-use scene::import::read_mesh;
 use tracer::cost::Metric;
 
 use crate::book::pages;

@@ -5,9 +5,9 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec3};
+use import::{Finish, Mesh, MeshOpacity, read_mesh, read_mesh_with_materials};
 use scene::build::Geometries;
 use scene::config::Config;
-use scene::import::{Finish, Mesh, MeshOpacity, read_mesh, read_mesh_with_materials};
 use serde_json::{Value, json};
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
@@ -376,11 +376,7 @@ fn json_with_a_buffer_inside_or_beside_it_is_the_same() {
     let path = folder.path().join("sign.gltf");
     std::fs::write(&path, file.gltf("a%20sign.bin")).unwrap();
     assert_eq!(read_mesh_with_materials(&path, 1 << 20).unwrap(), binary);
-    assert_eq!(
-        scene::import::pieces_of(&path).len(),
-        0,
-        "its name is encoded"
-    );
+    assert_eq!(import::pieces_of(&path).len(), 0, "its name is encoded");
     let alone = read_mesh(&path).unwrap();
     assert_eq!((alone.materials.len(), alone.material_of.len()), (0, 0));
 }

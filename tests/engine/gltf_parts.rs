@@ -4,7 +4,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
-use scene::import::{Finish, Mesh};
+use import::{Finish, Mesh};
 use serde_json::{Value, json};
 
 use crate::common::radiance;

@@ -5,13 +5,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use scene::animation;
-use scene::build::{Geometries, Timeline};
-use scene::config::Config;
-use scene::import::{
+use import::{
     PlaceArrays, RadiusChoice, read_mesh, read_mesh_with, read_places, read_series, read_spheres,
     read_tubes,
 };
+use scene::animation;
+use scene::build::{Geometries, Timeline};
+use scene::config::Config;
 use scene::yaml::{Document, Source};
 use tools::study::StudyPlan;
 use world::material::ArrayChoice;

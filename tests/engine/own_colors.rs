@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use glam::Vec3;
+use import::{Finish, read_mesh_with_materials};
 use scene::build::Geometries;
 use scene::config::Config;
-use scene::import::{Finish, read_mesh_with_materials};
 use tracer::accel::Accel;
 use tracer::cost::{NoProbe, RayKind};
 use tracer::trace::Tracer;
@@ -88,7 +88,7 @@ fn colors_out_of_range_are_refused_in_ply_and_none_in_obj() {
     let read = |name: &str, text: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        scene::import::read_mesh(&path)
+        import::read_mesh(&path)
     };
     let fault = read("a.ply", &ply("float", ["255", "0"]))
         .unwrap_err()
@@ -504,7 +504,7 @@ fn damaged_materials_never_panic() {
             let whole = std::fs::read(&path).unwrap();
             std::fs::write(&path, bytes).unwrap();
             let mesh = folder.path().join("chair.obj");
-            match scene::import::read_mesh_with_materials(&mesh, 1 << 20) {
+            match import::read_mesh_with_materials(&mesh, 1 << 20) {
                 Ok(mesh) => {
                     let (_, parts) = mesh.into_parts();
                     assert!(parts.iter().all(|part| !part.mesh.triangles.is_empty()));

@@ -49,7 +49,7 @@ fn without_hdf5_files_of_a_scene_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("flow.vtkhdf");
     std::fs::write(&file, b"\x89HDF\r\n\x1a\n").unwrap();
-    let fault = scene::import::read_mesh(&file).unwrap_err().to_string();
+    let fault = import::read_mesh(&file).unwrap_err().to_string();
     assert!(fault.contains("--features hdf5"), "{fault}");
     assert!(fault.contains("flow.vtkhdf"), "{fault}");
 }

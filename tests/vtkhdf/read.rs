@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use scene::import::{
+use import::{
     DataFile, FileFault, IsosurfaceChoice, Mesh, RadiusChoice, Spheres, read_isosurface,
     read_mesh_with, read_points, time_steps,
 };

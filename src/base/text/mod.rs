@@ -3,14 +3,16 @@
 mod cell;
 mod diagnostic;
 mod keyword;
-pub mod numbers;
 mod suggestion;
+mod missing;
+pub mod numbers;
 mod terminal;
 
 pub use cell::{text_cell, text_of_cell};
 pub use diagnostic::Diagnostic;
 pub use diagnostic::{line_start, shortened};
 pub use keyword::{keyword, keyword_name};
+pub use missing::why_missing;
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;
 pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json, wrapped};

@@ -9,12 +9,12 @@ use crate::cli::{shell_word, shown};
 use base::folder::SUMMARY;
 use base::text::{Diagnostic, keyword_name};
 use crop::Crop;
+use import::ForeignFormat;
 use output::summary::Summary;
 use scene::config::{
     Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
     RatioMetrics, Repeats, Structure, TileOrder, Tiling,
 };
-use scene::import::{self, ForeignFormat};
 use scene::yaml::{self, Document, Fault, Source};
 use tools::series::frame_folder;
 use tools::starter::{self, UpAxis};

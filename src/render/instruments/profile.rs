@@ -100,7 +100,7 @@ mod sampler {
     }
 
     /// The program's crates, as the names of their functions begin.
-    const CRATES: [&str; 10] = [
+    const CRATES: [&str; 11] = [
         "raycost::",
         "base::",
         "math::",
@@ -108,6 +108,7 @@ mod sampler {
         "world::",
         "scene::",
         "tracer::",
+        "import::",
         "render::",
         "output::",
         "tools::",

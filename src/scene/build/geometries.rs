@@ -12,11 +12,11 @@ use super::own_materials::{self, Names};
 use super::pictures::Pictures;
 use crate::config::{
     Config, Creases, Generator, Geometry, GeometryFile, InstancePlaces, InstancedMesh, MeshFile,
-    MeshNormals, Object,
+    MeshNormals, Object, at_value,
 };
-use crate::import::{self, DataFile, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes};
 use crate::yaml::{Fault, FieldPath, Folders};
 use base::text::numbers::memory_sizes;
+use import::{DataFile, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes};
 use world::geometry::{Located, Shape, Transform, TransformStep, world_from_object};
 use world::light::Light;
 use world::material::{ArrayChoice, ArrayTexture};
@@ -348,14 +348,14 @@ pub(super) fn read_checked(
     };
     let file = if import::is_series(chosen) {
         let series = import::read_series(folder, file.file());
-        let DataSeries(steps) = series.map_err(|fault| fault.at_value(path))?;
+        let DataSeries(steps) = series.map_err(at_value(path))?;
         of_series = file.at(&steps[0]);
         &of_series
     } else {
         file
     };
     check_size(&folder.join(file.file()), available, path)?;
-    read(file, folder, extra).map_err(|fault| fault.at_value(path))
+    read(file, folder, extra).map_err(at_value(path))
 }
 
 /// Reads the mesh of instances and their places; `path` leads to the instances.
@@ -377,7 +377,7 @@ fn read_instances<F: Folders + ?Sized>(
         extra => extra,
     };
     let mesh = read_mesh(&instances.mesh, &file, mesh_extra);
-    let mut mesh = mesh.map_err(|fault| fault.at_value(&of_mesh))?;
+    let mut mesh = mesh.map_err(at_value(&of_mesh))?;
     let available = available.saturating_sub(mesh.n_bytes());
     let (places, scalars) = read_places(
         instances,
@@ -440,7 +440,7 @@ fn read_places<F: Folders + ?Sized>(
             }
             check_size(&file, available, &path)?;
             let read = points.read(&file, array);
-            let read = read.map_err(|fault| fault.at_value(&path))?;
+            let read = read.map_err(at_value(&path))?;
             let scalars = array.map(|_| read.iter().map(|place| place.scalar).collect());
             Ok((read.iter().map(InstancePlace::matrix).collect(), scalars))
         }
@@ -472,7 +472,7 @@ fn check_room(needed: u64, available: u64, path: &FieldPath) -> Result<(), Fault
 
 /// Returns an error if the file may not fit into memory, whatever it contains.
 fn check_size(file: &Path, available: u64, path: &FieldPath) -> Result<(), Fault> {
-    let needed = import::max_bytes(file).map_err(|fault| fault.at_value(path))?;
+    let needed = import::max_bytes(file).map_err(at_value(path))?;
     if needed <= available {
         return Ok(());
     }

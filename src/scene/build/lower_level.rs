@@ -5,8 +5,8 @@ use glam::{DAffine3, DVec3};
 use super::geometries::MeshInstances;
 use super::placement::Placement;
 use crate::config::Config;
-use crate::import::Mesh;
 use crate::yaml::{Fault, FieldPath};
+use import::Mesh;
 use world::geometry::{InstanceTransform, RenderSpace};
 use world::scene::{Attributes, LowerLevel, MaterialId};
 

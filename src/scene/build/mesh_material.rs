@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::import::{Finish, MeshMaterial, MeshOpacity, MeshPicture};
+use import::{Finish, MeshMaterial, MeshOpacity, MeshPicture};
 use world::material::{
     Dielectric, ImageTexture, Mapping, Material, MaterialKind, NormalMap, Opacity, Principled,
     Texture, VertexColors,

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::mesh_material::{MaterialDetail, material_of_mesh};
 use crate::config::{Config, Geometry, MaterialNames, Object};
-use crate::import::{Mesh, MeshPart};
+use import::{Mesh, MeshPart};
 use world::shading::ShadingModel;
 
 /// Maximum number of characters of a file's or material's name in the name of a part.

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::config::{Config, Geometry, GeometryFile, Object};
-use crate::import::read_picture;
+use crate::config::{Config, Geometry, GeometryFile, Object, at_value};
 use crate::yaml::{Fault, FieldPath, Folders};
+use import::read_picture;
 use world::background::Background;
 use world::color::Transfer;
 use world::material::Material;
@@ -68,7 +68,7 @@ impl Pictures {
         if !self.read.contains_key(&source) {
             let available = available.saturating_sub(self.n_bytes());
             let picture = read_picture(&source.0, transfer, available);
-            let picture = picture.map_err(|fault| fault.at_value(path))?;
+            let picture = picture.map_err(at_value(path))?;
             self.read.insert(source.clone(), picture);
         }
         Ok(source)

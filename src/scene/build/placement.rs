@@ -4,9 +4,9 @@ use glam::{DAffine3, DVec3, Vec3};
 
 use super::geometries::ObjectGeometry;
 use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
-use crate::import::{Mesh, Spheres};
 use crate::yaml::{Fault, FieldPath};
 use base::stop;
+use import::{Mesh, Spheres};
 use world::geometry::{Located, RenderSpace, Shape, Transform, world_from_object};
 use world::material::Material;
 use world::scene::{Attributes, CornerAttributes, CornerValues, MaterialId, ObjectId, Primitive};

@@ -3,10 +3,10 @@
 use super::arrays;
 use super::geometries::{Extra, read_checked};
 use crate::animation::Animation;
-use crate::config::{Config, Geometry, GeometryFile};
-use crate::import::{self, DataSeries};
+use crate::config::{Config, Geometry, GeometryFile, at_value};
 use crate::yaml::{Fault, FieldPath, Folders};
 use base::stop;
+use import::DataSeries;
 
 /// The frames of a scene that changes over time.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ impl Timeline {
             };
             let path = file_path(index, file);
             let found = import::time_steps(folders.folder_of(&path), file.data_file());
-            let found = found.map_err(|fault| fault.at_value(&path))?;
+            let found = found.map_err(at_value(&path))?;
             series.extend(found.map(|found| (index, found)));
         }
         if config.animation.is_none() && series.is_empty() {
@@ -188,7 +188,7 @@ fn file_path(index: usize, file: &GeometryFile) -> FieldPath {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::TimeStep;
+    use import::TimeStep;
 
     fn timeline(n_frames: u32, times: &[f64]) -> Timeline {
         let step = |&time: &f64| TimeStep {

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::isosurface::Isosurface;
 use super::normals::MeshNormals;
 use super::same_or_array::{NumberArray, SameOrArray};
-use crate::import::{self, DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes};
+use crate::yaml::{Fault, FieldPath};
+use import::{DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes};
 use world::material::ArrayChoice;
 use world::values;
 
@@ -229,6 +230,15 @@ impl MeshFile {
     pub fn data_file<'a>(&self, path: &'a Path) -> DataFile<'a> {
         let step = self.step;
         DataFile { path, step }
+    }
+}
+
+/// Returns the conversion of the fault of a file to the fault of the scene's value at `path`, which
+/// names the file.
+pub fn at_value(path: &FieldPath) -> impl Fn(FileFault) -> Fault {
+    move |fault| Fault {
+        help: fault.why_missing(),
+        ..Fault::new(path.clone(), fault.message(), fault.expectation())
     }
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::file::MeshFile;
 use super::generator::MAX_SHAPES;
 use super::place_scale::PlaceScale;
-use crate::import::{self, InstancePlace, PlaceArrays};
+use import::{InstancePlace, PlaceArrays};
 use math::sampling::uniform;
 use world::geometry::TransformStep;
 use world::material::ArrayChoice;

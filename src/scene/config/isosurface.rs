@@ -3,7 +3,7 @@
 use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
 
-use crate::import::IsosurfaceChoice;
+use import::IsosurfaceChoice;
 use world::material::{ArrayChoice, ArrayOf};
 use world::values;
 use world::values::OneOrList;

@@ -31,7 +31,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 pub use adaptive::{Adaptive, MAX_SAMPLES};
-pub use file::{GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile};
+pub use file::{
+    GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile, at_value,
+};
 pub use film::FilmSettings;
 pub use generator::{Generator, MAX_SHAPES, SphereCloud, SphereGrid};
 pub use image::{Image, MAX_SIDE, PictureWindow};
@@ -51,9 +53,7 @@ use crate::animation::Animation;
 use crate::yaml::{Fault, FieldPath, Merging, Refusal, YamlFile, deserialize};
 pub use math::sampling::{PixelFilter, PixelPattern};
 pub use tracer::accel::{Acceleration, HierarchyUpdate, Quality, Structure, Traversal};
-pub use tracer::cost::{
-    CostMode, MAX_METRICS, PixelArray, RatioMetric, RatioMetrics, WrittenArrays,
-};
+pub use tracer::cost::{CostMode, PixelArray, RatioMetric, RatioMetrics, WrittenArrays};
 use vtk::Codec;
 use world::background::Background;
 use world::camera::Camera;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
 
-use crate::import::Tubes;
+use import::Tubes;
 use world::geometry::{Sphere, origin_near};
 use world::values;
 use world::values::OneOrList;

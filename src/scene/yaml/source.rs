@@ -10,7 +10,6 @@ use serde::de::DeserializeOwned;
 use super::deserialize::{Refusal, YamlFile, deserialize};
 use super::fault::{Fault, Spot};
 use super::field_path::FieldPath;
-use super::missing::why_missing;
 use super::mistakes::{self, Explain};
 use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
@@ -19,6 +18,7 @@ use super::tree::Tree;
 use base::files;
 use base::host::{advice, available_memory};
 use base::text::Diagnostic;
+use base::text::why_missing;
 
 /// Maximum length of a scene file in bytes.
 pub(super) const MAX_BYTES: u64 = 64 << 20;

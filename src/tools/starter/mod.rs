@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use base::host::available_memory;
 use base::text::{Diagnostic, one_line};
-use scene::import::{self, DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
+use import::{DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
 use scene::yaml::{Source, quoted};
 use world::geometry::{Aabb, Sphere};
 use world::values::MAX_NAME;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use scene::import::{
+use import::{
     PlaceArrays, RadiusChoice, Spheres, read_mesh_with_materials, read_places, read_spheres,
     read_tubes,
 };

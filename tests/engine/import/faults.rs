@@ -1,6 +1,6 @@
 //! The messages about faults in geometry files, and their positions.
 
-use scene::import::read_spheres;
+use import::read_spheres;
 
 use super::{mesh_of, message, reading};
 

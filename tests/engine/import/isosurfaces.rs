@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::Command;
 
 use glam::{DVec3, Vec3};
+use import::{FileFault, IsosurfaceChoice, Mesh, read_isosurface};
 use proptest::prelude::*;
-use scene::import::{FileFault, IsosurfaceChoice, Mesh, read_isosurface};
 use world::material::{ArrayChoice, ArrayOf};
 
 use super::{message, reading};

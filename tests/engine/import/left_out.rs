@@ -1,7 +1,7 @@
 //! Files of which a line is of no consequence: their mesh is read, with a note on what is left out.
 
 use glam::{Vec2, Vec3};
-use scene::import::{Mesh, RadiusChoice, read_points};
+use import::{Mesh, RadiusChoice, read_points};
 
 use super::write::{binary_stl, stl};
 use super::{mesh_of, message, reading, tetrahedron};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::Vec3;
-use scene::import::{RadiusChoice, Tubes, read_lines, read_tubes};
+use import::{RadiusChoice, Tubes, read_lines, read_tubes};
 use world::geometry::{Capsule, Shape};
 use world::material::{ArrayChoice, ArrayOf};
 

@@ -15,8 +15,8 @@ use crate::common::generators::cases;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
+use import::{FileFault, Mesh, RadiusChoice, read_mesh, read_spheres, read_tubes};
 use proptest::prelude::*;
-use scene::import::{FileFault, Mesh, RadiusChoice, read_mesh, read_spheres, read_tubes};
 use world::material::{ArrayChoice, ArrayOf};
 use world::scene::CornerValues;
 use write::{Encoding, binary_stl, obj, ply, stl};
@@ -203,11 +203,11 @@ fn a_face_without_normals_keeps_its_own_among_others() {
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("none.obj"), PathBuf::from("none.csv")] {
-        let error = message(scene::import::max_bytes(&path));
+        let error = message(import::max_bytes(&path));
         assert!(error.starts_with(": cannot read it: "), "{error}");
     }
     assert_eq!(
-        message(scene::import::max_bytes(folder.path())),
+        message(import::max_bytes(folder.path())),
         ": it is not a file, expected a file"
     );
 }

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use glam::Vec3;
-use scene::import::{
-    FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points, read_spheres,
-};
+use import::{FileFault, Mesh, RadiusChoice, read_mesh, read_mesh_with, read_points, read_spheres};
 use world::material::{ArrayChoice, ArrayOf};
 
 use super::{message, reading};

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use glam::Vec3;
-use scene::import::read_mesh;
+use import::read_mesh;
 use serde_json::Value;
 
 use crate::common::{assert_success, in_repository};

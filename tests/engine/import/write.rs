@@ -1,7 +1,7 @@
 //! Writers of meshes, plain enough to be right.
 
 use glam::Vec3;
-use scene::import::Mesh;
+use import::Mesh;
 
 /// The mesh as OBJ, in as many of its forms as it has.
 pub fn obj(mesh: &Mesh) -> Vec<u8> {

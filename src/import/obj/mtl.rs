@@ -8,13 +8,13 @@ use std::path::Path;
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use crate::import::left_out::LeftOut;
-use crate::import::lines::Lines;
-use crate::import::materials::{
+use crate::left_out::LeftOut;
+use crate::lines::Lines;
+use crate::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
 };
-use crate::import::picture::bytes_of_file;
-use crate::import::{FileFault, FileLocation, Result, open};
+use crate::picture::bytes_of_file;
+use crate::{FileFault, FileLocation, Result, open};
 use world::color::Transfer;
 use world::picture::{Sampling, Wrap};
 

@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use serde_ply::{ElementDef, PlyHeader, PropertyType, ScalarType};
 
-use crate::import::fault::cut;
-use crate::import::mesh::count;
-use crate::import::{FileFault, Result};
+use crate::fault::cut;
+use crate::mesh::count;
+use crate::{FileFault, Result};
 
 /// The accepted names of a face's list of vertices.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];

@@ -9,7 +9,7 @@ use ndarray::{ArrayD, IxDyn};
 use super::super::super::{FileFault, Result};
 use super::super::budget::Budget;
 use super::super::numbers::{ByteOrder, NumberType, Numbers};
-use crate::import::fault::cut;
+use crate::fault::cut;
 
 /// Maximum expansion of a byte by zlib, rounded up; other filters of HDF5 expand less.
 const MAX_INFLATION: u64 = 1100;

@@ -12,9 +12,9 @@ use super::attributes::{Moving, attribute};
 use super::materials::{self, Placing};
 use super::nodes::PlacedMesh;
 use super::pose::{MeshPose, normal_matrix};
-use crate::import::budget::Budget;
-use crate::import::mesh::{Mesh, append_corners, completed, count, fan, finite, moved, point};
-use crate::import::{FileFault, Result};
+use crate::budget::Budget;
+use crate::mesh::{Mesh, append_corners, completed, count, fan, finite, moved, point};
+use crate::{FileFault, Result};
 use base::text::numbers::counted;
 use world::scene::CornerValues;
 

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use base::text::did_you_mean;
+use super::suggestion::did_you_mean;
 
 /// Maximum number of files of a folder to search for a similar name.
 const MAX_NAMES: usize = 1000;
 
 /// Returns the likely reason why a file is missing; `None` if it exists, or no reason is known.
-pub(crate) fn why_missing(path: &Path) -> Option<String> {
+pub fn why_missing(path: &Path) -> Option<String> {
     if path.exists() {
         return None;
     }

@@ -4,8 +4,8 @@ use super::super::budget::Budget;
 use super::super::document::Element;
 use super::super::encoded::{ArrayEncoding, Base64, Encoded};
 use super::super::numbers::{ByteOrder, NumberType, Numbers};
-use crate::import::fault::cut;
-use crate::import::{FileFault, Result};
+use crate::fault::cut;
+use crate::{FileFault, Result};
 use vtk::Compressor;
 
 /// Reads the arrays of a file.

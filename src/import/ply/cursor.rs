@@ -3,8 +3,8 @@
 use std::cell::Cell;
 use std::io::{self, BufRead, Chain, Read};
 
-use crate::import::GeometryFileReader;
-use crate::import::lines::BYTE_ORDER_MARK;
+use crate::GeometryFileReader;
+use crate::lines::BYTE_ORDER_MARK;
 
 /// The position of a [`Cursor`].
 #[derive(Debug, Default)]

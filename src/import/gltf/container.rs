@@ -9,9 +9,9 @@ use memchr::memchr_iter;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use crate::import::budget::Budget;
-use crate::import::fault::cut;
-use crate::import::{FileFault, FileLocation, Result};
+use crate::budget::Budget;
+use crate::fault::cut;
+use crate::{FileFault, FileLocation, Result};
 use base::text::numbers::counted;
 
 const MAGIC: &[u8] = b"glTF";

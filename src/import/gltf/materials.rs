@@ -14,13 +14,13 @@ use gltf_json::{Index, Root, image, texture};
 
 use super::buffers::{Buffers, embedded};
 use super::glossy::{MetallicColor, roughness_picture, specular_glossiness};
-use crate::import::budget::Budget;
-use crate::import::materials::{
+use crate::budget::Budget;
+use crate::materials::{
     Finish, MAX_MATERIALS, MeshMaterial, MeshOpacity, MeshPicture, PictureShelf, path_in,
 };
-use crate::import::percent::percent_decoded;
-use crate::import::picture::{PictureBytes, bytes_of_file};
-use crate::import::{FileFault, Result};
+use crate::percent::percent_decoded;
+use crate::picture::{PictureBytes, bytes_of_file};
+use crate::{FileFault, Result};
 use world::color::Transfer;
 use world::picture::{Sampling, TexelFilter, Wrap};
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
-use crate::import::{FileFault, Result};
+use crate::{FileFault, Result};
 
 /// The values of a row's properties, by their indices.
 #[derive(Debug, Default)]

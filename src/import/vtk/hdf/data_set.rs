@@ -10,14 +10,14 @@ use super::super::piece::{Piece, Wanted};
 use super::reader::HdfReader;
 use super::rows::{Datasets, damaged, missing};
 use super::values::text;
-use crate::import::fault::cut;
+use crate::fault::cut;
 use base::files;
 
 /// Returns the times of the steps of a file; none if it has no steps.
 ///
 /// # Errors
 /// The file cannot be read or is damaged.
-pub(in crate::import) fn read_times(path: &Path) -> Result<Vec<f64>> {
+pub(crate) fn read_times(path: &Path) -> Result<Vec<f64>> {
     let (root, n_file_bytes) = open(path)?;
     let Ok(steps) = root.group("Steps") else {
         return Ok(Vec::new());

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexSet;
 
 use super::mtl;
-use crate::import::fault::{READABLE, cut};
-use crate::import::materials::{
+use crate::fault::{READABLE, cut};
+use crate::materials::{
     MAX_MATERIALS, MeshMaterial, PictureShelf, missing_note, of_reference, path_in,
 };
-use crate::import::mesh::Mesh;
-use crate::import::{FileFault, Result, Surroundings};
+use crate::mesh::Mesh;
+use crate::{FileFault, Result, Surroundings};
 
 /// The statements about materials and objects so far.
 #[derive(Default)]

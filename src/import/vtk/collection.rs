@@ -5,15 +5,15 @@ use super::document::parse;
 
 /// The files of a time step: its parts.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::import) struct ListedStep {
+pub(crate) struct ListedStep {
     /// Paths relative to the list's folder, at least one.
-    pub(in crate::import) files: Vec<String>,
-    pub(in crate::import) time: f64,
+    pub(crate) files: Vec<String>,
+    pub(crate) time: f64,
 }
 
 impl ListedStep {
     /// Creates a time step of one file.
-    pub(in crate::import) fn new(file: String, time: f64) -> Self {
+    pub(crate) fn new(file: String, time: f64) -> Self {
         let files = vec![file];
         Self { files, time }
     }
@@ -21,7 +21,7 @@ impl ListedStep {
 
 /// Returns the time steps of a `.pvd` in the order of their times, as ParaView does: files of the
 /// same time are its parts, and files without a time are of time 0.
-pub(in crate::import) fn read(bytes: &[u8]) -> Result<Vec<ListedStep>> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Vec<ListedStep>> {
     let (root, _) = parse(bytes)?;
     let collection = root.child("Collection").ok_or_else(|| {
         FileFault::new(

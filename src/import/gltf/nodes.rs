@@ -12,8 +12,8 @@ use serde_json::Value;
 use super::accessor::Accessors;
 use super::container::{INSTANCING, VISIBILITY};
 use super::lights;
-use crate::import::budget::Budget;
-use crate::import::{FileFault, Result};
+use crate::budget::Budget;
+use crate::{FileFault, Result};
 use world::light::Light;
 
 /// The meshes and the lights of a scene.

@@ -1,8 +1,8 @@
 //! The words of a legacy file.
 
 use super::super::numbers::ByteOrder;
-use crate::import::fault::cut;
-use crate::import::{FileFault, Result};
+use crate::fault::cut;
+use crate::{FileFault, Result};
 
 /// The words of a file; in binary files, with bytes between them.
 pub(super) struct Words<'a> {

@@ -9,7 +9,7 @@ use super::super::xml::IDENTITY;
 use super::reader::HdfReader;
 use super::rows::missing;
 use super::values::numbers;
-use crate::import::fault::cut;
+use crate::fault::cut;
 
 impl HdfReader<'_> {
     /// Reads an image.

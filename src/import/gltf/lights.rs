@@ -8,7 +8,7 @@ use gltf_json::scene::Node;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
-use crate::import::{FileFault, Result};
+use crate::{FileFault, Result};
 use world::light::{DirectionalLight, Falloff, Light, PointLight, SpotLight};
 
 /// Returns the light of a node, if it has one.

@@ -7,8 +7,8 @@ use gltf_json::mesh::{MorphTarget, Primitive, Semantic};
 use gltf_json::validation::Checked;
 
 use super::accessor::Accessors;
-use crate::import::budget::Budget;
-use crate::import::{FileFault, Result};
+use crate::budget::Budget;
+use crate::{FileFault, Result};
 
 /// A primitive whose vertices morph targets move.
 pub(super) struct Moving<'a> {

@@ -5,8 +5,8 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root, buffer};
 
 use super::buffers::Buffers;
-use crate::import::budget::Budget;
-use crate::import::{FileFault, Result};
+use crate::budget::Budget;
+use crate::{FileFault, Result};
 
 /// The accessors of a file.
 #[derive(Clone, Copy)]

@@ -5,8 +5,8 @@ use super::super::cells::{Cells, POLY_LINE, POLY_VERTEX, POLYGON, STRIP};
 use super::super::numbers::Numbers;
 use super::super::piece::{Lattice, Piece, PieceArrays, PointPositions, Topology};
 use super::super::xml::IDENTITY;
-use crate::import::fault::cut;
-use crate::import::{FileFault, Result};
+use crate::fault::cut;
+use crate::{FileFault, Result};
 
 /// The sections of a file read so far.
 #[derive(Debug, Default)]

@@ -5,8 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use crate::yaml::{Fault, FieldPath, why_missing};
-use base::text::Diagnostic;
+use base::text::{Diagnostic, why_missing};
 
 /// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,27 +81,19 @@ impl FileFault {
         self
     }
 
-    /// Returns the fault of the scene file's value at `path`, which names the file.
-    pub fn at_value(&self, path: &FieldPath) -> Fault {
-        let fault = Fault::new(path.clone(), self.message(), self.expectation());
-        Fault {
-            help: self.why_missing(),
-            ..fault
-        }
-    }
-
     /// Returns the diagnostic of a file that the command line names.
     pub fn of_argument(&self) -> Diagnostic {
         let help = self.why_missing().unwrap_or_else(|| self.expectation());
         Diagnostic::new(self.message()).with_help(help)
     }
 
-    fn expectation(&self) -> String {
+    /// Returns the expected value as a part of a sentence.
+    pub fn expectation(&self) -> String {
         format!("expected {}", self.expected)
     }
 
     /// Returns the likely reason why the system does not open the file, if one is known.
-    fn why_missing(&self) -> Option<String> {
+    pub fn why_missing(&self) -> Option<String> {
         let is_missing = self.expected == READABLE;
         is_missing.then(|| why_missing(Path::new(&self.file)))?
     }

@@ -8,10 +8,10 @@ use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf_json::{Buffer, Index, Root, buffer};
 
-use crate::import::budget::Budget;
-use crate::import::materials::{of_reference, path_in};
-use crate::import::percent::{percent_decoded, percent_decoded_bytes};
-use crate::import::{FileFault, Result, max_bytes, open, read_whole};
+use crate::budget::Budget;
+use crate::materials::{of_reference, path_in};
+use crate::percent::{percent_decoded, percent_decoded_bytes};
+use crate::{FileFault, Result, max_bytes, open, read_whole};
 
 /// The bytes of all buffers; the fault of a buffer matters only where it is used.
 pub(super) struct Buffers<'a>(Vec<Result<Cow<'a, [u8]>>>);

@@ -5,8 +5,8 @@ use gltf_json::mesh::{Primitive, Semantic};
 
 use super::accessor::Accessors;
 use super::nodes::PlacedMesh;
-use crate::import::budget::Budget;
-use crate::import::{FileFault, Result};
+use crate::budget::Budget;
+use crate::{FileFault, Result};
 
 /// The places of the vertices of a mesh in the scene.
 pub(super) enum MeshPose<'a> {
