@@ -133,3 +133,14 @@ fn paths_of_included_files_start_from_the_scene() {
     let pixels = |png: &[u8]| image::load_from_memory(png).unwrap().into_rgb8();
     assert!(pixels(&given) == pixels(&resolved) && given != resolved);
 }
+
+#[test]
+fn only_scenes_are_resolved() {
+    let mut command = raycost();
+    let study = in_repository("configs/studies/tiles.yaml");
+    let output = command.arg("check").arg(study).arg("--resolved").output();
+    let output = output.unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("is a study"), "{message}");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+}

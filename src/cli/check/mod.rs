@@ -72,6 +72,18 @@ struct CheckedScene<'a> {
 }
 
 impl CheckArguments {
+    /// Refuses `--resolved` for another thing than a scene.
+    fn refuse_resolved(&self, kind: &str) -> Result<(), Diagnostic> {
+        if !self.resolved {
+            return Ok(());
+        }
+        let message = format!(
+            "{} is {kind}, which has no defaults",
+            shown(&self.scene.scene)
+        );
+        Err(Diagnostic::new(message).with_help("`--resolved` prints a scene: give one"))
+    }
+
     /// Checks a scene that a study measures, without printing a report. Returns the files that
     /// determine its picture.
     ///
@@ -116,6 +128,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if let Some(parts) = outputs_in(&arguments.scene.scene)? {
+        arguments.refuse_resolved("an output folder")?;
         let whole = verified(&arguments.scene.scene, &parts)?;
         return print(arguments, || whole.lines(), || whole.json());
     }
@@ -127,6 +140,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         if arguments.scene.changes_scene() {
             return Err(study::refuse_flags().into());
         }
+        arguments.refuse_resolved("a study")?;
         let study = study::checked(&source)?;
         return print(arguments, || study.lines(), || study.json());
     }
