@@ -138,7 +138,8 @@ mod tests {
     #[test]
     fn the_map_is_seen_from_outside() {
         let keys = "{ center: [1, 2, 3], up: [0, 0, 1], front: [0, -1, 0.5] }";
-        let sphere: Spherical = scene::yaml::from_str(keys).unwrap();
+        let mut sphere: Spherical = scene::yaml::from_str(keys).unwrap();
+        sphere.in_space(&RenderSpace::default());
         for (direction, expected) in [
             ([0.0, -2.0, 0.0], [0.5, 0.5]),
             ([2.0, 0.0, 0.0], [0.75, 0.5]),
