@@ -77,11 +77,8 @@ impl CheckArguments {
         if !self.resolved {
             return Ok(());
         }
-        let message = format!(
-            "{} is {kind}, which has no defaults",
-            shown(&self.scene.scene)
-        );
-        Err(Diagnostic::new(message).with_help("`--resolved` prints a scene: give one"))
+        let message = format!("{} is {kind}, not a scene", shown(&self.scene.scene));
+        Err(Diagnostic::new(message).with_help("leave out `--resolved`, which prints a scene"))
     }
 
     /// Checks a scene that a study measures, without printing a report. Returns the files that
