@@ -63,11 +63,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "out/two_spheres.png shows {} pixels of spheres",
         film.n_hits()
     );
-    let Cost {
-        node_visits,
-        primitive_tests,
-        ..
-    } = cost;
-    println!("one ray: {node_visits} node visits, {primitive_tests} primitive tests");
+    println!(
+        "one ray: {} node visits, {} primitive tests",
+        cost.node_visits, cost.primitive_tests
+    );
     Ok(())
 }

@@ -290,8 +290,8 @@ impl Format {
                     .source()
                     .map_or(other.to_string(), |own| own.to_string());
                 if reason.contains("subsampling") {
-                    let problem = "its channels have different resolutions, as those of luminance \
-                                   and chroma (`Y`, `RY`, `BY`) often do";
+                    let problem = "its channels have different resolutions, as luminance and \
+                                   chroma (`Y`, `RY`, `BY`) often do";
                     return FileFault::new(problem, "the channels `R`, `G` and `B`");
                 }
                 FileFault::new(

@@ -23,14 +23,15 @@ use world::scene::{Instance, Primitive, SurfaceClass};
 const COUNTERS: usize = 8;
 /// Bytes per pixel to write the files, measured: with a metric and its map, and without.
 const WRITING: [usize; 2] = [12, 4];
-/// Bytes to survey the pieces of a picture: histograms, and the map of costs.
+/// Bytes to survey the pieces of a picture by histograms.
 const SURVEY: u64 = 8 << 20;
+/// Maximum bytes of the map of costs of a picture in pieces.
 const MOST_OF_MAP: u64 = 64 << 20;
 /// Numbers of a pixel that only `image.exr` has: light, albedo, position and depth, less the color
 /// and the place.
 const ONLY_IN_LAYERS: usize = 5;
 
-/// Bytes of an ellipsoid beyond those of a sphere, measured: its transform, and more of a leaf.
+/// Bytes that an ellipsoid takes and a sphere does not, measured: its transform, and more of a leaf.
 const STRETCHED: usize = size_of::<Transform>() + 96;
 
 /// The expected memory of one rendering, in bytes.
@@ -57,11 +58,7 @@ impl Memory {
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
         let bare = Self::of_primitives(config, geometries, of_attribution);
         let n_pixels = config.image.n_pixels() as u64;
-        let of_layers = if config.output.has(OptionalOutput::Exr) {
-            writers::LAYERS_MEMORY.min(4 * layer_bytes(config)) / 2
-        } else {
-            0
-        };
+        let of_layers = writers::LAYERS_MEMORY.min(4 * layer_bytes(config)) / 2;
         Self {
             film: of_tiles(config) + n_pixels * pixel_bytes(config) + of_files(config) + of_layers,
             ..bare
@@ -105,7 +102,7 @@ impl Memory {
         Self::of_primitives(config, geometries, 0)
     }
 
-    /// Estimates the memory of the scene with so many bytes of costs per primitive.
+    /// Estimates the memory of the scene with this many bytes of costs per primitive.
     fn of_primitives(config: &Config, geometries: &Geometries, of_attribution: usize) -> Self {
         let n_primitives = geometries.n_primitives();
         Self {
@@ -153,8 +150,11 @@ pub fn least_disk(config: &Config, is_stored: bool) -> u64 {
     of_frame + (config.image.n_pixels() * n_stored * stored) as u64
 }
 
-/// Returns the bytes of all layers of `image.exr` before compression.
+/// Returns the bytes of all layers of `image.exr` before compression; 0 without the file.
 pub(crate) fn layer_bytes(config: &Config) -> u64 {
+    if !config.output.has(OptionalOutput::Exr) {
+        return 0;
+    }
     let numbers = columns(config.cost, config.repeats).map(|column| column.n_components);
     let n_numbers = numbers.sum::<usize>() + ONLY_IN_LAYERS;
     (config.image.n_pixels() * n_numbers * size_of::<f32>()) as u64
@@ -213,7 +213,8 @@ pub(crate) fn has_bars(config: &Config) -> bool {
     arrays.any(|array| array.bar.is_some())
 }
 
-fn grid(config: &Config) -> TileGrid {
+/// Returns the tiles of the picture.
+pub(crate) fn grid(config: &Config) -> TileGrid {
     let Image { width, height, .. } = config.image;
     TileGrid::new(width, height, config.tiles.size)
 }

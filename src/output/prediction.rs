@@ -9,7 +9,6 @@ use crate::look::Look;
 use crate::sample::{Length, RowSample, small_picture};
 use crate::writers::{self, Request};
 use render::attribution::{Hierarchy, Visits};
-use render::schedule::TileGrid;
 use render::tiles::least_repeats;
 use scene::config::{Config, Image, OptionalOutput};
 use tracer::accel::{Accel, TooLarge};
@@ -95,11 +94,7 @@ impl Prediction {
             arrays: of_pixels.chain(of_attribution(config, tracer)).collect(),
             texts,
             pictures: sample.of_picture() + sample.of_map(side) + in_picture,
-            layers: if config.output.has(OptionalOutput::Exr) {
-                estimate::layer_bytes(config)
-            } else {
-                0
-            },
+            layers: estimate::layer_bytes(config),
             tiles: u64::from(least_repeats(config)) * n_pixels * estimate::film_bytes(config),
         })
     }
@@ -111,7 +106,7 @@ impl Prediction {
     }
 }
 
-/// Returns the bytes of all text files, and of the one of which the picture has a copy.
+/// Returns the bytes of all text files, and the bytes of the state that the picture has a copy of.
 fn text_bytes(config: &Config, is_stored: bool) -> [u64; 2] {
     let request = Request {
         config,
@@ -121,9 +116,8 @@ fn text_bytes(config: &Config, is_stored: bool) -> [u64; 2] {
     };
     let wanted = writers::files().filter(|file| file.is_wanted(&request));
     let states = wanted.filter_map(|file| Some((file.name, writers::state_template(file.name)?)));
-    let Image { width, height, .. } = config.image;
     let n_listed = if config.output.has(OptionalOutput::Schedule) {
-        TileGrid::new(width, height, config.tiles.size).n_tiles()
+        estimate::grid(config).n_tiles()
     } else {
         0
     };

@@ -63,15 +63,13 @@ impl TryFrom<ShadingKeys> for Shading {
     fn try_from(keys: ShadingKeys) -> Result<Self, Self::Error> {
         let light_sampling = keys.light_sampling.unwrap_or(keys.model.light_sampling());
         let is = |model| keys.model == model;
-        if (is(ShadingModel::Path) || is(ShadingModel::AmbientOcclusion)) && keys.ambient.is_some()
-        {
+        if !keys.model.has_ambient() && keys.ambient.is_some() {
             return Err(
                 "cannot have ambient light in this model, expected no `ambient`; \
                  in path tracing a `background` lights surfaces",
             );
         }
-        if !is(ShadingModel::BlinnPhong) && !is(ShadingModel::Path) && keys.light_sampling.is_some()
-        {
+        if !keys.model.chooses_lights() && keys.light_sampling.is_some() {
             return Err("cannot choose lights in this model, expected no `light_sampling`");
         }
         if !is(ShadingModel::Path) && keys.masking.is_some() {
@@ -102,18 +100,16 @@ impl TryFrom<ShadingKeys> for Shading {
 impl From<Shading> for ShadingKeys {
     fn from(shading: Shading) -> Self {
         let model = shading.model;
-        let is = |others: &[ShadingModel]| others.contains(&model);
-        let is_local = is(&[ShadingModel::BlinnPhong, ShadingModel::Seed]);
-        let chooses_lights = is(&[ShadingModel::BlinnPhong, ShadingModel::Path]);
+        let is = |other| model == other;
         let distance = Some(shading.occlusion_distance).filter(|length| length.is_finite());
         Self {
             model,
-            ambient: is_local.then_some(shading.ambient),
+            ambient: model.has_ambient().then_some(shading.ambient),
             max_depth: shading.max_depth,
-            light_sampling: chooses_lights.then_some(shading.light_sampling),
-            masking: is(&[ShadingModel::Path]).then_some(shading.masking),
+            light_sampling: model.chooses_lights().then_some(shading.light_sampling),
+            masking: is(ShadingModel::Path).then_some(shading.masking),
             occlusion_distance: distance,
-            shadows: is(&[ShadingModel::BlinnPhong]).then_some(shading.shadows),
+            shadows: is(ShadingModel::BlinnPhong).then_some(shading.shadows),
         }
     }
 }
@@ -147,6 +143,16 @@ pub enum ShadingModel {
 }
 
 impl ShadingModel {
+    /// Returns true if the scene may choose the ambient light.
+    fn has_ambient(self) -> bool {
+        matches!(self, Self::BlinnPhong | Self::Seed)
+    }
+
+    /// Returns true if the scene may choose the lights that are sampled.
+    fn chooses_lights(self) -> bool {
+        matches!(self, Self::BlinnPhong | Self::Path)
+    }
+
     /// Returns the default ambient light.
     fn ambient(self) -> Vec3 {
         match self {

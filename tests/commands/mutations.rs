@@ -143,7 +143,8 @@ impl Mutation {
 /// A scene with every section and every kind of each.
 const FULL: &str = include_str!("../full.yaml");
 
-fn originals() -> Vec<String> {
+/// The texts of `configs/`, and the full one.
+pub fn originals() -> Vec<String> {
     let folder = crate::common::in_repository("configs");
     let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());

@@ -9,6 +9,7 @@ use scene::yaml::Source;
 
 use crate::common::generators::cases;
 use crate::common::{assert_success, in_repository, raycost};
+use crate::mutations::originals;
 
 /// Checks that the text of the resolved scene is the same scene.
 pub fn assert_resolves(config: &Config) {
@@ -19,19 +20,9 @@ pub fn assert_resolves(config: &Config) {
     assert!(read == config.filled(), "{config:?}\n{text}");
 }
 
-fn scenes() -> Vec<String> {
-    let entries = fs::read_dir(in_repository("configs")).unwrap();
-    let paths = entries.map(|entry| entry.unwrap().path());
-    let configs = paths.filter(|path| path.is_file());
-    let texts = configs.map(|path| fs::read_to_string(path).unwrap());
-    texts
-        .chain([include_str!("../full.yaml").to_owned()])
-        .collect()
-}
-
 #[test]
 fn every_scene_resolves_to_itself() {
-    for text in scenes() {
+    for text in originals() {
         let source = Source::new("scene.yaml", text);
         if let Ok(config) = source.parse::<Config>() {
             assert_resolves(&config);
@@ -43,7 +34,7 @@ fn every_scene_resolves_to_itself() {
 fn scaled(text: &str, factors: &[f64]) -> String {
     let mut factors = factors.iter().cycle();
     let is_number = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
-    let mut words = text.split_inclusive(|c: char| !is_number(c));
+    let words = text.split_inclusive(|c: char| !is_number(c));
     let scaled = |word: &str| {
         let number = word.trim_end_matches(|c: char| !is_number(c));
         match number.parse::<f64>() {
@@ -54,7 +45,7 @@ fn scaled(text: &str, factors: &[f64]) -> String {
             _ => word.to_owned(),
         }
     };
-    words.by_ref().map(scaled).collect()
+    words.map(scaled).collect()
 }
 
 proptest! {
@@ -62,7 +53,7 @@ proptest! {
 
     #[test]
     fn scenes_of_random_numbers_keep_every_bit(
-        text in prop::sample::select(scenes()),
+        text in prop::sample::select(originals()),
         factors in prop::collection::vec(0.5_f64..1.5, 1..40),
     ) {
         let source = Source::new("scene.yaml", scaled(&text, &factors));

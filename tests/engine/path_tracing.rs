@@ -162,7 +162,7 @@ fn irradiance_is_that_of_the_closed_forms() {
 }
 
 /// Half of a lamp's light comes from a row of large facets below the floor, the other half from
-/// 255 rows of small ones above it, whose sum is that of a rectangle.
+/// 255 rows of small ones above it; together they are a rectangle.
 #[test]
 fn small_facets_of_a_mesh_get_their_share_of_samples() {
     // A little more than half: 24 bits that choose one of 2^18 facets have six left to decide.

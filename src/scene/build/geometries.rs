@@ -248,13 +248,14 @@ impl Geometries {
         self.objects.iter().map(of_object).sum()
     }
 
-    /// Returns the number of spheres and capsules, without those of single shapes, that a stretching
-    /// transform turns into shapes with a transform each.
+    /// Returns the number of spheres and capsules of objects of many that a stretching transform
+    /// turns into shapes with a transform each.
     pub fn n_stretched(&self, config: &Config) -> usize {
-        let is_stretched = |steps: &[TransformStep]| {
-            let mut steps = steps.iter();
-            steps.any(|step| matches!(step, TransformStep::Scale(by) if by.abs().min_element() != by.abs().max_element()))
+        let stretches = |step: &TransformStep| match step {
+            TransformStep::Scale(by) => by.abs().min_element() != by.abs().max_element(),
+            TransformStep::Translate(_) | TransformStep::Rotate(_) => false,
         };
+        let is_stretched = |steps: &[TransformStep]| steps.iter().any(stretches);
         let of_object = |(geometry, object): (&ObjectGeometry, &Object)| match geometry {
             _ if !is_stretched(&object.transform) => 0,
             ObjectGeometry::Generator(generator) => generator.n_spheres(),

@@ -17,7 +17,7 @@ impl Config {
         config.include.clear();
         image.filter_radius = Some(image.filter_radius());
         film.transfer = Some(film.transfer(model));
-        // Most models have a limit that only keeps sums finite, above those of scene files.
+        // Most models have a limit that only keeps sums finite, above what scene files may choose.
         let limit = film.sample_limit(model);
         film.sample_limit = (limit <= 1e15).then_some(limit);
         config

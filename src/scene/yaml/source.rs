@@ -17,8 +17,7 @@ use super::translate;
 use super::tree::Tree;
 use base::files;
 use base::host::{advice, available_memory};
-use base::text::Diagnostic;
-use base::text::why_missing;
+use base::text::{Diagnostic, why_missing};
 
 /// Maximum length of a scene file in bytes.
 pub(super) const MAX_BYTES: u64 = 64 << 20;

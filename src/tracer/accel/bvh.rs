@@ -22,7 +22,7 @@ impl Bvh {
     /// Greatest number of primitives.
     pub const MAX_PRIMITIVES: usize = build::MAX_PRIMITIVES;
 
-    /// Returns the expected bytes per primitive of the hierarchy, and those of the build, which are
+    /// Returns the expected bytes per primitive of the hierarchy, and the bytes of its build, which are
     /// free later.
     pub fn bytes_per_primitive(quality: Quality) -> [usize; 2] {
         build::bytes_per_primitive(quality)

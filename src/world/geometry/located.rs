@@ -76,7 +76,7 @@ pub trait Described: Sized {
 
 impl<'de, S: Described> Deserialize<'de> for Located<S> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        S::described(S::Keys::deserialize(d)?).map_err(D::Error::custom)
+        Keyed::deserialize(d).map(|keyed| keyed.shape)
     }
 }
 

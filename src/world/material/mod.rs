@@ -378,25 +378,22 @@ impl TryFrom<MaterialKeys> for Material {
 /// Gives all keys that the kind allows, as far as a scene file has them.
 impl From<Material> for MaterialKeys {
     fn from(material: Material) -> Self {
-        let kind = material.kind;
-        let (principled, conductor) = match kind {
-            MaterialKind::Principled { surface, .. } => (Some(surface), None),
-            MaterialKind::Conductor { metal, .. } => (None, Some(metal)),
-            _ => (None, None),
-        };
-        let dielectric = match kind {
-            MaterialKind::Dielectric { medium, .. } => Some(medium),
-            _ => None,
-        };
-        let reflection = match kind {
-            MaterialKind::Opaque { reflection } => Some(reflection),
-            _ => None,
-        };
-        let (holes, veil) = match material.opacity {
-            Some(opacity) if opacity.threshold.is_some() => (Some(opacity), None),
-            opacity => (None, opacity),
+        let (reflection, dielectric, conductor, principled) = match material.kind {
+            MaterialKind::Opaque { reflection } => (Some(reflection), None, None, None),
+            MaterialKind::Dielectric { medium, .. } => (None, Some(medium), None, None),
+            MaterialKind::Conductor { metal, .. } => (None, None, Some(metal), None),
+            MaterialKind::Principled { surface, .. } => (None, None, None, Some(surface)),
+            MaterialKind::Particles(_) => (None, None, None, None),
         };
         let is_fresnel = dielectric.is_some() || conductor.is_some();
+        let (opacity, cutout) = match material.opacity {
+            Some(Opacity {
+                image: Some(image),
+                threshold: Some(threshold),
+                ..
+            }) => (None, Some(Cutout { image, threshold })),
+            opacity => (opacity, None),
+        };
         // A principled lamp without a color has no lobes, which no key could say.
         let is_plain_lamp = principled.is_some() && material.diffuse == 0.0;
         let of_lobes = |share: f32| principled.is_none().then_some(share);
@@ -410,9 +407,9 @@ impl From<Material> for MaterialKeys {
             dielectric,
             conductor,
             normal_map: material.normal_map,
-            opacity: veil,
-            cutout: holes.and_then(Opacity::into_cutout),
-            roughness: is_fresnel.then(|| kind.roughness()),
+            opacity,
+            cutout,
+            roughness: is_fresnel.then(|| material.kind.roughness()),
             principled,
             multiple_scattering: material.multiple_scattering,
             emission: material.emission,

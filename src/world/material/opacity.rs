@@ -130,19 +130,11 @@ pub struct Cutout {
 /// Writes a number, or the keys of a picture.
 impl Serialize for Opacity {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
-        let (factor, image) = (self.factor, self.image.clone());
+        let Self { factor, image, .. } = self.clone();
         match image {
             None => s.serialize_f32(factor),
             Some(image) => OpacityKeys { image, factor }.serialize(s),
         }
-    }
-}
-
-impl Opacity {
-    /// Returns the picture with holes that this opacity is.
-    pub(super) fn into_cutout(self) -> Option<Cutout> {
-        let (image, threshold) = (self.image?, self.threshold?);
-        Some(Cutout { image, threshold })
     }
 }
 
