@@ -15,6 +15,10 @@ const STACK: usize = 2 << 20;
 /// the stack for signals.
 const BESIDES_STACK: u64 = 256 << 10;
 
+/// Bytes that are left when the last thread has started: the threads before it still allocate their
+/// queues, and a refusal is reported.
+const RESERVE: u64 = 16 << 20;
+
 /// Starts a pool of threads, each of which first calls `begin`; `None` for one per processor. No
 /// thread looks for work before all have started: threads that find none would take the time that
 /// the others need to start.
@@ -87,7 +91,7 @@ fn start(thread: ThreadBuilder, gate: Arc<RwLock<()>>) -> io::Result<()> {
 /// Returns the builder of a thread for which there is memory. A thread that found no room for its
 /// signal stack would end the program without a message.
 fn builder() -> io::Result<Builder> {
-    let n_needed = STACK as u64 + BESIDES_STACK;
+    let n_needed = STACK as u64 + BESIDES_STACK + RESERVE;
     let n_left = within_limits();
     if n_needed > n_left {
         let [needed, left] = [n_needed, n_left].map(|n_bytes| n_bytes >> 10);
