@@ -7,9 +7,14 @@
 //! [`files`], [`provenance`] and [`folder`], which read and write. [`stop`] and [`host`] are the
 //! signals and the machine.
 
+pub mod keyword;
 pub mod host;
 pub mod stop;
 pub mod text;
 pub mod files;
 pub mod provenance;
 pub mod folder;
+
+pub use keyword::Keyword;
+#[doc(hidden)]
+pub use serde;

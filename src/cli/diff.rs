@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Failure, on_threads, shell_word, shown};
+use super::{Failure, keyword, on_threads, shell_word, shown};
 use base::folder::{OutputFolder, Written};
 use base::text::numbers::bytes;
 use base::text::{self, Diagnostic};
@@ -47,7 +47,7 @@ pub(super) struct DiffArguments {
 
     /// Metric to compare another program's cost map with [default: time_ns, or
     /// node_visits if the output has no times]
-    #[arg(long, value_name = "METRIC")]
+    #[arg(long, value_name = "METRIC", value_parser = keyword::<Metric>())]
     by: Option<Metric>,
 }
 

@@ -29,12 +29,14 @@ mod view;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Parser, Subcommand};
 
 pub use failure::Failure;
 
 use crate::session;
+use base::Keyword;
 use base::stop::{self, Cancellation};
 use base::text::numbers::shell_word;
 use base::text::{self, Diagnostic, one_line, shortened};
@@ -227,6 +229,13 @@ impl Cli {
             _ => Ok(Vec::new()),
         }
     }
+}
+
+/// Returns the parser of a keyword on the command line.
+fn keyword<T: Keyword + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let value = |keyword: &T| PossibleValue::new(keyword.name()).help(keyword.help());
+    let parser = PossibleValuesParser::new(T::KEYWORDS.iter().map(value));
+    parser.map(|name| T::from_name(&name).expect("one of the possible values"))
 }
 
 /// Runs `work` on a new thread pool: rayon's global pool would panic if the system refused its

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
-use super::{Failure, shell_word, shown};
+use super::{Failure, keyword, shell_word, shown};
 use base::text::{self, Diagnostic};
 use tools::schema::SchemaKind;
 use tools::starter::{self, UpAxis};
@@ -32,7 +32,7 @@ pub(super) struct NewArguments {
 
     /// The axis of the mesh that points upward [default: z of STL and of low surfaces such as
     /// terrain, otherwise y]
-    #[arg(long, value_name = "AXIS", requires = "mesh")]
+    #[arg(long, value_name = "AXIS", requires = "mesh", value_parser = keyword::<UpAxis>())]
     up: Option<UpAxis>,
 }
 

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::scene::SceneArguments;
 use super::{charges, hints, hottest, shell_word, shown, timing_quality};
+use base::Keyword;
 use base::folder::Written;
 use base::text::numbers::{bytes, count, counted, duration};
 use base::text::{one_line, wrapped};

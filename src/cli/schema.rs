@@ -1,6 +1,6 @@
 //! `raycost schema`.
 
-use super::Failure;
+use super::{Failure, keyword};
 use base::text;
 use tools::schema::SchemaKind;
 
@@ -16,7 +16,7 @@ the first line of a scene:
   # yaml-language-server: $schema=scene.schema.json")]
 pub(super) struct SchemaArguments {
     /// Kind of the files
-    #[arg(value_name = "KIND", default_value = "scene")]
+    #[arg(value_name = "KIND", default_value = "scene", value_parser = keyword::<SchemaKind>())]
     kind: SchemaKind,
 }
 

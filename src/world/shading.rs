@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::color::Transfer;
 use crate::geometry::RenderSpace;
 use crate::values;
-use base::serde_keywords;
+use base::keywords;
 use math::optics::Masking;
 
 /// The shading model and its parameters.
@@ -114,32 +114,31 @@ impl From<Shading> for ShadingKeys {
     }
 }
 
-/// The lights toward which shadow rays are traced from a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum LightSampling {
-    /// Every light, with one ray each.
-    Each,
-    /// One light, chosen with a probability proportional to the light that would arrive at the
-    /// point if nothing were in the way; for more than 16 lights, to its power plus the mean power.
-    Power,
+keywords! {
+    /// The lights toward which shadow rays are traced from a point.
+    pub enum LightSampling {
+        /// Every light, with one ray each.
+        Each = "each",
+        /// One light, chosen with a probability proportional to the light that would arrive at the
+        /// point if nothing were in the way; for more than 16 lights, to its power plus the mean power.
+        Power = "power",
+    }
 }
 
-serde_keywords!(LightSampling);
-
-/// A shading model.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum ShadingModel {
-    /// Blinn-Phong with shadows and Whitted's recursive reflection.
-    #[default]
-    BlinnPhong,
-    /// The model of the course's NumPy code, for comparison with it.
-    Seed,
-    /// Ambient occlusion: the unoccluded fraction of the space around each point.
-    AmbientOcclusion,
-    /// Path tracing: all light that surfaces scatter to each other.
-    Path,
+keywords! {
+    /// A shading model.
+    #[derive(Default)]
+    pub enum ShadingModel {
+        /// Blinn-Phong with shadows and Whitted's recursive reflection.
+        #[default]
+        BlinnPhong = "blinn_phong",
+        /// The model of the course's NumPy code, for comparison with it.
+        Seed = "seed",
+        /// Ambient occlusion: the unoccluded fraction of the space around each point.
+        AmbientOcclusion = "ambient_occlusion",
+        /// Path tracing: all light that surfaces scatter to each other.
+        Path = "path",
+    }
 }
 
 impl ShadingModel {
@@ -186,8 +185,6 @@ impl ShadingModel {
         }
     }
 }
-
-serde_keywords!(ShadingModel);
 
 fn default_depth() -> u8 {
     8

@@ -74,7 +74,12 @@ fn of_source(text: &str, file: &str, found: &mut String) {
     let mut owner = None;
     let mut comment = Vec::new();
     let mut in_attribute = false;
+    let mut in_keywords = false;
     for line in text.lines() {
+        // An enum of keywords stands in a macro.
+        in_keywords = line == "keywords! {" || (in_keywords && line != "}");
+        let inner = line.strip_prefix("    ").filter(|_| in_keywords);
+        let line = inner.unwrap_or(line);
         let code = line.trim();
         if in_attribute || code.starts_with("#[") {
             in_attribute = !code.ends_with(']');
@@ -97,7 +102,9 @@ fn of_source(text: &str, file: &str, found: &mut String) {
 
 /// The name of the type or of the macro whose list begins on this line.
 fn owner_of(line: &str) -> Option<&str> {
-    let begin = line.strip_suffix(" {")?;
+    let begin = line
+        .strip_suffix(" {")
+        .filter(|begin| !begin.starts_with(' '))?;
     let item = begin.strip_prefix("pub(super) ").unwrap_or(begin);
     let item = item.strip_prefix("pub(crate) ").unwrap_or(item);
     let item = item.strip_prefix("pub ").unwrap_or(item);
@@ -117,6 +124,9 @@ fn name_of(code: &str) -> Option<String> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let end = code.find(|c| !is_word(c)).unwrap_or(code.len());
     let (word, rest) = code.split_at(end);
+    if let Some(keyword) = rest.strip_prefix(" = \"") {
+        return keyword.strip_suffix("\",").map(str::to_owned);
+    }
     let is_item = rest.starts_with([':', ',', '(']) || rest.starts_with(" {") || rest.is_empty();
     (is_item && !word.is_empty()).then(|| snake_case(word))
 }

@@ -1,6 +1,6 @@
 //! Same scene and seed, same bytes, on any number of threads.
 
-use clap::ValueEnum;
+use base::Keyword;
 
 use crate::common::{config, film, lasting};
 use render::film::Film;
@@ -12,7 +12,7 @@ fn the_number_of_threads_changes_no_byte() {
         let mut config = config(name);
         (config.image.width, config.image.height) = (101, 67);
         config.image.samples_per_pixel = 3;
-        for &mode in CostMode::value_variants() {
+        for &mode in CostMode::KEYWORDS {
             config.cost = mode;
             let one = lasting(film(&config, 1));
             for n_threads in [2, 5] {

@@ -9,7 +9,7 @@ use std::process::Output;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use clap::ValueEnum;
+use base::Keyword;
 use cpu_time::ThreadTime;
 use serde_json::{Value, json};
 
@@ -48,7 +48,7 @@ fn exactly(n_repeats: u8) -> Repeats {
 
 #[test]
 fn repeats_change_neither_the_picture_nor_the_counters() {
-    for &mode in CostMode::value_variants() {
+    for &mode in CostMode::KEYWORDS {
         let config = with_cost(small("seed_extended"), mode);
         let once = crate::common::film(&config, 2);
         for n_repeats in [1, 2, 5] {

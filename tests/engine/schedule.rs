@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use clap::ValueEnum;
+use base::Keyword;
 use serde_json::Value;
 
 use crate::common::data_set::DataSet;
@@ -27,7 +27,7 @@ fn tiled(name: &str, order: TileOrder, size: u32) -> Config {
 
 #[test]
 fn neither_order_nor_size_changes_a_byte() {
-    for &mode in CostMode::value_variants() {
+    for &mode in CostMode::KEYWORDS {
         let films = |order, size, n_threads| {
             let mut config = tiled("seed_extended", order, size);
             config.image.samples_per_pixel = 2;
@@ -36,7 +36,7 @@ fn neither_order_nor_size_changes_a_byte() {
         };
         let plain = films(TileOrder::Scanline, 16, 1);
         for size in [2, 5, 16, 64, 256] {
-            for (order, n_threads) in TileOrder::value_variants()
+            for (order, n_threads) in TileOrder::KEYWORDS
                 .iter()
                 .flat_map(|&o| [(o, 1), (o, 2), (o, 5)])
             {
@@ -49,7 +49,7 @@ fn neither_order_nor_size_changes_a_byte() {
 
 #[test]
 fn the_schedule_agrees_with_the_film() {
-    for (order, size) in TileOrder::value_variants()
+    for (order, size) in TileOrder::KEYWORDS
         .iter()
         .flat_map(|&o| [(o, 3), (o, 16), (o, 256)])
     {

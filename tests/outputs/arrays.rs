@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use clap::ValueEnum;
+use base::Keyword;
 use scene::config::PixelArray;
 
 use crate::common::data_set::DataSet;
@@ -71,11 +71,9 @@ fn the_files_have_the_chosen_arrays_and_no_other() {
 }
 
 /// All names of arrays that are not in this list.
-fn others(chosen: &str) -> Vec<String> {
-    let names = PixelArray::value_variants()
-        .iter()
-        .map(|array| array.name());
-    let is_chosen = |name: &String| chosen.split(", ").any(|word| word == name);
+fn others(chosen: &str) -> Vec<&'static str> {
+    let names = PixelArray::KEYWORDS.iter().map(|array| array.name());
+    let is_chosen = |name: &&str| chosen.split(", ").any(|word| word == *name);
     names.filter(|name| !is_chosen(name)).collect()
 }
 
@@ -126,7 +124,7 @@ fn a_state_names_no_array_that_is_left_out() {
             let text = fs::read_to_string(out.join(state)).unwrap();
             for name in others(chosen) {
                 let is_own = ["schedule.pvsm", "bvh.pvsm"].contains(&&**state)
-                    && ["thread", "tile", "time_ns"].contains(&&*name);
+                    && ["thread", "tile", "time_ns"].contains(&name);
                 for use_of in [
                     format!("\"{name}\""),
                     format!("\"{name}*"),

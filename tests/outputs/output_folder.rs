@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use clap::ValueEnum;
+use base::Keyword;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -52,7 +52,7 @@ fn the_docs_list_every_file() {
 #[test]
 fn every_optional_output_but_an_array_has_a_file() {
     let n_without = expected_of_every_run().len();
-    for output in OptionalOutput::value_variants() {
+    for output in OptionalOutput::KEYWORDS {
         let n_with = expected(CostMode::Time, &[*output]).len();
         let is_array = matches!(
             output,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use base::Keyword;
 use proptest::prelude::*;
 
 use crate::common::generators::cases;
@@ -25,7 +25,7 @@ proptest! {
         width in 1..70_u32,
         height in 1..70_u32,
         mode in prop::sample::select(MODES.to_vec()),
-        codec in prop::sample::select(Codec::value_variants()),
+        codec in prop::sample::select(Codec::KEYWORDS),
         seed: u32,
     ) {
         check(&noise(width, height, mode, seed), codec);
@@ -36,7 +36,7 @@ proptest! {
         at in 0..2000_usize,
         byte: u8,
         from in prop::sample::select(vec![0, 10_000]),
-        codec in prop::sample::select(Codec::value_variants()),
+        codec in prop::sample::select(Codec::KEYWORDS),
     ) {
         let folder = tempfile::tempdir().unwrap();
         let (frame, hits) = write(&noise(9, 5, CostMode::Time, 1), codec, folder.path());
@@ -230,7 +230,7 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
     let n_hits = HitsFile::open(&hits).unwrap().n_points();
     let tail = "\n</AppendedData>\n</VTKFile>\n".len();
     let mut files = vec![(frame, tail), (hits, tail + 3 * 8 + n_hits * 9)];
-    for &codec in &Codec::value_variants()[1..] {
+    for &codec in &Codec::KEYWORDS[1..] {
         let folder = folder.path().join(format!("{codec:?}"));
         fs::create_dir(&folder).unwrap();
         let (frame, _) = write(&noise(9, 5, CostMode::Time, 1), codec, &folder);
@@ -257,7 +257,7 @@ fn a_file_cut_anywhere_before_its_end_is_refused() {
 #[test]
 fn a_damaged_block_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    for &codec in &Codec::value_variants()[1..] {
+    for &codec in &Codec::KEYWORDS[1..] {
         let (path, _) = write(
             &Film::new(TileGrid::new(99, 50, 16), 1, CostMode::Time),
             codec,

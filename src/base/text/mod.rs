@@ -2,7 +2,6 @@
 
 mod cell;
 mod diagnostic;
-mod keyword;
 mod suggestion;
 mod missing;
 pub mod numbers;
@@ -11,7 +10,6 @@ mod terminal;
 pub use cell::{text_cell, text_of_cell};
 pub use diagnostic::Diagnostic;
 pub use diagnostic::{line_start, shortened};
-pub use keyword::{keyword, keyword_name};
 pub use missing::why_missing;
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;

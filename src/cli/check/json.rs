@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::CheckedScene;
+use base::Keyword;
 use output::limits;
 use output::prediction::{ArrayFile, Prediction};
 use output::summary::{ImageSection, SceneSection};

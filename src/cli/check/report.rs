@@ -4,6 +4,7 @@ use super::CheckedScene;
 use crate::cli::run_summary::{notes, primitives};
 use crate::cli::{hints, shown};
 use crate::session::Frames;
+use base::Keyword;
 use base::text;
 use base::text::numbers::{bytes, count, counted};
 use output::estimate::Memory;
@@ -176,7 +177,7 @@ fn film(config: &Config) -> String {
     };
     let curve = match film.tone_curve {
         ToneCurve::None => "no tone curve".to_owned(),
-        curve => format!("tone curve {}", text::keyword_name(&curve)),
+        curve => format!("tone curve {}", curve.name()),
     };
     let FilmSettings { exposure, bits, .. } = film;
     format!("exposure {exposure}, {curve}, {transfer}, {bits} bits per channel")

@@ -25,7 +25,7 @@ use run_arguments::RunArguments;
 use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
-use crate::cli::{Failure, json, run_summary};
+use crate::cli::{Failure, json, keyword, run_summary};
 use crate::session::{Event, Options, Session, without_thread};
 use base::folder::refuse_root;
 use base::host::start_detached;
@@ -87,15 +87,15 @@ pub(super) struct RenderArguments {
     merges: bool,
 
     /// Where the threads may run; `threads` in summary.json says where they could
-    #[arg(long, value_name = "WHERE", default_value = "none")]
+    #[arg(long, value_name = "WHERE", default_value = "none", value_parser = keyword::<Pinning>())]
     pin: Pinning,
 
     /// Vector instructions to use [default: the fastest that the processor has]
-    #[arg(long, value_name = "SET")]
+    #[arg(long, value_name = "SET", value_parser = keyword::<SimdSet>())]
     simd: Option<SimdSet>,
 
     /// How to trace the rays of a wave [default: stream]
-    #[arg(long, value_name = "HOW")]
+    #[arg(long, value_name = "HOW", value_parser = keyword::<Traversal>())]
     traversal: Option<Traversal>,
 
     /// Also render in each cost mode in turn, and report the overhead of measuring

@@ -1,5 +1,7 @@
 //! The settings that `raycost render` and `raycost merge` share.
 
+use crate::cli::keyword;
+use base::keywords;
 use base::text::Diagnostic;
 use base::text::numbers::parse_bytes;
 use output::limits;
@@ -19,7 +21,7 @@ pub(super) struct RunArguments {
 
     /// Also write cloud and frame in this format; an animation has one file each for all frames.
     /// Needs a build with `--features hdf5`
-    #[arg(long, value_name = "FORMAT")]
+    #[arg(long, value_name = "FORMAT", value_parser = keyword::<ExtraFormat>())]
     pub(super) format: Option<ExtraFormat>,
 
     /// Flush the files to the disk before they replace older ones, so that they survive
@@ -32,11 +34,12 @@ pub(super) struct RunArguments {
     pub(super) quiet: bool,
 }
 
-/// A format of cloud and frame besides VTK's XML files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum ExtraFormat {
-    /// VTK's format in HDF5
-    Vtkhdf,
+keywords! {
+    /// A format of cloud and frame besides VTK's XML files.
+    pub(super) enum ExtraFormat {
+        /// VTK's format in HDF5
+        Vtkhdf = "vtkhdf",
+    }
 }
 
 impl RunArguments {

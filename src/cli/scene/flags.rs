@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 
 use super::SceneArguments;
 use crate::cli::shell_word;
-use base::text::{Diagnostic, keyword_name};
+use base::Keyword;
+use base::text::Diagnostic;
+use scene::config::CostMode;
 
 /// The arguments of a scene, parsed on their own.
 #[derive(Debug, Parser)]
@@ -36,7 +38,7 @@ impl SceneArguments {
 
     /// Returns the value of `--also`, if it is given.
     fn also(&self) -> Option<String> {
-        let names: Vec<String> = self.also.iter().map(keyword_name).collect();
+        let names: Vec<&str> = self.also.iter().map(|output| output.name()).collect();
         (!names.is_empty()).then(|| names.join(","))
     }
 
@@ -44,17 +46,17 @@ impl SceneArguments {
     /// [`of_flags`](Self::of_flags) gives the same settings.
     pub(in crate::cli) fn all_flags(&self) -> Vec<String> {
         let cost = if self.no_cost {
-            Some("none".to_owned())
+            Some(CostMode::None)
         } else {
-            self.cost.map(|cost| keyword_name(&cost))
+            self.cost
         };
         let measured = [
-            flag("cost", cost),
+            flag("cost", name(cost)),
             flag("repeats", self.repeats.map(|n| n.to_string())),
             flag("tile-size", self.tile_size.map(|n| n.to_string())),
-            flag("tile-order", self.tile_order.map(|o| keyword_name(&o))),
+            flag("tile-order", name(self.tile_order)),
             flag("also", self.also()),
-            flag("compress", self.compress.map(|codec| keyword_name(&codec))),
+            flag("compress", name(self.compress)),
         ];
         let set = self.set.iter().map(|setting| ("set", setting.clone()));
         let flags = self
@@ -91,9 +93,8 @@ impl SceneArguments {
     /// Returns the flags that determine the pixels, besides `--set`.
     fn picture(&self) -> Vec<Flag> {
         let number = |n: Option<u32>| n.map(|n| n.to_string());
-        let structure = self.acceleration.and_then(|s| s.to_possible_value());
         let flags = [
-            flag("up", self.up.map(|up| keyword_name(&up))),
+            flag("up", name(self.up)),
             flag("width", number(self.width)),
             flag("height", number(self.height)),
             flag("crop", self.crop.map(|crop| crop.to_string())),
@@ -101,12 +102,16 @@ impl SceneArguments {
             flag("seed", self.seed.map(|seed| seed.to_string())),
             flag("max-depth", self.max_depth.map(|n| n.to_string())),
             flag("exposure", self.exposure.map(|stops| stops.to_string())),
-            flag("tone-curve", self.tone_curve.map(|c| keyword_name(&c))),
-            flag("acceleration", structure.map(|s| s.get_name().to_owned())),
+            flag("tone-curve", name(self.tone_curve)),
+            flag("acceleration", name(self.acceleration)),
             flag("count", number(self.count)),
         ];
         flags.into_iter().flatten().collect()
     }
+}
+
+fn name(keyword: Option<impl Keyword>) -> Option<String> {
+    keyword.map(|keyword| keyword.name().to_owned())
 }
 
 fn flag(name: &'static str, value: Option<String>) -> Option<Flag> {

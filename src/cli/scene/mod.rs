@@ -5,9 +5,10 @@ mod flags;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{shell_word, shown};
+use crate::cli::{keyword, shell_word, shown};
+use base::Keyword;
 use base::folder::SUMMARY;
-use base::text::{Diagnostic, keyword_name};
+use base::text::Diagnostic;
 use crop::Crop;
 use import::ForeignFormat;
 use output::summary::Summary;
@@ -69,11 +70,11 @@ pub(in crate::cli) struct SceneArguments {
     exposure: Option<f32>,
 
     /// Tone curve, instead of the file's
-    #[arg(long, value_name = "CURVE")]
+    #[arg(long, value_name = "CURVE", value_parser = keyword::<ToneCurve>())]
     tone_curve: Option<ToneCurve>,
 
     /// Acceleration structure, instead of the file's
-    #[arg(long, value_name = "STRUCTURE")]
+    #[arg(long, value_name = "STRUCTURE", value_parser = keyword::<Structure>())]
     acceleration: Option<Structure>,
 
     /// Spheres of each `sphere_cloud`, instead of the file's; their radii change
@@ -82,7 +83,7 @@ pub(in crate::cli) struct SceneArguments {
     count: Option<u32>,
 
     /// Cost to measure for each pixel, instead of the file's
-    #[arg(long, value_name = "MODE")]
+    #[arg(long, value_name = "MODE", value_parser = keyword::<CostMode>())]
     cost: Option<CostMode>,
 
     /// Short for `--cost none`
@@ -99,20 +100,20 @@ pub(in crate::cli) struct SceneArguments {
     tile_size: Option<u32>,
 
     /// Order in which threads take tiles, instead of the file's
-    #[arg(long, value_name = "ORDER")]
+    #[arg(long, value_name = "ORDER", value_parser = keyword::<TileOrder>())]
     tile_order: Option<TileOrder>,
 
     /// Optional outputs, in addition to those that the scene requests
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = keyword::<OptionalOutput>())]
     also: Vec<OptionalOutput>,
 
     /// Compression of the arrays in VTK files, instead of the file's
-    #[arg(long, value_name = "CODEC")]
+    #[arg(long, value_name = "CODEC", value_parser = keyword::<Codec>())]
     compress: Option<Codec>,
 
     /// The axis of a mesh that points upward [default: z of STL and of low surfaces such as
     /// terrain, otherwise y]
-    #[arg(long, value_name = "AXIS")]
+    #[arg(long, value_name = "AXIS", value_parser = keyword::<UpAxis>())]
     up: Option<UpAxis>,
 
     /// Only the picture is wanted, in this format
@@ -207,7 +208,7 @@ impl SceneArguments {
         let file = Path::new(stem).with_extension("yaml");
         let up = self
             .up
-            .map_or(String::new(), |up| format!(" --up {}", keyword_name(&up)));
+            .map_or(String::new(), |up| format!(" --up {}", up.name()));
         Some(format!(
             "raycost new --mesh {mesh}{up} {}",
             shell_word(&file)

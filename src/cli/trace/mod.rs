@@ -10,7 +10,7 @@ use super::progress::StageBar;
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
-use super::{Failure, hottest, shell_word, shown};
+use super::{Failure, hottest, keyword, shell_word, shown};
 use crate::session::{Input, Options};
 use base::folder::{OutputFolder, Written};
 use base::stop;
@@ -65,6 +65,7 @@ pub(super) struct TraceArguments {
     #[arg(
         long,
         value_name = "METRIC",
+        value_parser = keyword::<Metric>(),
         requires = "hottest",
         conflicts_with = "pixel"
     )]

@@ -1,7 +1,6 @@
 //! The control points of ParaView's color maps.
 
-use clap::ValueEnum;
-
+use base::Keyword;
 use world::color::ColorMap;
 
 /// Every fifth color of a 256-color map: interpolation restores the others within 1/255.
@@ -12,7 +11,7 @@ const N_COLORS: usize = 52;
 /// unknown map.
 pub(super) fn color_points(map: &str, value_at: impl Fn(f64) -> f64) -> Option<Vec<String>> {
     let reversed = map.strip_suffix("_reversed");
-    let map = ColorMap::from_str(reversed.unwrap_or(map), false).ok()?;
+    let map = ColorMap::from_name(reversed.unwrap_or(map))?;
     let point = |i: usize| {
         let fraction = i as f64 / (N_COLORS - 1) as f64;
         let position = if reversed.is_some() {
@@ -35,7 +34,7 @@ mod tests {
         for name in ["inferno", "viridis", "turbo", "red_blue_reversed"] {
             let points = color_points(name, |fraction| fraction).unwrap();
             let points: Vec<f64> = points.iter().map(|text| text.parse().unwrap()).collect();
-            let map = ColorMap::from_str(name.trim_end_matches("_reversed"), false).unwrap();
+            let map = ColorMap::from_name(name.trim_end_matches("_reversed")).unwrap();
             for entry in 0..256 {
                 let fraction = f64::from(entry) / 255.0;
                 let reversed = name.ends_with("_reversed");

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use base::Keyword;
 use base::provenance::Checksum;
-use base::text::keyword_name;
 use math::simd::Simd;
 use scene::config::{
     Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,
@@ -175,8 +175,8 @@ impl FilmSection {
         let plain = Development::new(0.0, ToneCurve::None, Transfer::Linear);
         (film.development(model) != plain).then(|| Self {
             exposure: film.exposure,
-            tone_curve: keyword_name(&film.tone_curve),
-            transfer: keyword_name(&film.transfer(model)),
+            tone_curve: film.tone_curve.name().to_owned(),
+            transfer: film.transfer(model).name().to_owned(),
         })
     }
 }

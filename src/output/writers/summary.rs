@@ -9,6 +9,7 @@ use crate::summary::{
     AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
     RepeatsSection, SceneSection, StageEntry, Summary,
 };
+use base::Keyword;
 use base::folder::SUMMARY;
 use base::text::numbers::milliseconds;
 use render::film::Film;
@@ -78,7 +79,7 @@ fn summarize(job: &Job) -> Summary {
         arrays: config
             .output
             .arrays()
-            .map(|chosen| chosen.iter().map(|array| array.name()).collect()),
+            .map(|chosen| chosen.iter().map(|array| array.name().to_owned()).collect()),
         files: job.written.iter().map(FileEntry::from).collect(),
     }
 }

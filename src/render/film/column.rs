@@ -257,11 +257,10 @@ impl Column {
 
 #[cfg(test)]
 mod tests {
-    use clap::ValueEnum;
-
     use super::*;
     use crate::film::stored_bytes_per_pixel;
     use crate::schedule::TileGrid;
+    use base::Keyword;
     use scene::config::{PixelArray, WrittenArrays};
 
     #[test]
@@ -309,7 +308,7 @@ mod tests {
             n_chosen += 1;
         }
         // Two of the cloud.
-        assert_eq!(PixelArray::value_variants().len(), n_chosen + 2);
+        assert_eq!(PixelArray::KEYWORDS.len(), n_chosen + 2);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::yaml::{Fault, FieldPath};
-use base::text::keyword_name;
+use base::Keyword;
 use world::shading::ShadingModel;
 
 /// Checks that the shading model supports this kind of fog.
@@ -13,7 +13,7 @@ pub(super) fn check(config: &Config) -> Result<(), Fault> {
     let model = config.shading.model;
     let path = FieldPath::default().key("fog");
     let fault = |path, what: &str, help: &str| {
-        let message = format!("the shading model `{}` has no {what}", keyword_name(&model));
+        let message = format!("the shading model `{}` has no {what}", model.name());
         Err(Fault::new(path, message, "expected none").with_help(help))
     };
     match model {

@@ -19,7 +19,8 @@ mod sensor;
 
 use crate::config::{Config, Geometry, GeometryFile, Object};
 use crate::yaml::{Fault, FieldPath};
-use base::text::{did_you_mean, keyword_name};
+use base::Keyword;
+use base::text::did_you_mean;
 use world::geometry::RenderSpace;
 use world::material::{ArrayTexture, Material, MaterialKind};
 use world::scene::{LowerLevel, MaterialId, ObjectId, Scene};
@@ -186,7 +187,7 @@ fn check_materials(config: &Config) -> Result<(), Fault> {
             continue;
         };
         let path = FieldPath::default().key("materials").key(name).key(key);
-        let message = format!("the shading model `{}` has no {what}", keyword_name(&model));
+        let message = format!("the shading model `{}` has no {what}", model.name());
         return Err(Fault::new(path, message, "expected a material without it").with_help(help));
     }
     Ok(())

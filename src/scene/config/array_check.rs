@@ -2,7 +2,7 @@
 
 use super::{Config, CostMode, OptionalOutput, PixelArray};
 use crate::yaml::{Fault, FieldPath};
-use base::text::keyword_name;
+use base::Keyword;
 
 impl Config {
     /// Checks that a rendering with these settings has all chosen arrays, and that each is
@@ -42,7 +42,7 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
     let cost = config.cost;
     let lacks = |what: &str, help: &str| Some([what.to_owned(), help.to_owned()]);
     let asks_for = |output: OptionalOutput| {
-        let name = keyword_name(&output);
+        let name = output.name();
         let help = format!("add `also: [{name}]` to `output`, or `--also {name}`");
         (!config.output.has(output)).then(|| [format!("the output `{name}`"), help])
     };
@@ -77,7 +77,7 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
 /// Returns the missing condition for an array of this mode in another mode of `cost`, and the
 /// setting that fulfills it.
 fn of_mode(mode: CostMode, found: CostMode) -> [String; 2] {
-    let [mode, found] = [mode, found].map(|mode| keyword_name(&mode));
+    let [mode, found] = [mode, found].map(CostMode::name);
     [
         format!("`cost: {mode}`, and `cost` is `{found}`"),
         format!("use `--cost {mode}`, or leave it out"),

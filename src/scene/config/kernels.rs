@@ -1,30 +1,31 @@
 //! The vector instructions and the places of threads, which do not change the results.
 
-use base::serde_keywords;
-use base::text::{Diagnostic, keyword_name};
+use base::text::Diagnostic;
+use base::{Keyword, keywords};
 use math::simd::Simd;
 
-/// A set of vector instructions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum SimdSet {
-    /// The instructions that every processor has
-    Portable,
-    /// 8 numbers at a time, on x86-64
-    Avx2,
-    /// 16 numbers at a time, on x86-64
-    Avx512,
+keywords! {
+    /// A set of vector instructions.
+    pub enum SimdSet {
+        /// The instructions that every processor has
+        Portable = "portable",
+        /// 8 numbers at a time, on x86-64
+        Avx2 = "avx2",
+        /// 16 numbers at a time, on x86-64
+        Avx512 = "avx512",
+    }
 }
 
-/// Where the threads may run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Pinning {
-    /// Where the system puts them
-    #[default]
-    None,
-    /// Each on one CPU: one thread per core before two share one. On Linux
-    Cores,
+keywords! {
+    /// Where the threads may run.
+    #[derive(Default)]
+    pub enum Pinning {
+        /// Where the system puts them
+        #[default]
+        None = "none",
+        /// Each on one CPU: one thread per core before two share one. On Linux
+        Cores = "cores",
+    }
 }
 
 impl SimdSet {
@@ -33,7 +34,7 @@ impl SimdSet {
     /// # Errors
     /// The processor does not have them.
     pub fn detect(self) -> Result<Simd, Diagnostic> {
-        let name = keyword_name(&self);
+        let name = self.name();
         let available = Simd::available();
         let found = available.iter().find(|simd| simd.to_string() == name);
         found.copied().ok_or_else(|| {
@@ -43,5 +44,3 @@ impl SimdSet {
         })
     }
 }
-
-serde_keywords!(SimdSet, Pinning);

@@ -3,6 +3,7 @@
 use super::Config;
 use super::array_check::lacks;
 use crate::yaml::{Fault, FieldPath};
+use base::Keyword;
 
 impl Config {
     /// Checks the names of all metrics, and that a rendering with these settings has their arrays.

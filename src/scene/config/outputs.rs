@@ -2,14 +2,13 @@
 
 use std::fmt;
 
-use clap::ValueEnum;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
 use crate::yaml::{Fault, FieldPath};
-use base::text;
+use base::{Keyword, keywords};
 use world::values;
 
 /// The optional outputs of a run, and the arrays of its VTK files.
@@ -37,28 +36,28 @@ pub struct Outputs {
     left_out: Vec<OptionalOutput>,
 }
 
-/// A group of files that is written on request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
-pub enum OptionalOutput {
-    /// The time span and the thread of each tile
-    Schedule,
-    /// The cost of each object and each material
-    Objects,
-    /// The cost of each primitive, on the scene's geometry
-    Surface,
-    /// The boxes of the hierarchy and the cost of each
-    Bvh,
-    /// The linear light of each pixel, as an array of the VTK files
-    Radiance,
-    /// The rays of each pixel by bounce, as an array of the VTK files
-    Bounces,
-    /// The group of each pixel that was timed as a whole, as an array of the VTK files
-    Groups,
-    /// The tests of boxes and primitives, hits apart from misses, as arrays of the VTK files
-    Tests,
-    /// The linear light and all arrays of the pixels as an OpenEXR picture
-    Exr,
+keywords! {
+    /// A group of files that is written on request.
+    pub enum OptionalOutput {
+        /// The time span and the thread of each tile
+        Schedule = "schedule",
+        /// The cost of each object and each material
+        Objects = "objects",
+        /// The cost of each primitive, on the scene's geometry
+        Surface = "surface",
+        /// The boxes of the hierarchy and the cost of each
+        Bvh = "bvh",
+        /// The linear light of each pixel, as an array of the VTK files
+        Radiance = "radiance",
+        /// The rays of each pixel by bounce, as an array of the VTK files
+        Bounces = "bounces",
+        /// The group of each pixel that was timed as a whole, as an array of the VTK files
+        Groups = "groups",
+        /// The tests of boxes and primitives, hits apart from misses, as arrays of the VTK files
+        Tests = "tests",
+        /// The linear light and all arrays of the pixels as an OpenEXR picture
+        Exr = "exr",
+    }
 }
 
 /// The arrays of a film beyond what every film keeps.
@@ -97,11 +96,6 @@ pub struct BvhLimits {
 }
 
 impl OptionalOutput {
-    /// Returns the name in scene files and on the command line.
-    pub fn name(self) -> String {
-        text::keyword_name(&self)
-    }
-
     /// Returns true if it requires the cost attribution, and therefore counters.
     pub fn needs_attribution(self) -> bool {
         matches!(
@@ -293,7 +287,7 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
     type Value = OutputEntry;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let outputs = OptionalOutput::value_variants().iter();
+        let outputs = OptionalOutput::KEYWORDS.iter();
         let names: Vec<String> = outputs
             .map(|output| format!("`{}`", output.name()))
             .collect();

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use base::serde_keywords;
-use base::text;
+use base::keywords;
 use world::values;
 
 /// The division of the picture among threads. It changes neither the picture nor its counters.
@@ -31,17 +30,18 @@ pub struct Tiling {
     pub order: TileOrder,
 }
 
-/// The order in which threads take tiles.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum TileOrder {
-    /// Row by row, from the top left
-    #[default]
-    Scanline,
-    /// Along a Hilbert curve, where consecutive tiles are neighbors
-    Hilbert,
-    /// The most expensive first, estimated from a few rays through each
-    Cost,
+keywords! {
+    /// The order in which threads take tiles.
+    #[derive(Default)]
+    pub enum TileOrder {
+        /// Row by row, from the top left
+        #[default]
+        Scanline = "scanline",
+        /// Along a Hilbert curve, where consecutive tiles are neighbors
+        Hilbert = "hilbert",
+        /// The most expensive first, estimated from a few rays through each
+        Cost = "cost",
+    }
 }
 
 impl Tiling {
@@ -60,12 +60,3 @@ impl Default for Tiling {
         }
     }
 }
-
-impl TileOrder {
-    /// Returns the name in scene files.
-    pub fn name(self) -> String {
-        text::keyword_name(&self)
-    }
-}
-
-serde_keywords!(TileOrder);

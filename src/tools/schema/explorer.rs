@@ -10,6 +10,7 @@ use super::defaults::SAMPLE;
 use super::doc_comments;
 use super::numbers::{self, any_of};
 use super::relations::relations;
+use base::Keyword;
 use scene::config::{PixelArray, RatioMetric};
 use scene::yaml::{Step, YamlFile};
 use world::values::MAX_NAME;
@@ -148,7 +149,7 @@ impl<T: YamlFile> Explorer<T> {
             samples.push(json!("#12abef"));
         }
         if self.attempt(json!(RATIO)).is_accepted() {
-            let costs: Vec<String> = RatioMetric::costs().map(PixelArray::name).collect();
+            let costs: Vec<&str> = RatioMetric::costs().map(PixelArray::name).collect();
             let cost = format!("({})", costs.join("|"));
             let pattern = format!("^ *{cost} */ *{cost} *$");
             schemas.push(json!({ "type": "string", "pattern": pattern }));

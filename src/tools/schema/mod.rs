@@ -17,21 +17,24 @@ use std::fmt::Debug;
 use serde_json::{Value, json};
 
 use crate::study::StudyPlan;
+use base::keywords;
 use defaults::add_defaults;
 use explorer::Explorer;
 use scene::config::Config;
 use scene::yaml::YamlFile;
 
-/// A kind of file that has a schema.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum SchemaKind {
-    /// A scene
-    #[default]
-    Scene,
-    /// A file that scenes include
-    Part,
-    /// A study
-    Study,
+keywords! {
+    /// A kind of file that has a schema.
+    #[derive(Default)]
+    pub enum SchemaKind {
+        /// A scene
+        #[default]
+        Scene = "scene",
+        /// A file that scenes include
+        Part = "part",
+        /// A study
+        Study = "study",
+    }
 }
 
 impl SchemaKind {

@@ -2,23 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use glam::{DVec3, Vec3};
 
 use base::host::available_memory;
+use base::keywords;
 use base::text::{Diagnostic, one_line};
 use import::{DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
 use scene::yaml::{Source, quoted};
 use world::geometry::{Aabb, Sphere};
 use world::values::MAX_NAME;
 
-/// The axis of a mesh that points upward.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum UpAxis {
-    /// +y, as in most programs for pictures
-    Y,
-    /// +z, as in engineering and on maps
-    Z,
+keywords! {
+    /// The axis of a mesh that points upward.
+    pub enum UpAxis {
+        /// +y, as in most programs for pictures
+        Y = "y",
+        /// +z, as in engineering and on maps
+        Z = "z",
+    }
 }
 
 /// A commented scene.

@@ -6,7 +6,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use base::serde_keywords;
+use base::keywords;
 
 /// The structure that finds the nearest hit of a ray.
 ///
@@ -69,21 +69,19 @@ impl fmt::Display for Quality {
     }
 }
 
-/// An [`Acceleration`] as one word, for the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Structure {
-    /// A BVH of this quality
-    Fast,
-    /// A BVH of this quality
-    Balanced,
-    /// A BVH of this quality
-    High,
-    /// Every shape against every ray
-    BruteForce,
+keywords! {
+    /// An [`Acceleration`] as one word, for the command line.
+    pub enum Structure {
+        /// A BVH of this quality
+        Fast = "fast",
+        /// A BVH of this quality
+        Balanced = "balanced",
+        /// A BVH of this quality
+        High = "high",
+        /// Every shape against every ray
+        BruteForce = "brute_force",
+    }
 }
-
-serde_keywords!(Structure, Traversal);
 
 impl From<Structure> for Acceleration {
     fn from(structure: Structure) -> Self {
@@ -96,15 +94,16 @@ impl From<Structure> for Acceleration {
     }
 }
 
-/// How the kernel takes the rays of a wave.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Traversal {
-    /// One after the other
-    Single,
-    /// Many at a time
-    #[default]
-    Stream,
+keywords! {
+    /// How the kernel takes the rays of a wave.
+    #[derive(Default)]
+    pub enum Traversal {
+        /// One after the other
+        Single = "single",
+        /// Many at a time
+        #[default]
+        Stream = "stream",
+    }
 }
 
 /// How the hierarchy of a frame is made if its objects differ from the frame before.

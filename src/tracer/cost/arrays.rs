@@ -1,85 +1,80 @@
 //! The arrays of a pixel, and the choice of those that are written.
 
-use clap::ValueEnum;
+use base::{Keyword, keywords};
 
-use base::serde_keywords;
-use base::text::keyword_name;
-
-/// An array of the cloud and the frame.
-///
-/// ```
-/// # use tracer::cost::PixelArray;
-/// let arrays: Vec<PixelArray> = scene::yaml::from_str("[RGB, node_visits, time_ns]").unwrap();
-/// # use PixelArray::*;
-/// # assert_eq!(arrays, [Rgb, NodeVisits, TimeNs]);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum PixelArray {
-    /// The column of the pixel, from 0
-    PixelX,
-    /// The row of the pixel, from 0 on top
-    PixelY,
-    /// The color in the picture
-    #[value(name = "RGB")]
-    Rgb,
-    /// The shading normal
-    #[value(name = "Normals")]
-    Normals,
-    /// The distance along the camera ray
-    Distance,
-    /// The size of the pixel at the hit
-    Footprint,
-    /// The object
-    Object,
-    /// The material
-    Material,
-    /// The instance
-    Instance,
-    /// The number of the pixel, in the cloud
-    Pixel,
-    /// 1 for a hit near the horizon, in the cloud
-    Horizon,
-    /// The time of the pixel
-    TimeNs,
-    /// The spread of repeated times
-    TimeMadNs,
-    /// The visited nodes of the hierarchy
-    NodeVisits,
-    /// The tests of primitives
-    PrimitiveTests,
-    /// All rays
-    Rays,
-    /// The rays to lights
-    ShadowRays,
-    /// The rays of mirrors
-    ReflectionRays,
-    /// The rays through clear media
-    RefractionRays,
-    /// The rays that rough surfaces scatter
-    DiffuseRays,
-    /// The longest path
-    Depth,
-    /// The samples
-    Samples,
-    /// The tile
-    Tile,
-    /// The thread
-    Thread,
-    /// The linear light
-    Radiance,
-    /// The rays by bounce
-    RaysByBounce,
-    /// The group that was timed as a whole
-    Group,
-    /// The tests of the boxes of nodes
-    BoxTests,
-    /// The box tests that hit
-    BoxHits,
-    /// The primitive tests that hit
-    PrimitiveHits,
-    /// The visits of instances
-    InstanceVisits,
+keywords! {
+    /// An array of the cloud and the frame.
+    ///
+    /// ```
+    /// # use tracer::cost::PixelArray;
+    /// let arrays: Vec<PixelArray> = scene::yaml::from_str("[RGB, node_visits, time_ns]").unwrap();
+    /// # use PixelArray::*;
+    /// # assert_eq!(arrays, [Rgb, NodeVisits, TimeNs]);
+    /// ```
+    pub enum PixelArray {
+        /// The column of the pixel, from 0
+        PixelX = "pixel_x",
+        /// The row of the pixel, from 0 on top
+        PixelY = "pixel_y",
+        /// The color in the picture
+        Rgb = "RGB",
+        /// The shading normal
+        Normals = "Normals",
+        /// The distance along the camera ray
+        Distance = "distance",
+        /// The size of the pixel at the hit
+        Footprint = "footprint",
+        /// The object
+        Object = "object",
+        /// The material
+        Material = "material",
+        /// The instance
+        Instance = "instance",
+        /// The number of the pixel, in the cloud
+        Pixel = "pixel",
+        /// 1 for a hit near the horizon, in the cloud
+        Horizon = "horizon",
+        /// The time of the pixel
+        TimeNs = "time_ns",
+        /// The spread of repeated times
+        TimeMadNs = "time_mad_ns",
+        /// The visited nodes of the hierarchy
+        NodeVisits = "node_visits",
+        /// The tests of primitives
+        PrimitiveTests = "primitive_tests",
+        /// All rays
+        Rays = "rays",
+        /// The rays to lights
+        ShadowRays = "shadow_rays",
+        /// The rays of mirrors
+        ReflectionRays = "reflection_rays",
+        /// The rays through clear media
+        RefractionRays = "refraction_rays",
+        /// The rays that rough surfaces scatter
+        DiffuseRays = "diffuse_rays",
+        /// The longest path
+        Depth = "depth",
+        /// The samples
+        Samples = "samples",
+        /// The tile
+        Tile = "tile",
+        /// The thread
+        Thread = "thread",
+        /// The linear light
+        Radiance = "radiance",
+        /// The rays by bounce
+        RaysByBounce = "rays_by_bounce",
+        /// The group that was timed as a whole
+        Group = "group",
+        /// The tests of the boxes of nodes
+        BoxTests = "box_tests",
+        /// The box tests that hit
+        BoxHits = "box_hits",
+        /// The primitive tests that hit
+        PrimitiveHits = "primitive_hits",
+        /// The visits of instances
+        InstanceVisits = "instance_visits",
+    }
 }
 
 /// The arrays that the cloud and the frame have: all, or the chosen ones.
@@ -92,7 +87,7 @@ pub struct WrittenArrays {
 impl WrittenArrays {
     /// Creates a set of only the chosen arrays.
     pub fn only(chosen: &[PixelArray]) -> Self {
-        let others = PixelArray::value_variants()
+        let others = PixelArray::KEYWORDS
             .iter()
             .filter(|array| !chosen.contains(array));
         Self {
@@ -113,19 +108,6 @@ impl WrittenArrays {
 }
 
 impl PixelArray {
-    /// Returns the array with this name in files.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::value_variants()
-            .iter()
-            .copied()
-            .find(|array| array.name() == name)
-    }
-
-    /// Returns the name in files.
-    pub fn name(self) -> String {
-        keyword_name(&self)
-    }
-
     /// Returns true for the costs of a pixel: its time, visits, tests, rays, samples and depth.
     pub fn is_cost(self) -> bool {
         use PixelArray::*;
@@ -143,5 +125,3 @@ impl PixelArray {
         1 << self as u32
     }
 }
-
-serde_keywords!(PixelArray);

@@ -1,28 +1,29 @@
 //! The cost that is measured.
 
-use base::serde_keywords;
+use base::keywords;
 
-/// The cost measured for each pixel. All modes give the same picture, and the
-/// three modes with counters the same counters.
-///
-/// ```
-/// # use tracer::cost::CostMode;
-/// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
-/// # assert_eq!(cost, CostMode::Counters);
-/// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum CostMode {
-    /// Nothing; traces rays in streams
-    None,
-    /// Node visits, primitive tests and rays; traces rays in streams
-    Counters,
-    /// Counters, and the time of each pixel; traces rays one by one
-    SingleRayTime,
-    /// Counters, and the times of waves of rays, split over their pixels by the
-    /// counters of each stage; traces rays in streams
-    #[default]
-    Time,
+keywords! {
+    /// The cost measured for each pixel. All modes give the same picture, and the
+    /// three modes with counters the same counters.
+    ///
+    /// ```
+    /// # use tracer::cost::CostMode;
+    /// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
+    /// # assert_eq!(cost, CostMode::Counters);
+    /// ```
+    #[derive(Default)]
+    pub enum CostMode {
+        /// Nothing; traces rays in streams
+        None = "none",
+        /// Node visits, primitive tests and rays; traces rays in streams
+        Counters = "counters",
+        /// Counters, and the time of each pixel; traces rays one by one
+        SingleRayTime = "single_ray_time",
+        /// Counters, and the times of waves of rays, split over their pixels by the
+        /// counters of each stage; traces rays in streams
+        #[default]
+        Time = "time",
+    }
 }
 
 impl CostMode {
@@ -45,5 +46,3 @@ impl CostMode {
         }
     }
 }
-
-serde_keywords!(CostMode);

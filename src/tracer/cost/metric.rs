@@ -6,10 +6,9 @@
 
 use std::time::Duration;
 
-use clap::builder::PossibleValue;
-
 use super::{Cost, Counter, StepCounter};
 use super::{CostMode, RatioMetric, RatioMetrics};
+use base::Keyword;
 use base::text::numbers;
 
 /// A cost metric of pixels.
@@ -309,14 +308,16 @@ impl Metric {
     }
 }
 
-/// A metric that a rendering measures as an option of the command line.
-impl clap::ValueEnum for Metric {
-    fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL[..Self::N_RENDERED]
+/// The metrics that a rendering measures.
+impl Keyword for Metric {
+    const KEYWORDS: &'static [Self] = Self::ALL.split_at(Self::N_RENDERED).0;
+
+    fn name(self) -> &'static str {
+        self.name
     }
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name).help(self.about))
+    fn help(self) -> &'static str {
+        self.about
     }
 }
 

@@ -3,11 +3,11 @@
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
 
-use clap::ValueEnum;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::PixelArray;
+use base::Keyword;
 
 /// The ratio of two cost arrays: a metric that a scene defines.
 #[derive(Debug, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl RatioMetrics {
 impl RatioMetric {
     /// Returns the arrays that can be parts.
     pub fn costs() -> impl Iterator<Item = PixelArray> {
-        let arrays = PixelArray::value_variants().iter().copied();
+        let arrays = PixelArray::KEYWORDS.iter().copied();
         arrays.filter(|array| array.is_cost())
     }
 
@@ -132,7 +132,7 @@ impl Visitor<'_> for RatioPartsVisitor {
     type Value = RatioParts;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let names: Vec<String> = RatioMetric::costs().map(PixelArray::name).collect();
+        let names: Vec<&str> = RatioMetric::costs().map(PixelArray::name).collect();
         write!(f, "a ratio `a / b` of {}", names.join(", "))
     }
 

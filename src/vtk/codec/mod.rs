@@ -9,31 +9,30 @@ mod zlib;
 use std::fmt::Debug;
 use std::io;
 
-use clap::ValueEnum;
-
-use base::serde_keywords;
+use base::{Keyword, keywords};
 
 /// Bytes of a block before compression; the last block of an array may be shorter. Larger blocks do
 /// not compress better, and leave fewer blocks for the threads.
 pub(crate) const BLOCK: usize = 1 << 18;
 
-/// The compression of the arrays in VTK files. All of them are lossless.
-///
-/// ```
-/// # use vtk::Codec;
-/// let compress: Codec = serde_yaml::from_str("zlib").unwrap();
-/// # assert_eq!(compress, Codec::Zlib);
-/// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Codec {
-    /// No compression: supported by every reader of VTK files
-    #[default]
-    None,
-    /// Fast; supported by ParaView and other programs built on VTK
-    Lz4,
-    /// Smaller; also supported by vtk.js
-    Zlib,
+keywords! {
+    /// The compression of the arrays in VTK files. All of them are lossless.
+    ///
+    /// ```
+    /// # use vtk::Codec;
+    /// let compress: Codec = serde_yaml::from_str("zlib").unwrap();
+    /// # assert_eq!(compress, Codec::Zlib);
+    /// ```
+    #[derive(Default)]
+    pub enum Codec {
+        /// No compression: supported by every reader of VTK files
+        #[default]
+        None = "none",
+        /// Fast; supported by ParaView and other programs built on VTK
+        Lz4 = "lz4",
+        /// Smaller; also supported by vtk.js
+        Zlib = "zlib",
+    }
 }
 
 impl Codec {
@@ -57,8 +56,6 @@ impl Codec {
     }
 }
 
-serde_keywords!(Codec);
-
 /// Compresses blocks, each independently of the others.
 pub trait Compressor: Debug + Sync {
     /// Returns the VTK class that reads the blocks.
@@ -81,7 +78,7 @@ pub trait Compressor: Debug + Sync {
 impl dyn Compressor {
     /// Returns the compressor with the VTK class `name`, if raycost has it.
     pub fn of_vtk_class(name: &str) -> Option<&'static Self> {
-        let codecs = Codec::value_variants().iter();
+        let codecs = Codec::KEYWORDS.iter();
         let mut compressors = codecs.filter_map(|codec| codec.compressor());
         compressors.find(|compressor| compressor.vtk_class() == name)
     }
@@ -101,7 +98,7 @@ impl dyn Compressor {
 
 #[cfg(test)]
 pub(crate) fn compressors() -> impl Iterator<Item = &'static dyn Compressor> {
-    let codecs = Codec::value_variants().iter();
+    let codecs = Codec::KEYWORDS.iter();
     codecs.filter_map(|codec| codec.compressor())
 }
 

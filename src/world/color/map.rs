@@ -1,9 +1,7 @@
 //! Color maps: colors for numbers from 0 to 1, or for categories.
 
-use clap::ValueEnum;
-
 use super::{diverging, tables};
-use base::serde_keywords;
+use base::keywords;
 
 /// Number of colors of a named map for numbers, as matplotlib and VTK draw it.
 const N_STEPS: f64 = 256.0;
@@ -11,18 +9,19 @@ const N_STEPS: f64 = 256.0;
 /// Defines [`ColorMap`] and its colors from one list.
 macro_rules! maps {
     (
-        gradients { $($(#[$doc:meta])* $kind:ident = $gradient:ident,)* }
-        categories { $($(#[$of_list:meta])* $list:ident = $colors:ident,)* }
+        gradients { $($(#[doc = $doc:literal])* $kind:ident $name:literal = $gradient:ident,)* }
+        categories { $($(#[doc = $about:literal])* $list:ident $word:literal = $colors:ident,)* }
     ) => {
-        /// Colors for numbers.
-        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-        #[value(rename_all = "snake_case")]
-        pub enum ColorMap {
-            /// From blue over gray to red: ParaView's Cool to Warm
-            #[default]
-            CoolToWarm,
-            $($(#[$doc])* $kind,)*
-            $($(#[$of_list])* $list,)*
+        keywords! {
+            /// Colors for numbers.
+            #[derive(Default)]
+            pub enum ColorMap {
+                /// From blue over gray to red: ParaView's Cool to Warm
+                #[default]
+                CoolToWarm = "cool_to_warm",
+                $($(#[doc = $doc])* $kind = $name,)*
+                $($(#[doc = $about])* $list = $word,)*
+            }
         }
 
         impl ColorMap {
@@ -49,41 +48,41 @@ macro_rules! maps {
 maps! {
     gradients {
         /// From violet over green to yellow
-        Viridis = VIRIDIS,
+        Viridis "viridis" = VIRIDIS,
         /// From black over red to pale yellow
-        Inferno = INFERNO,
+        Inferno "inferno" = INFERNO,
         /// From black over purple to pale yellow
-        Magma = MAGMA,
+        Magma "magma" = MAGMA,
         /// From blue over purple to yellow
-        Plasma = PLASMA,
+        Plasma "plasma" = PLASMA,
         /// From blue to yellow, for all kinds of color vision
-        Cividis = CIVIDIS,
+        Cividis "cividis" = CIVIDIS,
         /// A rainbow of smooth lightness
-        Turbo = TURBO,
+        Turbo "turbo" = TURBO,
         /// From black to white in a spiral of hues
-        Cubehelix = CUBEHELIX,
+        Cubehelix "cubehelix" = CUBEHELIX,
         /// From white to black
-        Greys = GREYS,
+        Greys "greys" = GREYS,
         /// From white to blue
-        Blues = BLUES,
+        Blues "blues" = BLUES,
         /// From white to red
-        Reds = REDS,
+        Reds "reds" = REDS,
         /// From red over white to blue: matplotlib's RdBu
-        RedBlue = RED_BLUE,
+        RedBlue "red_blue" = RED_BLUE,
         /// From orange over white to purple: matplotlib's PuOr
-        PurpleOrange = PURPLE_ORANGE,
+        PurpleOrange "purple_orange" = PURPLE_ORANGE,
         /// From red over yellow to blue
-        Spectral = SPECTRAL,
+        Spectral "spectral" = SPECTRAL,
     }
     categories {
         /// Ten colors for categories
-        Tableau10 = TABLEAU10,
+        Tableau10 "tableau10" = TABLEAU10,
         /// Nine strong colors for categories
-        Set1 = SET1,
+        Set1 "set1" = SET1,
         /// Eight soft colors for categories
-        Set2 = SET2,
+        Set2 "set2" = SET2,
         /// Twelve colors for categories, in pairs
-        Paired = PAIRED,
+        Paired "paired" = PAIRED,
     }
 }
 
@@ -119,11 +118,10 @@ pub(super) fn nearest<T>(colors: &[T], position: f64) -> &T {
     &colors[((position * n as f64) as usize).min(n - 1)]
 }
 
-serde_keywords!(ColorMap);
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::Keyword;
 
     #[test]
     fn the_ends_of_cool_to_warm_are_those_of_paraview() {
@@ -140,7 +138,7 @@ mod tests {
         let png = include_bytes!("matplotlib.png");
         let colors = image::load_from_memory(png).unwrap().into_rgb8();
         let is_for_numbers = |map: &&ColorMap| map.n_categories().is_none();
-        let maps = ColorMap::value_variants().iter().filter(is_for_numbers);
+        let maps = ColorMap::KEYWORDS.iter().filter(is_for_numbers);
         let named: Vec<&ColorMap> = maps.skip(1).collect();
         assert_eq!(colors.dimensions(), (256, named.len() as u32));
         for (column, row, expected) in colors.enumerate_pixels() {
@@ -154,7 +152,7 @@ mod tests {
 
     #[test]
     fn each_position_has_a_color() {
-        for map in ColorMap::value_variants() {
+        for map in ColorMap::KEYWORDS {
             for i in 0..=100 {
                 let color = map.at(f64::from(i) / 100.0);
                 assert!(color.iter().all(|x| (0.0..=1.0).contains(x)), "{map:?}");

@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use base::serde_keywords;
+use base::keywords;
 use levels::linear8;
 pub use map::ColorMap;
 pub use map::rgb8;
@@ -34,15 +34,16 @@ pub struct Development {
     transfer: Transfer,
 }
 
-/// The function from linear light to the numbers of a picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Transfer {
-    /// Of sRGB displays (IEC 61966-2-1)
-    #[default]
-    Srgb,
-    /// None: the numbers are proportional to the light
-    Linear,
+keywords! {
+    /// The function from linear light to the numbers of a picture.
+    #[derive(Default, Hash)]
+    pub enum Transfer {
+        /// Of sRGB displays (IEC 61966-2-1)
+        #[default]
+        Srgb = "srgb",
+        /// None: the numbers are proportional to the light
+        Linear = "linear",
+    }
 }
 
 impl Development {
@@ -149,8 +150,6 @@ impl Default for Development {
         Self::new(0.0, ToneCurve::default(), Transfer::default())
     }
 }
-
-serde_keywords!(Transfer);
 
 #[cfg(test)]
 mod tests {

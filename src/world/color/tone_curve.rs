@@ -3,19 +3,20 @@
 use glam::Vec3;
 
 use super::{aces, agx};
-use base::serde_keywords;
+use base::keywords;
 
-/// A function from exposed light to displayed light, both linear and with the primaries of sRGB.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum ToneCurve {
-    /// Light above 1 is cut off, channel by channel
-    #[default]
-    None,
-    /// AgX: 16.5 stops; bright colors fade to white
-    Agx,
-    /// The fit by Stephen Hill of ACES' reference and sRGB transforms
-    Aces,
+keywords! {
+    /// A function from exposed light to displayed light, both linear and with the primaries of sRGB.
+    #[derive(Default)]
+    pub enum ToneCurve {
+        /// Light above 1 is cut off, channel by channel
+        #[default]
+        None = "none",
+        /// AgX: 16.5 stops; bright colors fade to white
+        Agx = "agx",
+        /// The fit by Stephen Hill of ACES' reference and sRGB transforms
+        Aces = "aces",
+    }
 }
 
 impl ToneCurve {
@@ -29,8 +30,6 @@ impl ToneCurve {
         }
     }
 }
-
-serde_keywords!(ToneCurve);
 
 #[cfg(test)]
 mod tests {

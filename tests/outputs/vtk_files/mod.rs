@@ -8,7 +8,7 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Instant;
 
-use clap::ValueEnum;
+use base::Keyword;
 use expected::{expected_frame, expected_hits, expected_tiles};
 
 use crate::common::data_set::{Array, DataSet, assert_same};
@@ -156,7 +156,7 @@ fn film_of_hits(n_hits: usize, config: &Config) -> Film {
 fn check(film: &Film, read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     let [frame, hits] = ["frame.vti", "hits.vtu"].map(|file| folder.path().join(file));
-    for &codec in Codec::value_variants() {
+    for &codec in Codec::KEYWORDS {
         write_frame(film, codec, &mut File::create(&frame).unwrap()).unwrap();
         write_hits(film, codec, &mut File::create(&hits).unwrap()).unwrap();
         assert_same(read(&frame), expected_frame(film));
@@ -242,7 +242,7 @@ fn check_tiles(read: fn(&Path) -> DataSet) {
     let folder = tempfile::tempdir().unwrap();
     for cost in [CostMode::None, CostMode::Time] {
         let path = folder.path().join("tiles.vti");
-        for &codec in Codec::value_variants() {
+        for &codec in Codec::KEYWORDS {
             write_tiles(&schedule, cost, codec, &mut File::create(&path).unwrap()).unwrap();
             assert_same(read(&path), expected_tiles(cost));
         }
