@@ -16,9 +16,9 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use base::text::Diagnostic;
 use clap::Parser;
 use cpu_time::ThreadTime;
+use host::text::Diagnostic;
 use math::statistics::median;
 use render::film::Film;
 use render::schedule::{Schedule, TileRun};

@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-use base::host::{self, Allocator};
-use base::text;
+use host::Allocator;
+use host::text;
 use raycost::cli;
 use render::ranks;
 

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use base::text::Diagnostic;
 use clap::Parser;
+use host::text::Diagnostic;
 use math::statistics::median;
 use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode};

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use import::{
     IsosurfaceChoice, MAX_BYTES_PER_BYTE, Mesh, RadiusChoice, read_isosurface, read_lines,
     read_mesh, read_mesh_with, read_picture, read_points, read_spheres, read_tubes,

@@ -1,19 +1,12 @@
-//! The foundation of all crates, independent of rays.
+//! The foundation of all crates: what needs neither rays nor the operating system.
 //!
-//! In: paths, bytes and requests of the operating system. Out: text for people, files that are read
-//! whole or refused, and a folder of output whose files appear together or not at all.
-//!
-//! Read [`text`] first, whose [`Diagnostic`](text::Diagnostic) is the error of every crate; then
-//! [`files`], [`provenance`] and [`folder`], which read and write. [`stop`] and [`host`] are the
-//! signals and the machine.
+//! Read [`Keyword`] first, the words that select a choice in scenes and on the command line; then
+//! [`numbers`], which are formatted for people and parsed, and [`stop`], the requests to end that
+//! long work polls.
 
 pub mod keyword;
-pub mod host;
+pub mod numbers;
 pub mod stop;
-pub mod text;
-pub mod files;
-pub mod provenance;
-pub mod folder;
 
 pub use keyword::Keyword;
 #[doc(hidden)]

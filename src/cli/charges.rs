@@ -1,6 +1,6 @@
 //! Tables of the cost of objects and materials for the terminal.
 
-use base::text::one_line;
+use host::text::one_line;
 use output::writers::{Group, RenderingView};
 use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use tracer::cost::Metric;

@@ -4,7 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::{Cli, Failure};
-use base::text;
+use host::text;
 
 /// Print a completion script for a shell
 #[derive(Debug, clap::Args)]

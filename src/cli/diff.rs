@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::{Failure, keyword, on_threads, shell_word, shown};
-use base::folder::{OutputFolder, Written};
-use base::text::numbers::bytes;
-use base::text::{self, Diagnostic};
+use base::numbers::bytes;
+use host::folder::{OutputFolder, Written};
+use host::text::{self, Diagnostic};
 use output::results::read_unchanged;
 use tools::diff::foreign::{self, ForeignDiff, ForeignFile};
 use tools::diff::{self, Diff, DiffJson, Gate, Limit, Side};

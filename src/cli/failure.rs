@@ -1,9 +1,9 @@
 //! The failure of a command: its message and its exit code.
 
 use crate::session::RenderError;
-use base::folder::WriteError;
 use base::stop::Stopped;
-use base::text::Diagnostic;
+use host::folder::WriteError;
+use host::text::Diagnostic;
 
 /// Reasons why a command failed.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::open_scene::OpenScene;
 use crate::session::{Frames, Options, Session};
-use base::provenance::Checksum;
-use base::text::Diagnostic;
+use host::provenance::Checksum;
+use host::text::Diagnostic;
 use output::estimate::Memory;
 use render::instruments::Stages;
 use scene::config::HierarchyUpdate;

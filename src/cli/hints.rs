@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 
-use base::text::one_line;
+use host::text::one_line;
 use output::look::Look;
 use scene::config::{Config, Geometry, ShadingModel};
 use world::background::Background;

@@ -3,7 +3,7 @@
 use super::progress::with_bar;
 use super::scene::SceneArguments;
 use super::{Failure, shell_word};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::film::{Film, HotPixel};
 use render::tiles::{TilePlan, least_repeats, repeat};
 use scene::build::Sensor;

@@ -6,9 +6,9 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::Failure;
-use base::files::read_text;
-use base::folder::SUMMARY;
-use base::text::{self, Diagnostic};
+use host::files::read_text;
+use host::folder::SUMMARY;
+use host::text::{self, Diagnostic};
 use output::summary::MAX_BYTES;
 
 /// Prints a value as a line. Its 32-bit numbers have their shortest digits; within a

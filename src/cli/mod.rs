@@ -38,8 +38,8 @@ pub use failure::Failure;
 use crate::session;
 use base::Keyword;
 use base::stop::{self, Cancellation};
-use base::text::numbers::shell_word;
-use base::text::{self, Diagnostic, one_line, shortened};
+use host::signals;
+use host::text::{self, Diagnostic, one_line, shell_word, shortened};
 
 /// A ray tracer that shows its work
 ///
@@ -207,7 +207,7 @@ fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
 
 impl Cli {
     fn run(self) -> Result<(), Failure> {
-        stop::listen().map_err(|error| {
+        signals::listen().map_err(|error| {
             Failure::Machine(Diagnostic::new(format!(
                 "cannot listen for signals: {error}"
             )))

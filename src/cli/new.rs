@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
 use super::{Failure, keyword, shell_word, shown};
-use base::text::{self, Diagnostic};
+use host::text::{self, Diagnostic};
 use tools::schema::SchemaKind;
 use tools::starter::{self, UpAxis};
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::scene::SceneArguments;
 use super::study;
 use crate::session::{Frames, Input, scene_files};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::estimate::Memory;
 use scene::build::Geometries;
 use scene::config::Config;

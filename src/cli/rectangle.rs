@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::Image;
 
 /// A rectangle of pixels, row 0 on top, such as `3,4`, `10..19,4` or `10..19,0..9`; both ends are

@@ -1,7 +1,7 @@
 //! `raycost schema`.
 
 use super::{Failure, keyword};
-use base::text;
+use host::text;
 use tools::schema::SchemaKind;
 
 /// Print the JSON Schema of scene files or of studies

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::{Failure, refuse_file, shown};
-use base::text;
-use base::text::numbers::counted;
+use base::numbers::counted;
+use host::text;
 use output::results::relocate_states;
 use tools::series::FRAMES;
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use base::text::numbers;
+use base::numbers;
 use output::summary::ThreadTime;
 use output::writers::{RenderingView, thread_time, time_notes};
 use render::tiles::Overhead;

@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 
 use super::render::{OF_ANOTHER_RUN, UNFINISHED, go_on};
 use super::{Failure, shell_word, shown};
-use base::folder::{SUMMARY, is_unfinished};
-use base::text::Diagnostic;
-use base::text::numbers::counted;
+use base::numbers::counted;
+use host::folder::{SUMMARY, is_unfinished};
+use host::text::Diagnostic;
 use output::results::{read_unchanged, verify};
 use output::summary::{Partial, Summary};
 use render::checkpoint::{CheckpointFile, PARTS};

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::{Failure, on_threads, refuse_file, shown};
-use base::folder::{Replace, refuse_foreign_file, write_file};
-use base::text;
-use base::text::numbers::bytes;
+use base::numbers::bytes;
+use host::folder::{Replace, refuse_foreign_file, write_file};
+use host::text;
 use output::results::{Results, read_unchanged};
 use tools::view::{self, Page};
 

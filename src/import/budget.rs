@@ -1,8 +1,8 @@
 //! The memory that reading a file may take.
 
 use super::{FileFault, Result};
-use base::host::available_memory;
-use base::text::numbers::memory_sizes;
+use base::numbers::memory_sizes;
+use host::available_memory;
 
 /// The memory left for a file and its pieces, in bytes.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use base::text::{Diagnostic, why_missing};
+use host::text::{Diagnostic, why_missing};
 
 /// A fault in a geometry file.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -36,8 +36,8 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use base::files;
 use base::stop;
+use host::files;
 use world::material::ArrayChoice;
 
 use budget::Budget;

@@ -15,7 +15,7 @@ use image::{
 
 use super::gray_exr::{GrayExr, gray_header};
 use super::{FileFault, Result, length_of, open};
-use base::text::numbers::memory_sizes;
+use base::numbers::memory_sizes;
 use world::color::Transfer;
 use world::picture::{Picture, Texels};
 

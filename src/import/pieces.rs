@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::materials::path_in;
 use super::{extension, is_vtk};
-use base::files;
-use base::host::available_memory;
+use host::available_memory;
+use host::files;
 
 /// Maximum length of the header of a PLY file that is searched for names, in bytes.
 const MAX_HEADER: u64 = 1 << 16;

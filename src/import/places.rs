@@ -11,7 +11,7 @@ use super::fault::cut;
 use super::mesh::{finite, point};
 use super::table::{missing_column, named_twice, number, of_table, open_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result};
-use base::text::did_you_mean;
+use host::text::did_you_mean;
 use world::material::ArrayChoice;
 
 /// The placement of an instance.

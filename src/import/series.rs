@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::fault::cut;
 use super::vtk::{self, ListedStep};
 use super::{DataFile, FileFault, Result, extension};
-use base::files;
+use host::files;
 
 /// The files of a series in the order of their times, at least one.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,7 +12,7 @@ use super::fault::cut;
 use super::mesh::{Mesh, limited, point};
 use super::table::{columns, missing_column, named_twice, number, of_table, open_table, word};
 use super::{FileFault, FileLocation, GeometryFileReader, Result, listed};
-use base::text::did_you_mean;
+use host::text::did_you_mean;
 use world::geometry::{Located, Sphere, located_points};
 use world::material::{ArrayChoice, ArrayOf};
 use world::values::hex_color;

@@ -5,7 +5,7 @@
 //! What the camera sees, and how well it compresses, is in [`prediction`](crate::prediction).
 
 use crate::writers;
-use base::host::resident_memory;
+use host::resident_memory;
 use render::attribution::CostAttribution;
 use render::film::{self, columns, written_columns};
 use render::instruments::peak_memory_bytes;

@@ -1,15 +1,15 @@
 //! Refuses what may not fit into memory, before it is allocated.
 
 use crate::estimate::{Memory, has_bars};
-use base::host::{memory_limit, resident_memory};
-use base::text::Diagnostic;
-use base::text::numbers::memory_sizes;
+use base::numbers::memory_sizes;
+use host::text::Diagnostic;
+use host::{memory_limit, resident_memory};
 use scene::build::Geometries;
 use scene::config::{Config, OptionalOutput, Repeats};
 use scene::yaml::{Fault, FieldPath};
 use tracer::accel::{Bvh, TooLarge};
 
-pub use base::host::{available_memory as available, limit_memory as set_limit};
+pub use host::{available_memory as available, limit_memory as set_limit};
 
 const MIB: u64 = 1 << 20;
 /// Upper bound of the program's memory before rendering, without geometries, in bytes.

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use base::stop::Stopped;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::ranks::RankFailure;
 
 /// Reasons why a scene was not rendered.

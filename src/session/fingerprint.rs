@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use super::Session;
-use base::folder::checksum_of;
-use base::provenance::{Checksum, Hasher};
+use host::folder::checksum_of;
+use host::provenance::{Checksum, Hasher};
 use output::summary::{Build, FrameSection};
 use render::checkpoint::{Header, PicturePart, RecordLayout};
 use render::film;
@@ -14,7 +14,7 @@ use scene::build::SceneFrame;
 use scene::config::{Config, Geometry};
 
 use super::this_build;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::yaml::{Document, FieldPath, Folders};
 use world::background::Background;
 

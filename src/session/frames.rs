@@ -1,8 +1,8 @@
 //! The frames of an animated scene, each of which is a scene.
 
 use super::fingerprint;
-use base::provenance::Checksum;
-use base::text::Diagnostic;
+use host::provenance::Checksum;
+use host::text::Diagnostic;
 use output::limits;
 use output::summary::FrameSection;
 use scene::animation;

@@ -1,7 +1,7 @@
 //! A scene that was read, before it is placed.
 
 use super::Memory;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::limits;
 use output::summary::FrameSection;
 use scene::build::Geometries;

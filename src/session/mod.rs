@@ -20,9 +20,9 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use serde::Serialize;
 
-use base::folder::OutputFolder;
-use base::host::affinity;
-use base::provenance::Checksum;
+use host::affinity;
+use host::folder::OutputFolder;
+use host::provenance::Checksum;
 use output::estimate::{Memory, least_disk};
 use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
@@ -32,15 +32,15 @@ use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
 use world::scene::Scene;
 
 #[doc(inline)]
-pub use base::folder::{WriteError, Written};
-#[doc(inline)]
 pub use base::stop::{Cancellation, Stopped};
-#[doc(inline)]
-pub use base::text::Diagnostic;
 pub use build::this_build;
 pub use error::RenderError;
 pub(crate) use fingerprint::{contents_of, scene_files, states_of};
 pub(crate) use frames::Frames;
+#[doc(inline)]
+pub use host::folder::{WriteError, Written};
+#[doc(inline)]
+pub use host::text::Diagnostic;
 pub(crate) use input::Input;
 pub use options::{Event, Options};
 pub(crate) use options::{thread_pool, without_thread};

@@ -3,9 +3,9 @@
 use std::{fmt, io};
 
 use super::RenderError;
-use base::host::{advice, affinity, start_threads};
 use base::stop::Cancellation;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
+use host::{advice, affinity, start_threads};
 use render::ranks::local_rank;
 use render::tiles::{Progress, Report};
 use scene::config::{Pinning, SimdSet, Traversal};

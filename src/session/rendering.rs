@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 
 use super::options::Options;
 use super::{RenderError, Session, this_build};
-use base::folder::{OutputFolder, WriteError, Written};
 use base::stop;
-use base::text::Diagnostic;
+use host::folder::{OutputFolder, WriteError, Written};
+use host::text::Diagnostic;
 use math::simd::Simd;
 use output::look::Look;
 use output::summary::{OtherRuns, Partial, RanksSection, Threads};

@@ -1,7 +1,7 @@
 //! The tiles that a session renders.
 
 use super::RenderError;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::checkpoint::{CheckpointFailure, PicturePart};
 use render::ranks::Team;
 use render::tiles::{Limits, TilePlan};

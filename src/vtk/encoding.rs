@@ -2,7 +2,7 @@
 
 use crate::codec::Codec;
 use crate::field::Field;
-use base::provenance::RunId;
+use host::provenance::RunId;
 
 /// The encoding of a file, for any data set.
 #[derive(Debug, Clone)]

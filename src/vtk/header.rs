@@ -12,7 +12,7 @@ use crate::data_set::DataSet;
 use crate::elements::{DataElement, FieldDataElement, content};
 use crate::encoding::Encoding;
 use crate::field::Field;
-use base::provenance::RunId;
+use host::provenance::RunId;
 
 /// A data set with the field data of its file and the ID of its run.
 pub(crate) struct LabeledDataSet<'a> {

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use crate::array::Array;
 use crate::data_set::Extent;
 use crate::header::byte_order;
-use base::provenance::{KEY, RunId};
+use host::provenance::{KEY, RunId};
 
 /// The pieces of a data set, as files in the same folder.
 pub enum PieceFiles {

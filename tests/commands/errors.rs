@@ -19,7 +19,7 @@
 
 use std::path::PathBuf;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::estimate::Memory;
 use scene::build::{Geometries, Timeline};
 use scene::config::Config;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::Config;
 use scene::yaml::{Document, Source};
 

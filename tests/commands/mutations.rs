@@ -5,7 +5,7 @@ use crate::resolved::assert_resolves;
 use std::ops::Range;
 use std::path::Path;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::estimate::Memory;
 use proptest::prelude::*;
 use scene::build::Geometries;

@@ -65,7 +65,7 @@ fn processes_of_one_machine_take_cpus_in_turn() {
         let summary: Value = serde_json::from_slice(&run.stdout).unwrap();
         summary["threads"]["affinity"][0].clone()
     };
-    let n_cpus = base::host::affinity::allowed_cpus().unwrap().len();
+    let n_cpus = host::affinity::allowed_cpus().unwrap().len();
     assert_eq!(cpu("0"), cpu(&n_cpus.to_string()));
     assert_eq!(cpu("0") == cpu("1"), n_cpus == 1);
 }

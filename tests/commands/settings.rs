@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::Config;
 use scene::yaml::{Document, Source};
 

@@ -171,9 +171,9 @@ fn one_module_writes_to_the_terminal() {
         .unwrap();
     let text = String::from_utf8(found.stdout).unwrap();
     let allowed = |line: &&str| {
-        line.starts_with("src/base/text/terminal.rs:")
+        line.starts_with("src/host/text/terminal.rs:")
             // Without memory, nothing but fixed text and a number.
-            || line.starts_with("src/base/host/allocator.rs:")
+            || line.starts_with("src/host/allocator.rs:")
             || line.contains("ProgressDrawTarget::stderr()")
             || line.contains("//!")
     };

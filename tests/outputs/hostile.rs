@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::common::noise::noise;
 use crate::common::{assert_success, in_repository, raycost};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::results::{FrameFile, Results};
 use output::writers::write_frame;
 use scene::config::CostMode;

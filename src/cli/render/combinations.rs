@@ -3,7 +3,7 @@
 
 use super::RenderArguments;
 use crate::session::Session;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 impl RenderArguments {
     /// Checks the flags, before the scene is read.

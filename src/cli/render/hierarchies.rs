@@ -10,7 +10,7 @@ use crate::cli::Failure;
 use crate::cli::first_frame::FirstFrame;
 use crate::cli::open_scene::OpenScene;
 use crate::session::{Frames, Input, Options, Session};
-use base::provenance::Checksum;
+use host::provenance::Checksum;
 use output::estimate::Memory;
 use output::summary::FrameSection;
 use render::instruments::Stages;

@@ -7,7 +7,7 @@ use super::run_arguments::RunArguments;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, refuse_file, shell_word, shown};
 use crate::session::Session;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
 use render::ranks::n_launched;
 use tools::series::FRAMES;

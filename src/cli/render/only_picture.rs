@@ -9,9 +9,9 @@ use crate::cli::progress::Bars;
 use crate::cli::scene::PictureFormat;
 use crate::cli::{Failure, hints, run_summary, shown};
 use crate::session::{Scope, Session};
-use base::folder::{Replace, refuse_foreign_file};
-use base::text::numbers::bytes;
-use base::text::{self, Diagnostic};
+use base::numbers::bytes;
+use host::folder::{Replace, refuse_foreign_file};
+use host::text::{self, Diagnostic};
 use render::ranks::Team;
 use render::tiles::Limits;
 

@@ -7,8 +7,8 @@ use super::picture_run::PictureRun;
 use super::tiles::{self, Tiles};
 use crate::cli::progress::Bars;
 use crate::cli::{Failure, shell_word, shown};
-use base::folder::create_within;
-use base::text::numbers::{count, counted, duration};
+use base::numbers::{count, counted, duration};
+use host::folder::create_within;
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS, PicturePart};
 

@@ -5,8 +5,8 @@ use super::tiles::Tiles;
 use crate::cli::Failure;
 use crate::cli::progress::Bars;
 use crate::session::{Options, Rendering};
-use base::folder::Written;
 use base::stop;
+use host::folder::Written;
 use output::summary::Partial;
 
 /// A picture whose files are written.

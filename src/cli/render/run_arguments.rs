@@ -2,8 +2,8 @@
 
 use crate::cli::keyword;
 use base::keywords;
-use base::text::Diagnostic;
-use base::text::numbers::parse_bytes;
+use base::numbers::parse_bytes;
+use host::text::Diagnostic;
 use output::limits;
 use vtk::hdf;
 

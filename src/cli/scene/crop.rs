@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::Image;
 
 /// A window of a picture: its first column and row, its width and its height.

@@ -7,7 +7,7 @@ use clap::Parser;
 use super::SceneArguments;
 use crate::cli::shell_word;
 use base::Keyword;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::CostMode;
 
 /// The arguments of a scene, parsed on their own.

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::{keyword, shell_word, shown};
 use base::Keyword;
-use base::folder::SUMMARY;
-use base::text::Diagnostic;
 use crop::Crop;
+use host::folder::SUMMARY;
+use host::text::Diagnostic;
 use import::ForeignFormat;
 use output::summary::Summary;
 use scene::config::{

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::{Failure, Study};
 use crate::cli::shell_word;
-use base::text::numbers::{count, counted};
-use base::text::{Diagnostic, one_line};
+use base::numbers::{count, counted};
+use host::text::{Diagnostic, one_line};
 use scene::yaml::Source;
 use tools::study::{LeftOutStep, StudyPlan};
 

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The default: the studies of the repository.
 const DEFAULT_FOLDER: &str = "configs/studies";

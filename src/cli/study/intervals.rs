@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use base::text::numbers::duration;
+use base::numbers::duration;
 use math::statistics::SampleStatistics;
 
 /// Returns a time in milliseconds in the unit that suits it.

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::cli::Failure;
 use crate::session::this_build;
-use base::folder::checksum_of;
-use base::text::Diagnostic;
+use host::folder::checksum_of;
+use host::text::Diagnostic;
 use output::summary::Machine;
 use render::instruments::HardwareCounters;
 

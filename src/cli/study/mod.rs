@@ -24,10 +24,11 @@ use scene_files::SceneFiles;
 
 use super::progress;
 use super::{Cli, Failure, thread_pool};
-use base::folder::{Replace, lock_folder, refuse_file, write_file};
-use base::host::default_threads;
+use base::numbers;
 use base::stop;
-use base::text::{self, Diagnostic, numbers};
+use host::default_threads;
+use host::folder::{Replace, lock_folder, refuse_file, write_file};
+use host::text::{self, Diagnostic};
 use render::instruments::MachineLimits;
 use scene::yaml::{self, Fault, Source};
 use tools::study::{

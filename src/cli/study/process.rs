@@ -7,11 +7,12 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::cli::Failure;
-use base::files;
-use base::folder::{Replace, Scratch, write_file};
-use base::host::advice;
 use base::stop;
-use base::text::Diagnostic;
+use host::advice;
+use host::files;
+use host::folder::{Replace, Scratch, write_file};
+use host::signals;
+use host::text::Diagnostic;
 use output::summary::{self, Summary};
 use tools::study::{RunMetrics, StepCommand, StudyPlan, StudyPoint};
 
@@ -146,7 +147,7 @@ fn output_of(command: &mut Command) -> io::Result<Output> {
             *input = held;
         }
     };
-    stop::watching(
+    signals::watching(
         || hold(None),
         || {
             let mut child = command.spawn()?;

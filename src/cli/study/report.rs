@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::intervals::{interval_of, shown_ms};
 use super::steps;
 use crate::cli::{Failure, shown};
-use base::folder::{Replace, write_file};
-use base::text::one_line;
+use host::folder::{Replace, write_file};
+use host::text::one_line;
 use tools::study::{
     Figure, LeftOutStep, LogLaw, PlotSpec, RooflinePoint, Series, StatisticsRow, StudyPlan,
     bottleneck_report, label_of, write_csv,

@@ -6,8 +6,8 @@ use indexmap::{IndexMap, IndexSet};
 use serde_json::{Value, json};
 
 use crate::session::{contents_of, states_of};
-use base::provenance::Checksum;
-use base::text::Diagnostic;
+use host::provenance::Checksum;
+use host::text::Diagnostic;
 use tools::study::StudyPoint;
 
 /// The files of all scenes of a study, by the names of the scenes.

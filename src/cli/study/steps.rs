@@ -2,7 +2,7 @@
 
 use super::intervals::{interval_of, shown_ms};
 use super::launcher::check_startable;
-use base::text::one_line;
+use host::text::one_line;
 use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 
 /// Removes the steps that this machine, this build or this call cannot make. Returns them.

@@ -5,8 +5,8 @@ use std::time::Duration;
 use clap::builder::styling::{AnsiColor, Style};
 use glam::Vec3;
 
-use base::text::numbers::{count, counted, duration};
-use base::text::one_line;
+use base::numbers::{count, counted, duration};
+use host::text::one_line;
 use output::writers::Traced;
 use render::attribution::{ObservedPixel, RayTree, TracedRay};
 use scene::config::Config;

@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use crate::budget::Budget;
 use crate::fault::cut;
 use crate::{FileFault, FileLocation, Result};
-use base::text::numbers::counted;
+use base::numbers::counted;
 
 const MAGIC: &[u8] = b"glTF";
 /// Length of the header of a binary file, and of the header of a chunk, in bytes.

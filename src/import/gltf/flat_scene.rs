@@ -15,7 +15,7 @@ use super::pose::{MeshPose, normal_matrix};
 use crate::budget::Budget;
 use crate::mesh::{Mesh, append_corners, completed, count, fan, finite, moved, point};
 use crate::{FileFault, Result};
-use base::text::numbers::counted;
+use base::numbers::counted;
 use world::scene::CornerValues;
 
 /// Upper bound of the memory of a vertex with its attributes in bytes, while lists grow.

@@ -22,7 +22,7 @@ use super::materials::PictureShelf;
 use super::mesh::Mesh;
 use super::{GeometryFileReader, Result, Surroundings, read_whole};
 use accessor::Accessors;
-use base::text::numbers::counted;
+use base::numbers::counted;
 use buffers::Buffers;
 use container::unread_extensions;
 use flat_scene::FlatScene;

@@ -7,7 +7,7 @@ use super::super::mesh::{self, light, limited};
 use super::super::{FileFault, Result, listed};
 use super::cells::Cells;
 use super::numbers::Numbers;
-use base::text::did_you_mean;
+use host::text::did_you_mean;
 use world::geometry::origin_near;
 use world::material::{ArrayChoice, ArrayOf};
 

@@ -28,9 +28,9 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 pub use axis::{AxisEdge, LabeledAxis};
-use base::provenance::{self, RunId};
 use colors::Colors;
 pub use entries::LegendEntries;
+use host::provenance::{self, RunId};
 pub use label::{rounded_number, short_number};
 use layout::Layout;
 pub use legend::{ColorLegend, LegendKey, Swatch, draw_legends};

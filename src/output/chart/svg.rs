@@ -5,7 +5,7 @@ use quick_xml::escape::escape;
 
 use super::surface::{Anchor, DrawingSurface, PixelPosition, Rect};
 use super::text::Style;
-use base::text::one_line;
+use host::text::one_line;
 
 /// A picture as SVG, on transparent ground.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::film::{Column, columns};
 use scene::config::{CostMode, Repeats};
 use vtk::read::{

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::arrays::{ArrayInfo, Arrays, LoadedArray};
 use super::pieces::PieceList;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::MAX_SIDE;
 use vtk::read::{ImagePieceElement, VtkReader};
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::arrays::{ArrayInfo, Arrays, LoadedArray};
 use super::pieces::PieceList;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use vtk::ArrayValues;
 use vtk::read::{ArrayLocation, DataArrayElement, VtkReader};
 

@@ -26,13 +26,13 @@ pub use verify::{Verdict, verify};
 
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::writers::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, is_piece};
-use base::files;
-use base::folder::is_unfinished;
-use base::host::advice;
-use base::provenance::checksum;
+use base::numbers::{count, counted};
 use base::stop;
-use base::text::Diagnostic;
-use base::text::numbers::{count, counted};
+use host::advice;
+use host::files;
+use host::folder::is_unfinished;
+use host::provenance::checksum;
+use host::text::Diagnostic;
 
 /// The folder of the first frame within the folder of an animated scene.
 const FIRST_FRAME: &str = "frames/0000";

@@ -6,8 +6,9 @@ use std::io::{self, BufReader, Read, Take};
 use super::Results;
 use crate::summary::FILE as SUMMARY;
 use crate::writers::{OBJECTS_CSV, rows_per_thing};
-use base::files;
-use base::text::{Diagnostic, numbers, text_of_cell};
+use base::numbers;
+use host::files;
+use host::text::{Diagnostic, text_of_cell};
 use world::values::MAX_NAME;
 
 /// Maximum number of bytes of a row: a quoted name of the longest characters, and the numbers.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::writers::is_piece;
-use base::files;
-use base::text::Diagnostic;
+use host::files;
+use host::text::Diagnostic;
 use vtk::read::{extent_of, size_of_extent};
 
 /// Maximum number of bytes of a list; a picture has a few hundred pieces.

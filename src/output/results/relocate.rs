@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf, absolute};
 
 use crate::paraview::relocated;
 use crate::summary::{self, Summary};
-use base::files;
-use base::folder::{Replace, WriteError, lock_folder, write_file};
-use base::provenance;
+use host::files;
+use host::folder::{Replace, WriteError, lock_folder, write_file};
+use host::provenance;
 
 /// Longest state that is read, in bytes: a hundred times the longest template.
 const MAX_BYTES: u64 = 16 << 20;

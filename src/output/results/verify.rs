@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::Results;
 use crate::summary::{self, FileEntry, is_whole, read_json};
-use base::folder::checksum_of;
-use base::text::Diagnostic;
-use base::text::numbers::count;
+use base::numbers::count;
+use host::folder::checksum_of;
+use host::text::Diagnostic;
 
 /// The result for one file.
 #[derive(Debug, Clone, PartialEq, Eq)]

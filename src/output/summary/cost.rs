@@ -4,8 +4,8 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Number;
 
-use base::folder::Written;
-use base::provenance::Checksum;
+use host::folder::Written;
+use host::provenance::Checksum;
 use render::schedule::Schedule;
 use scene::config::{CostMode, RatioMetrics, TileOrder};
 use tracer::cost::Clock;

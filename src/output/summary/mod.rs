@@ -31,8 +31,8 @@ pub use write::is_whole;
 
 use serde::{Deserialize, Serialize};
 
-pub use base::folder::SUMMARY as FILE;
-use base::provenance::RunId;
+pub use host::folder::SUMMARY as FILE;
+use host::provenance::RunId;
 use render::tiles::Overhead;
 use vtk::Codec;
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use base::text::numbers::count;
+use base::numbers::count;
 
 /// The missing parts of a rendering that ended before it was complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sysinfo::System;
 
-use base::provenance;
+use host::provenance;
 use scene::config::Pinning;
 
 /// Bytes of a GiB.

@@ -5,9 +5,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::Summary;
-use base::files;
-use base::host::available_memory;
-use base::text::Diagnostic;
+use host::available_memory;
+use host::files;
+use host::text::Diagnostic;
 use scene::yaml::{Fault, Source};
 
 /// Maximum length of a summary in bytes: enough for a million objects with short names.

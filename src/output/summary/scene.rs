@@ -4,7 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use base::Keyword;
-use base::provenance::Checksum;
+use host::provenance::Checksum;
 use math::simd::Simd;
 use scene::config::{
     Acceleration, Adaptive, FilmSettings, Image, PictureWindow, PixelFilter, PixelPattern, Quality,

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::Summary;
-use base::provenance::checksum;
+use host::provenance::checksum;
 
 /// The key of the checksum of all bytes before the key.
 const SEAL: &str = "checksum";

@@ -2,7 +2,7 @@
 
 use super::Survey;
 use crate::paraview::ViewCamera;
-use base::provenance::{self, RunId};
+use host::provenance::{self, RunId};
 use scene::config::Config;
 use vtk::Field;
 use world::camera::{ImagePlane, Projection};

@@ -6,8 +6,8 @@ use super::file::{FileContent, OutputFile};
 use super::reduced_map::ReducedMap;
 use super::{RenderingView, time_notes};
 use crate::chart::{self, CostMap, Range};
-use base::provenance::RunId;
-use base::text::numbers;
+use base::numbers;
+use host::provenance::RunId;
 use render::film::Film;
 use tracer::cost::{Metric, MetricUnit};
 

@@ -67,7 +67,7 @@ pub use states::StateValues;
 use states::States;
 
 use crate::summary::{Build, FrameSection, OtherRuns, Partial, RanksSection, Threads};
-use base::folder::{OutputFolder, Own, Replace, WriteError, Written, write_file};
+use host::folder::{OutputFolder, Own, Replace, WriteError, Written, write_file};
 use math::simd::Simd;
 use math::statistics::upper_median;
 use render::attribution::CostAttribution;

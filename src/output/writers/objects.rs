@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use base::text::text_cell;
+use host::text::text_cell;
 use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use scene::config::OptionalOutput;
 use tracer::cost::{Metric, RayKind};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::RenderingView;
-use base::provenance::{Hasher, RunId};
+use host::provenance::{Hasher, RunId};
 use render::film::{Column, Film, PackedCounters, RenderedTile, Strip};
 
 /// Hashes of a film's content except for the threads, which vary from run to run: one hash per

@@ -10,8 +10,8 @@ use crate::summary::{
     RepeatsSection, SceneSection, StageEntry, Summary,
 };
 use base::Keyword;
-use base::folder::SUMMARY;
-use base::text::numbers::milliseconds;
+use base::numbers::milliseconds;
+use host::folder::SUMMARY;
 use render::film::Film;
 use render::instruments::peak_memory_bytes;
 use tracer::cost::{Metric, MetricSource, RayKind};

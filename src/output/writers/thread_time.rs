@@ -2,7 +2,7 @@
 
 use super::RenderingView;
 use crate::summary::ThreadTime;
-use base::text::numbers::count;
+use base::numbers::count;
 use math::statistics::median;
 use render::schedule::{GROUP_PATHS, N_GRIDS, group_sides};
 use render::tiles::{LEAST_GRIDS, Repeat};

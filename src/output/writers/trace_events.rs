@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use base::provenance::{KEY, RunId};
+use host::provenance::{KEY, RunId};
 use render::instruments::Stages;
 use render::schedule::{Tile, TileRun};
 use scene::config::OptionalOutput;

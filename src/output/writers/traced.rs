@@ -4,8 +4,8 @@ use std::io::{self, Seek, Write};
 
 use super::rays::{CLOUD, FILE as RAYS, Rays, Traced};
 use super::{fields, hits, states};
-use base::folder::{OutputFolder, Own, WriteError, Written};
-use base::provenance::{Hasher, RunId, stamped};
+use host::folder::{OutputFolder, Own, WriteError, Written};
+use host::provenance::{Hasher, RunId, stamped};
 use vtk::{Codec, Encoding};
 
 /// The name of the ParaView state.

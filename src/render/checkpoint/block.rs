@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use base::provenance::Hasher;
+use host::provenance::Hasher;
 
 /// The kind of content of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use super::block::{self, BlockKind, PREFIX};
 use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
-use base::files;
+use host::files;
 
 /// The first bytes of a file; the number is the version of the format.
 pub(super) const MAGIC: &[u8; 16] = b"raycost tiles 5\n";

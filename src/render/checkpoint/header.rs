@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::RecordLayout;
-use base::provenance::{Checksum, program};
+use host::provenance::{Checksum, program};
 
 /// The first block of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::store::n_threads_of;
 use super::{CheckpointFile, Damage, Header, PicturePart};
-use base::text::numbers::{count, counted};
+use base::numbers::{count, counted};
 
 /// Name of the folder of parts' files in the output folder.
 pub const PARTS: &str = "parts";

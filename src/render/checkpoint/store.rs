@@ -12,7 +12,7 @@ use cpu_time::ProcessTime;
 use super::file::{StoredTile, TileReader};
 use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
-use base::folder::WriteError;
+use host::folder::WriteError;
 
 /// Interval at which finished tiles are flushed to the system.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);

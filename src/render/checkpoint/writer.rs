@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::block::{self, BlockKind, PREFIX};
 use super::file::{CheckpointFile, MAGIC, RunSpan, StoredTile};
 use super::{Header, TileRecord};
-use base::files;
+use host::files;
 
 /// Appends blocks to a file.
 #[derive(Debug)]

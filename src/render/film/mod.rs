@@ -30,7 +30,7 @@ pub use strip::Strip;
 pub use tile::RenderedTile;
 
 use crate::schedule::TileGrid;
-use base::host::grow_heap;
+use host::grow_heap;
 use math::statistics::sum;
 use scene::config::{CostMode, ExtraArrays, Repeats};
 use tracer::cost::Cost;

@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use base::files;
+use host::files;
 
 /// The meters of all processor packages of the machine, or the reason why there are none. They
 /// measure all programs, and the idle processors too.
@@ -105,7 +105,7 @@ fn of_perf(sysfs: &Path) -> io::Result<Vec<Package>> {
     event.event("energy-pkg")?;
     let joules_per_count = event.scale()?.ok_or(ErrorKind::NotFound)?;
     let event = event.build().map_err(io::Error::other)?;
-    let cpus = base::host::affinity::parse_cpu_list(&read(&pmu.join("cpumask"))?);
+    let cpus = host::affinity::parse_cpu_list(&read(&pmu.join("cpumask"))?);
     let package = |cpu| {
         let mut builder = Builder::new(event);
         // These counters refuse to exclude anything.

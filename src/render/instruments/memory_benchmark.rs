@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 use bytemuck::{Pod, Zeroable};
 
 use super::{DataCache, HardwareCounters, MachineLimits, MemoryBlock};
-use base::host;
 use math::simd::Simd;
 
 /// Size of the smallest block in words of four bytes: 16 KiB.

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use sampler::Sampler;
 
-use base::provenance::RunId;
+use host::provenance::RunId;
 
 /// Samples the stacks of running threads at a fixed rate of CPU time.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ mod sampler {
     use pprof::{Frames, ProfilerGuard, ProfilerGuardBuilder, Symbol};
 
     use super::NoProfiler;
-    use base::text::numbers::counted;
+    use base::numbers::counted;
 
     /// Samples per second of CPU time: a prime, to avoid synchrony with the tiles. Systems with a
     /// slower clock take fewer.
@@ -100,14 +100,15 @@ mod sampler {
     }
 
     /// The program's crates, as the names of their functions begin.
-    const CRATES: [&str; 11] = [
+    const CRATES: [&str; 12] = [
         "raycost::",
         "base::",
         "math::",
-        "vtk::",
         "world::",
-        "scene::",
         "tracer::",
+        "host::",
+        "vtk::",
+        "scene::",
         "import::",
         "render::",
         "output::",

@@ -45,7 +45,7 @@ impl SystemWork {
 /// the program that started this one.
 #[cfg(target_os = "linux")]
 pub fn peak_memory_bytes() -> Option<u64> {
-    let [peak] = base::host::bytes_of_status(["VmHWM:"]);
+    let [peak] = host::bytes_of_status(["VmHWM:"]);
     peak
 }
 
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn the_peak_is_at_least_what_is_used_now() {
-        let now = base::host::resident_memory();
+        let now = host::resident_memory();
         let peak = peak_memory_bytes();
         assert!(now.is_some_and(|bytes| bytes > 1 << 20));
         assert!(peak >= now, "{peak:?} {now:?}");

@@ -7,7 +7,7 @@ use cpu_time::ProcessTime;
 
 use super::hardware::{Counts, HardwareCounters};
 use super::resources::SystemWork;
-use base::text::numbers::milliseconds;
+use base::numbers::milliseconds;
 
 /// The names of the stages that a rendering of a still may have, in order, each with a description
 /// of its work.

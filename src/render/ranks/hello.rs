@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::RankFailure;
-use base::text::one_line;
+use host::text::one_line;
 
 /// The text of a scene that rank 0 has read.
 #[derive(Debug, Clone, Serialize, Deserialize)]

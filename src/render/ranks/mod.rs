@@ -29,7 +29,7 @@ use no_mpi_world::NoMpiWorld as MpiWorld;
 
 use crate::checkpoint::Header;
 use base::stop;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use pauses::Pauses;
 
 pub use hello::{Hello, Order, SceneText};

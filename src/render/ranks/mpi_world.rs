@@ -11,7 +11,7 @@ use mpi::request::{Request, Scope};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
 use super::pauses::Pauses;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// Time in which the launcher forwards a message.
 const FORWARDED_AFTER: Duration = Duration::from_millis(100);

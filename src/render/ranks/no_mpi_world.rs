@@ -1,6 +1,6 @@
 //! In place of MPI where the program was built without it: no process can join.
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// No processes: no value exists.
 #[derive(Debug)]

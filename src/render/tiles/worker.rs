@@ -15,8 +15,8 @@ use crate::checkpoint::TileRecord;
 use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
-use base::host::start_in_scope;
 use base::stop;
+use host::start_in_scope;
 use tracer::cost::{Counters, Meter, NoProbe};
 use tracer::trace::Tracer;
 

@@ -23,7 +23,7 @@ pub use keyframe::{Keyframe, KeyframeValue};
 pub use orbit::Orbit;
 
 use crate::yaml::{Document, Fault, FieldPath};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use tracer::accel::HierarchyUpdate;
 use world::values;
 

@@ -15,7 +15,7 @@ use crate::config::{
     MeshNormals, Object, at_value,
 };
 use crate::yaml::{Fault, FieldPath, Folders};
-use base::text::numbers::memory_sizes;
+use base::numbers::memory_sizes;
 use import::{DataFile, DataSeries, FileFault, InstancePlace, Mesh, Spheres, Tubes};
 use world::geometry::{Located, Shape, Transform, TransformStep, world_from_object};
 use world::light::Light;

@@ -20,7 +20,7 @@ mod sensor;
 use crate::config::{Config, Geometry, GeometryFile, Object};
 use crate::yaml::{Fault, FieldPath};
 use base::Keyword;
-use base::text::did_you_mean;
+use host::text::did_you_mean;
 use world::geometry::RenderSpace;
 use world::material::{ArrayTexture, Material, MaterialKind};
 use world::scene::{LowerLevel, MaterialId, ObjectId, Scene};

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde::de::Deserializer;
 
-use base::text::numbers::counted;
+use base::numbers::counted;
 use world::values;
 
 /// Maximum number of camera rays through a pixel.

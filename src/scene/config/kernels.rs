@@ -1,7 +1,7 @@
 //! The vector instructions and the places of threads, which do not change the results.
 
-use base::text::Diagnostic;
 use base::{Keyword, keywords};
+use host::text::Diagnostic;
 use math::simd::Simd;
 
 keywords! {

@@ -15,7 +15,7 @@ use super::setting::SettingText;
 use super::source::Source;
 use super::translate;
 use super::tree::Tree;
-use base::text::{Diagnostic, did_you_mean};
+use host::text::{Diagnostic, did_you_mean};
 
 /// A scene file, the files that it includes, and the settings of a command line: one tree of
 /// values; messages show each value in its own text.

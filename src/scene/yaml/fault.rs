@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::field_path::FieldPath;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// A mistake in a scene, not yet connected to a line of the text.
 #[derive(Debug, Clone, PartialEq)]

@@ -11,7 +11,7 @@ use super::field_path::{FieldPath, Step};
 use super::origins::{Merging, Origins, ValuePlace};
 use super::source::{MAX_BYTES, Source};
 use super::tree::Tree;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The key of the section.
 pub(super) const KEY: &str = "include";

@@ -9,7 +9,7 @@ use super::field_path::{FieldPath, Step};
 use super::misplaced;
 use super::translate;
 use super::tree::Tree;
-use base::text::{Diagnostic, did_you_mean};
+use host::text::{Diagnostic, did_you_mean};
 
 /// Maximum number of mistakes reported at a time.
 const MOST: usize = 10;

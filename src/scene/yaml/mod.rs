@@ -1,7 +1,7 @@
 //! YAML text → typed, checked values.
 //!
 //! [`Source::parse`] takes a scene file's text and a serde type, and returns the value or one
-//! [`Diagnostic`](base::text::Diagnostic) that points at a line. serde_yaml deserializes; the
+//! [`Diagnostic`](host::text::Diagnostic) that points at a line. serde_yaml deserializes; the
 //! events of saphyr-parser give the position of each key and value, so that every error, including
 //! one found later, is shown in its place.
 

@@ -4,7 +4,7 @@
 //! ends it, or not at all. Scenes have no such texts.
 
 use super::fault::Fault;
-use base::text::line_start;
+use host::text::line_start;
 
 /// Returns the fault of the quote that is open at the start of the line of byte `at`,
 /// or opens at `at` and is not closed on that line; `None` if there is none.

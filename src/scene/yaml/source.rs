@@ -15,9 +15,9 @@ use super::position::{self, Location};
 use super::setting::{LocatedText, SettingText};
 use super::translate;
 use super::tree::Tree;
-use base::files;
-use base::host::{advice, available_memory};
-use base::text::{Diagnostic, why_missing};
+use host::files;
+use host::text::{Diagnostic, why_missing};
+use host::{advice, available_memory};
 
 /// Maximum length of a scene file in bytes.
 pub(super) const MAX_BYTES: u64 = 64 << 20;

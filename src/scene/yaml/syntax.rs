@@ -7,7 +7,7 @@ use saphyr_parser::{ScanError, Span};
 use super::expansion::MAX_LEVELS;
 use super::fault::Fault;
 use super::quote;
-use base::text::line_start;
+use host::text::line_start;
 
 /// The remedy for most mistakes.
 pub(super) const AFTER_COLON: &str = "expected a space after the `:`";

@@ -13,7 +13,7 @@ use super::meant;
 use super::position::Location;
 use super::setting::LocatedText;
 use super::syntax::{self, AFTER_COLON};
-use base::text::{did_you_mean, number_meant};
+use host::text::{did_you_mean, number_meant};
 
 /// Translates an error that serde_yaml found at a path of `text`.
 pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Error) -> Fault {

@@ -1,7 +1,7 @@
 //! The change of one metric in every pixel.
 
 use super::{Side, ratio};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use tracer::cost::Metric;
 
 /// The change of one metric in every pixel.

@@ -3,8 +3,8 @@
 use std::io;
 
 use super::{Diff, Gate, Side};
-use base::folder::{FileWriter, OutputFolder};
-use base::provenance::RunId;
+use host::folder::{FileWriter, OutputFolder};
+use host::provenance::RunId;
 
 /// A file of a diff. Its source file defines it; `files.rs` lists all.
 pub struct DiffFile {

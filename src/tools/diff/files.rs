@@ -9,8 +9,8 @@ use super::file::{DiffFile, DiffJob};
 use super::gate::Gate;
 use super::json::{self, DiffJson};
 use super::{Diff, Side, map, state, volume};
-use base::folder::{FileWriter, OutputFolder, Own, WriteError, Written};
-use base::provenance::{Hasher, RunId};
+use host::folder::{FileWriter, OutputFolder, Own, WriteError, Written};
+use host::provenance::{Hasher, RunId};
 
 /// In the order of the report.
 const FILES: [DiffFile; 4] = [map::FILE, volume::FILE, state::FILE, json::FILE];

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::noise::Noise;
 use super::{Diff, ratio};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The greatest increase of the cost that passes, in percent of A's cost; at least 0.
 #[derive(Debug, Clone, Copy, PartialEq)]

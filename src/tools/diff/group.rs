@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{CostGroup, Side, Total, Totals};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use tracer::cost::Metric;
 
 /// The pixels grouped by object and by tile, and the sums of the metrics over each group.

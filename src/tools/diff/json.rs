@@ -13,7 +13,7 @@ use super::settings::Setting;
 use super::{
     CostGroup, Diff, LightDifference, Noise, PictureDifference, Side, Total, Totals, ratio,
 };
-use base::provenance::RunId;
+use host::provenance::RunId;
 use math::statistics::CONFIDENCE;
 use tracer::cost::MetricUnit;
 

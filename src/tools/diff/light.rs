@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Side;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use render::film::Column;
 
 /// The difference of the radiance of all pixels, which has no limit and depends neither on exposure

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::file::DiffFile;
 use super::report::ratio_label;
 use super::{Diff, Noise, Side};
-use base::provenance::RunId;
+use host::provenance::RunId;
 use output::chart::{self, CostMap, Range};
 
 /// The file.

@@ -39,7 +39,7 @@ pub use state::FILE as STATE;
 
 use group::{Groups, sorted};
 
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use scene::config::PictureWindow;
 use tracer::cost::Metric;
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Side;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The difference of two pictures of the same size; color channels range from 0 to 255.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

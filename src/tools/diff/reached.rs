@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::{CostGroup, Side, Total, Totals};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use tracer::cost::Metric;
 
 /// The costs of the rays that hit each object, by the object's name.

@@ -5,8 +5,8 @@ use super::group::PixelBounds;
 use super::noise::{Noise, Test};
 use super::settings::Setting;
 use super::{CostGroup, Diff, LightDifference, PictureDifference, Side, Total, ratio};
-use base::text::numbers::{count, counted};
-use base::text::one_line;
+use base::numbers::{count, counted};
+use host::text::one_line;
 use math::statistics::CONFIDENCE;
 use tracer::cost::Metric;
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::Metric;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::results::{FrameFile, LoadedArray, ObjectsTable, Results};
 use output::summary::{self, Summary};
 use render::film::Column;

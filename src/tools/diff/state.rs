@@ -4,8 +4,8 @@ use std::io::Write;
 
 use super::file::DiffFile;
 use super::{Diff, volume};
-use base::folder::OutputFolder;
-use base::provenance::stamped;
+use host::folder::OutputFolder;
+use host::provenance::stamped;
 use output::chart::Range;
 use output::paraview::{Axis, ColorScale, Panels, fill, value_of_panels};
 

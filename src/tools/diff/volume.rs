@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use super::file::DiffFile;
 use super::{Diff, Side, picture, ratio};
-use base::provenance::RunId;
-use base::text::Diagnostic;
+use host::provenance::RunId;
+use host::text::Diagnostic;
 use output::writers::run_fields;
 use tracer::cost::{Metric, MetricUnit};
 use vtk::array::{Array, Entry};

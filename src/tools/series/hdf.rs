@@ -6,8 +6,8 @@ use std::io;
 use std::path::Path;
 
 use super::{SeriesFrame, frame_folder};
-use base::folder::{Replace, WriteError, write_file_at};
-use base::text::Diagnostic;
+use host::folder::{Replace, WriteError, write_file_at};
+use host::text::Diagnostic;
 use output::writers::vertices;
 use vtk::array::Array;
 use vtk::data_set::{DataSet, Extent};

@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 pub use video::Video;
 
 use crate::study::RunMetrics;
-use base::files;
-use base::folder::{
+use base::numbers::counted;
+use host::files;
+use host::folder::{
     Replace, WriteError, lock_folder_in_turn, refuse_file, refuse_foreign_file, write_file,
 };
-use base::provenance::{Hasher, RunId};
-use base::text::numbers::counted;
-use base::text::one_line;
+use host::provenance::{Hasher, RunId};
+use host::text::one_line;
 use output::summary::Summary;
 use output::writers::{self, StateValues};
 use tracer::accel::BvhStatistics;

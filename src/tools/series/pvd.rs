@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{FRAMES, PREFIX, SeriesFrame};
-use base::provenance::{RunId, stamped};
+use host::provenance::{RunId, stamped};
 
 /// The endings of VTK files.
 const VTK: [&str; 3] = [".vtu", ".vti", ".vtp"];

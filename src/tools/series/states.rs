@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::PREFIX;
-use base::provenance::{RunId, stamped};
+use host::provenance::{RunId, stamped};
 use output::writers::{StateValues, state_template};
 
 /// The readers of single files, as the templates name them.

@@ -4,7 +4,7 @@ use indexmap::IndexSet;
 
 use super::SeriesFrame;
 use crate::study::Figure;
-use base::provenance::{KEY, RunId, stamped};
+use host::provenance::{KEY, RunId, stamped};
 
 /// The metrics that the plot may show, the preferred one first: name, unit and the factor to that
 /// unit.

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::{FRAMES, FrameSeries, VIDEO};
-use base::files;
-use base::folder::{Replace, Scratch, WriteError, write_file};
-use base::text::numbers::shell_word;
+use host::files;
+use host::folder::{Replace, Scratch, WriteError, write_file};
+use host::text::shell_word;
 
 /// The program.
 const FFMPEG: &str = "ffmpeg";

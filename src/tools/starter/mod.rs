@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use base::host::available_memory;
 use base::keywords;
-use base::text::{Diagnostic, one_line};
+use host::available_memory;
+use host::text::{Diagnostic, one_line};
 use import::{DataSeries, FileFault, Mesh, RadiusChoice, Spheres, Tubes};
 use scene::yaml::{Source, quoted};
 use world::geometry::{Aabb, Sphere};

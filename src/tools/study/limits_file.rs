@@ -6,9 +6,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use base::files;
-use base::provenance::difference;
-use base::text::Diagnostic;
+use host::files;
+use host::provenance::difference;
+use host::text::Diagnostic;
 use render::instruments::MachineLimits;
 
 /// Version of the format; files of other versions are refused.

@@ -7,7 +7,7 @@ use super::factor_level::size_of_level;
 use super::metric_list::{MetricNeed, StudyMetric};
 use super::point::{STEP, scene_names};
 use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
-use base::text::did_you_mean;
+use host::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
 /// Maximum number of bytes of a file's name on most systems.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::StatisticsRow;
 use super::point::label_of;
-use base::text::numbers;
+use base::numbers;
 use math::statistics::SampleStatistics;
 use render::instruments::MachineLimits;
 

@@ -13,11 +13,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{RunMetrics, StudyPoint};
-use base::files;
-use base::host::available_memory;
-use base::provenance::difference;
-use base::text::Diagnostic;
-use base::text::numbers::bytes;
+use base::numbers::bytes;
+use host::available_memory;
+use host::files;
+use host::provenance::difference;
+use host::text::Diagnostic;
 
 /// Version of the format; files of other versions are refused.
 const FORMAT: u32 = 2;

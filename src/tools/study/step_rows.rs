@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::by_round::ByRound;
 use super::{Run, StatisticsRow, StudyPlan, StudyPoint};
-use base::files;
+use host::files;
 use math::statistics::SampleStatistics;
 
 /// The metric of a run that speedups compare.

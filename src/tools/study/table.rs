@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::{Run, StudyPlan};
-use base::text::text_cell;
+use host::text::text_cell;
 use math::statistics::{MedianInterval, SampleStatistics};
 
 /// The statistics of one metric at one point.

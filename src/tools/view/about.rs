@@ -8,7 +8,7 @@ use super::cloud::Cloud;
 use super::frame::ShownPixels;
 use super::hottest;
 use super::payload::type_name;
-use base::text::numbers::{capitalized, counted};
+use base::numbers::{capitalized, counted};
 use output::results::LoadedArray;
 use output::summary::CameraSection;
 use output::summary::{ObjectEntry, Summary};

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 
 use super::Page;
 use super::frame::MAX_PIXELS;
-use base::text::Diagnostic;
-use base::text::numbers::bytes;
+use base::numbers::bytes;
+use host::text::Diagnostic;
 use output::results::Results;
 
 /// Least number of pixels that are tried: fewer would not show the picture.

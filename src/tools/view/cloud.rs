@@ -2,8 +2,8 @@
 
 use super::frame::ShownPixels;
 use super::payload::Payload;
-use base::text::Diagnostic;
-use base::text::numbers::count;
+use base::numbers::count;
+use host::text::Diagnostic;
 use output::results::HitsFile;
 use vtk::ArrayValues;
 

@@ -1,7 +1,7 @@
 //! The frame's arrays, subsampled if the frame is too large for a page.
 
-use base::text::Diagnostic;
-use base::text::numbers::count;
+use base::numbers::count;
+use host::text::Diagnostic;
 use output::results::{FrameFile, LoadedArray};
 
 /// Greatest number of pixels of a page: full HD.

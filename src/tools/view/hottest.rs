@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::frame::ShownPixels;
-use base::text::Diagnostic;
-use base::text::numbers::shell_word;
+use host::text::Diagnostic;
+use host::text::shell_word;
 use output::results::{FrameFile, FramePiece};
 use output::summary::Summary;
 use render::film::{HotPixel, Times, highest_counts};

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::payload::Payload;
-use base::provenance::RunId;
+use host::provenance::RunId;
 
 /// Placeholders such as `{{about}}` are replaced.
 const TEMPLATE: &str = include_str!("page/page.html");
@@ -67,7 +67,7 @@ fn inert(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use base::provenance::checksum;
+    use host::provenance::checksum;
 
     #[test]
     fn names_cannot_inject_markup() {

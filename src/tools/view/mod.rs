@@ -18,8 +18,8 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use base::provenance::{RunId, checksum};
-use base::text::Diagnostic;
+use host::provenance::{RunId, checksum};
+use host::text::Diagnostic;
 use output::results::Results;
 
 use cloud::Cloud;

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::payload::{Payload, PayloadEncoder};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use output::results::ObjectsTable;
 
 /// Returns the table as JSON, with the keys `columns` and `rows`.

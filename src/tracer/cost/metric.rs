@@ -9,7 +9,7 @@ use std::time::Duration;
 use super::{Cost, Counter, StepCounter};
 use super::{CostMode, RatioMetric, RatioMetrics};
 use base::Keyword;
-use base::text::numbers;
+use base::numbers;
 
 /// A cost metric of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

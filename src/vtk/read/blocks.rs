@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Read};
 
 use crate::codec::{BLOCK, Compressor};
 use crate::compressed::table_head;
-use base::files::PositionedReader;
+use host::files::PositionedReader;
 
 /// Maximum number of bytes of a compressed block: noise grows a little under compression.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use super::reader::{ArrayLocation, LENGTH_BYTES, Storage, VtkReader, cannot_read};
 use super::values::{ArrayValues, Selection};
-use base::files::PositionedReader;
-use base::host::{available_memory, may_fail};
-use base::text::Diagnostic;
-use base::text::numbers::{self, count};
+use base::numbers::{self, count};
+use host::files::PositionedReader;
+use host::text::Diagnostic;
+use host::{available_memory, may_fail};
 
 impl VtkReader {
     /// Reads an array, in the file's order.

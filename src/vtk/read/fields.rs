@@ -4,7 +4,7 @@ use super::header::{FieldElements, TextElement};
 use super::reader::VtkReader;
 use crate::field::{Field, FieldValues};
 use crate::read::ArrayValues;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 impl VtkReader {
     /// Reads field data: numbers of 64-bit floats or 32-bit integers, and texts.

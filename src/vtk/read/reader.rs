@@ -8,9 +8,9 @@ use super::blocks::CompressedBlocks;
 use super::header::{DataArrayElement, VtkHeader};
 use super::values::n_bytes;
 use crate::codec::Compressor;
-use base::files;
-use base::text::Diagnostic;
-use base::text::numbers::count;
+use base::numbers::count;
+use host::files;
+use host::text::Diagnostic;
 
 /// Maximum number of bytes of a header; raycost's headers have a few thousand, and the names of
 /// objects and materials.

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, config, counts, film, in_repository, raycost, with_cost};
-use base::text::numbers::count;
+use base::numbers::count;
 use scene::config::CostMode;
 use tracer::cost::Counter;
 

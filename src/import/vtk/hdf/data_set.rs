@@ -11,7 +11,7 @@ use super::reader::HdfReader;
 use super::rows::{Datasets, damaged, missing};
 use super::values::text;
 use crate::fault::cut;
-use base::files;
+use host::files;
 
 /// Returns the times of the steps of a file; none if it has no steps.
 ///

@@ -21,8 +21,8 @@ use rayon::prelude::*;
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
-use base::provenance::{self, RunId};
 use channels::{CHANNEL_BYTES, Channel, channels};
+use host::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS};
 use scene::config::OptionalOutput;
 

@@ -211,7 +211,7 @@ impl Level {
     }
 
     fn caption(self, n: usize) -> String {
-        use base::text::numbers::count;
+        use base::numbers::count;
         match self {
             Self::Leaves if n == 1 => "The only leaf of the hierarchy".to_owned(),
             Self::Leaves => format!("{} leaves of the hierarchy", count(n as u64)),

@@ -14,8 +14,8 @@ use tiles::TileValues;
 
 use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files, time_notes};
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
-use base::folder::OutputFolder;
-use base::text::numbers::capitalized;
+use base::numbers::capitalized;
+use host::folder::OutputFolder;
 use tracer::cost::{Metric, MetricUnit};
 
 /// The template of `geometry.pvsm`.

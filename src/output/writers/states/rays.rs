@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill};
 use crate::writers::distances::Distances;
 use crate::writers::rays::{CLOUD, FILE, Rays};
-use base::folder::OutputFolder;
+use host::folder::OutputFolder;
 use render::attribution::TracedRay;
 use tracer::cost::{Metric, RayKind};
 

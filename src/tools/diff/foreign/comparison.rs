@@ -3,7 +3,7 @@
 use super::agreement::{CostAgreement, scaled_ratios};
 use super::file::{ForeignContent, ForeignFile};
 use crate::diff::{LightDifference, PictureDifference, Side};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 use tracer::cost::Metric;
 
 /// An output folder and a file of another program, as A and B, and their differences.

@@ -6,7 +6,7 @@ use exr::error::Error;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Vec2};
 
 use super::source::{ForeignNumbers, ForeignSource};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The first bytes of a file.
 pub(super) const SIGNATURE: &[u8] = b"\x76\x2f\x31\x01";

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::source::{ForeignNumbers, ForeignSource};
 use super::{exr, netpbm, npy, png};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// A file of another program.
 #[derive(Debug)]

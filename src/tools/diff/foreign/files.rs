@@ -9,8 +9,8 @@ use crate::diff::files::write_files;
 use crate::diff::json::{self as json_file, side};
 use crate::diff::map;
 use crate::diff::report::{colors_sentence, light_sentence};
-use base::folder::{OutputFolder, WriteError, Written};
-use base::provenance::RunId;
+use host::folder::{OutputFolder, WriteError, Written};
+use host::provenance::RunId;
 use output::chart::{self, CostMap, Range};
 
 /// Writes the map of the differences and all numbers; returns the files in the order of the report.

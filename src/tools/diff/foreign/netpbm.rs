@@ -3,7 +3,7 @@
 //! <https://netpbm.sourceforge.net/doc/ppm.html>, <https://www.pauldebevec.com/Research/HDR/PFM/>
 
 use super::source::{ForeignNumbers, ForeignSource};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The words of a file: separated by whitespace, with comments from `#` to the end of the line.
 struct NetpbmWords<'a> {

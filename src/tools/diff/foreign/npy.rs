@@ -3,7 +3,7 @@
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
 use super::source::{ForeignNumbers, ForeignSource};
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// The first bytes of a file; two bytes of a version and the length of the header follow.
 pub(super) const SIGNATURE: &[u8] = b"\x93NUMPY";

@@ -6,7 +6,7 @@ use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, ImageError};
 
 use super::source::ForeignSource;
-use base::text::Diagnostic;
+use host::text::Diagnostic;
 
 /// Reads the colors of the pixels; 16-bit channels are rounded to 8 bits.
 pub(super) fn read(source: &ForeignSource) -> Result<Vec<[u8; 3]>, Diagnostic> {

@@ -4,8 +4,8 @@ use super::agreement::{CostAgreement, ObjectShare};
 use super::comparison::{ForeignDiff, ForeignDifference, in_order};
 use crate::diff::ratio;
 use crate::diff::report::{MAX_ROWS, colors_sentence, entry, light_sentence, ratio_label, table};
-use base::text::numbers::counted;
-use base::text::one_line;
+use base::numbers::counted;
+use host::text::one_line;
 use output::chart::short_number;
 use tracer::cost::{Metric, MetricUnit};
 

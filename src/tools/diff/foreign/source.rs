@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use base::files;
-use base::text::Diagnostic;
+use host::files;
+use host::text::Diagnostic;
 
 /// Upper bound of the length of a file: a picture of many layers, not compressed.
 const BYTES_PER_PIXEL: u64 = 256;

@@ -1,28 +1,11 @@
-//! The operating system: available memory, threads, the end of the program if an allocation
-//! fails, and advice on other errors.
-
-mod advice;
-pub mod affinity;
-mod allocator;
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-mod heap;
-#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-mod no_gnu_heap;
-mod cgroup;
-mod threads;
+//! The memory that the program may use.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
 use sysinfo::System;
 
-pub use advice::advice;
-pub use allocator::{Allocator, may_fail};
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub use heap::{configure_heap, grow_heap};
-#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub use no_gnu_heap::{configure_heap, grow_heap};
-pub use threads::{default_threads, start_detached, start_in_scope, start_threads};
+use crate::cgroup;
 
 /// The limit that the user has set, in bytes.
 static LIMIT: OnceLock<u64> = OnceLock::new();
@@ -58,7 +41,7 @@ pub fn available_memory() -> u64 {
 
 /// Returns the bytes available within the process's own limits.
 #[cfg(unix)]
-fn within_limits() -> u64 {
+pub(crate) fn within_limits() -> u64 {
     use nix::sys::resource::{Resource, getrlimit};
     let n_used = bytes_in_use();
     let left = |(resource, n_used): (Resource, u64)| {
@@ -72,7 +55,7 @@ fn within_limits() -> u64 {
 
 /// Returns `u64::MAX`: other systems have no such limits.
 #[cfg(not(unix))]
-fn within_limits() -> u64 {
+pub(crate) fn within_limits() -> u64 {
     u64::MAX
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::disk::{self, change};
 use crate::files;
 use crate::provenance::{Checksum, Hasher};
-use crate::stop;
+use base::stop;
 
 /// Bytes per write, rounded up to a multiple. Linux serves blocks of this size from lists of
 /// recently freed pages; larger blocks take 30 % less system time natively, but up to ten times as

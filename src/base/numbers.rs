@@ -1,9 +1,6 @@
 //! Numbers formatted for people, and parsed.
 
-use std::path::Path;
 use std::time::Duration;
-
-use super::terminal::one_line;
 
 /// Formats a count: `1,234,567`.
 pub fn count(n: u64) -> String {
@@ -114,17 +111,6 @@ pub fn parse_bytes(text: &str) -> Result<u64, String> {
     n_bytes
         .map(|n| n as u64)
         .ok_or_else(|| "expected a size such as 500M or 4G".to_owned())
-}
-
-/// Quotes the path as one word for a shell.
-pub fn shell_word(path: &Path) -> String {
-    let text = one_line(&path.to_string_lossy()).into_owned();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
-    if text.chars().all(plain) {
-        text
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
-    }
 }
 
 /// Converts to milliseconds, rounded to a thousandth.

@@ -6,7 +6,7 @@ use std::{env, io};
 
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use super::within_limits;
+use crate::memory::within_limits;
 
 /// Bytes of a thread's stack.
 const STACK: usize = 2 << 20;

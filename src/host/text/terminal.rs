@@ -7,6 +7,7 @@
 
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 
 /// Spaces before the text of a line that begins with a word of a summary, such as `image`.
 const INDENT: &str = "        ";
@@ -19,6 +20,17 @@ pub fn visible(text: &str) -> Cow<'_, str> {
 /// Escapes invisible characters and line ends: for a name, a title or a path.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     shown(text, is_unseen)
+}
+
+/// Quotes the path as one word for a shell.
+pub fn shell_word(path: &Path) -> String {
+    let text = one_line(&path.to_string_lossy()).into_owned();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    if text.chars().all(plain) {
+        text
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
 }
 
 /// Escapes the invisible characters in JSON strings as JSON does.

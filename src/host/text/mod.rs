@@ -1,10 +1,9 @@
-//! Text for people: numbers, error messages, tables, and escapes for the terminal.
+//! Text for people: error messages, tables, and escapes for the terminal.
 
 mod cell;
 mod diagnostic;
 mod suggestion;
 mod missing;
-pub mod numbers;
 mod terminal;
 
 pub use cell::{text_cell, text_of_cell};
@@ -13,4 +12,5 @@ pub use diagnostic::{line_start, shortened};
 pub use missing::why_missing;
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;
-pub use terminal::{one_line, print, print_error, print_styled, visible, visible_json, wrapped};
+pub use terminal::{one_line, print, print_error, print_styled};
+pub use terminal::{shell_word, visible, visible_json, wrapped};

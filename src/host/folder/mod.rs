@@ -53,7 +53,7 @@ pub use written::Written;
 
 use workspace::Workspace;
 
-use crate::text::numbers;
+use base::numbers;
 
 /// The name of the file that lists the other files of its folder.
 pub const SUMMARY: &str = "summary.json";

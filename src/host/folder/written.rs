@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::writer::{FileWriter, checksum_of};
 use crate::provenance::Checksum;
-use crate::text::numbers::milliseconds;
+use base::numbers::milliseconds;
 
 /// A file that was written.
 #[derive(Debug, Clone)]

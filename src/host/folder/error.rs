@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use crate::host::advice;
+use crate::advice;
 use crate::text::Diagnostic;
 
 /// A file or folder that could not be written.

@@ -5,7 +5,7 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use crate::text::numbers;
+use base::numbers;
 
 /// The first bytes of the text that Git LFS keeps in the place of a file.
 pub const GIT_LFS: &[u8] = b"version https://git-lfs.github.com/spec/";
