@@ -11,7 +11,8 @@
 //! # Ok(()) }
 //! ```
 //!
-//! Programs start with [`session`]. [`film`] holds the pixels, [`cost`] lists the metrics of a
+//! Programs start with [`session`]; [`job`] renders frames, parts of pictures and what other runs
+//! left. [`film`] holds the pixels, [`cost`] lists the metrics of a
 //! pixel, [`config`] the settings of a scene, and [`results`] reads the files of an earlier
 //! rendering. The folder `examples/` has programs.
 //!
@@ -33,6 +34,7 @@
 //! the benchmarks; programs use only the names listed here.
 
 pub mod session;
+pub mod job;
 #[doc(hidden)]
 pub mod cli;
 

@@ -45,7 +45,8 @@ impl From<RenderError> for Failure {
         match error {
             RenderError::Scene(diagnostic) => Self::Input(diagnostic),
             RenderError::Machine(diagnostic) => Self::Machine(diagnostic),
-            RenderError::Stopped(stopped) => stopped.into(),
+            RenderError::Stopped(stopped, _) => stopped.into(),
+            RenderError::Observer(error) => error.into(),
         }
     }
 }
@@ -69,14 +70,6 @@ impl From<std::io::Error> for Failure {
 }
 
 impl Failure {
-    /// Adds the message about what was kept, if the program was stopped.
-    pub(super) fn or_kept(self, kept: impl FnOnce() -> Option<Diagnostic>) -> Self {
-        match self {
-            Self::Stopped(stopped, _) => Self::Stopped(stopped, kept()),
-            failure => failure,
-        }
-    }
-
     /// Returns the failure of a command that failed after a signal, and because of it.
     pub(super) fn because_of(self, stopped: Stopped) -> Self {
         match self {

@@ -10,8 +10,6 @@ mod hottest;
 mod json;
 mod merge;
 mod new;
-mod open_scene;
-mod first_frame;
 mod progress;
 mod rectangle;
 mod render;
@@ -39,7 +37,8 @@ use crate::session;
 use base::Keyword;
 use base::stop::{self, Cancellation};
 use host::signals;
-use host::text::{self, Diagnostic, one_line, shell_word, shortened};
+use host::text::shell_word;
+use host::text::{self, Diagnostic, one_line, shortened, shown};
 
 /// A ray tracer that shows its work
 ///
@@ -247,9 +246,4 @@ fn on_threads(work: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), F
 /// Starts threads; `None` for one per processor.
 fn thread_pool(n_threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
     session::thread_pool(n_threads, &Cancellation::default()).map_err(Failure::Machine)
-}
-
-/// Returns the path, safe to print on a terminal.
-fn shown(path: &Path) -> String {
-    one_line(&path.to_string_lossy()).into_owned()
 }

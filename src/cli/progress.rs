@@ -8,7 +8,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::session::Event;
 use render::instruments::TimeLeft;
-use render::tiles::{Progress, Report};
+use render::tiles::{OnProgress, Progress};
 
 /// A build that takes less than this does not show a bar.
 const BUILD_DELAY: Duration = Duration::from_secs(1);
@@ -172,7 +172,7 @@ impl Bars {
 }
 
 /// Does `work` on `n_pixels` pixels, which reports its progress, with a bar.
-pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(Report) -> T) -> T {
+pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(OnProgress) -> T) -> T {
     let bar = StageBar::of_pixels("", n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();

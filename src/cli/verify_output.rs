@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::render::{OF_ANOTHER_RUN, UNFINISHED, go_on};
+use super::render::{OF_ANOTHER_RUN, go_on};
 use super::{Failure, shell_word, shown};
+use crate::job::UNFINISHED;
 use base::numbers::counted;
 use host::folder::{SUMMARY, is_unfinished};
 use host::text::Diagnostic;

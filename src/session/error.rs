@@ -1,9 +1,12 @@
 //! Errors of a rendering.
 
-use std::fmt;
+use std::path::PathBuf;
+use std::{fmt, io};
 
 use base::stop::Stopped;
+use host::folder::WriteError;
 use host::text::Diagnostic;
+use render::checkpoint::PicturePart;
 use render::ranks::RankFailure;
 
 /// Reasons why a scene was not rendered.
@@ -12,8 +15,23 @@ pub enum RenderError {
     Scene(Diagnostic),
     /// The system refused a resource that the rendering needs, such as threads.
     Machine(Diagnostic),
-    /// The rendering was canceled.
-    Stopped(Stopped),
+    /// The rendering was canceled. The finished work is kept, if the job had begun a picture.
+    Stopped(Stopped, Option<Kept>),
+    /// The observer of a job ended it.
+    Observer(io::Error),
+}
+
+/// The finished work of a job that was stopped, with which another run continues.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kept {
+    /// No tile.
+    Nothing,
+    /// This many tiles, in this file.
+    Tiles(u64, PathBuf),
+    /// This many tiles of a part.
+    PartTiles(u64, PicturePart),
+    /// This many complete frames.
+    Frames(u64),
 }
 
 impl RenderError {
@@ -27,13 +45,32 @@ impl RenderError {
             _ => Self::Machine(diagnostic),
         }
     }
+
+    /// Returns the failure of a rank in the form that rank 0 prints.
+    pub(crate) fn to_failure(&self) -> RankFailure {
+        let (exit_code, message) = match self {
+            Self::Scene(_) => (2, format!("{self:?}")),
+            Self::Machine(_) | Self::Observer(_) => (1, format!("{self:?}")),
+            Self::Stopped(stopped, _) => (stopped.exit_code(), String::new()),
+        };
+        RankFailure { exit_code, message }
+    }
+
+    /// Adds what is kept, if the rendering was canceled.
+    pub(crate) fn or_kept(self, kept: impl FnOnce() -> Kept) -> Self {
+        match self {
+            Self::Stopped(stopped, _) => Self::Stopped(stopped, Some(kept())),
+            error => error,
+        }
+    }
 }
 
 impl fmt::Display for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene(diagnostic) | Self::Machine(diagnostic) => diagnostic.fmt(f),
-            Self::Stopped(stopped) => stopped.fmt(f),
+            Self::Stopped(stopped, _) => stopped.fmt(f),
+            Self::Observer(error) => error.fmt(f),
         }
     }
 }
@@ -43,7 +80,8 @@ impl fmt::Debug for RenderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene(diagnostic) | Self::Machine(diagnostic) => fmt::Debug::fmt(diagnostic, f),
-            Self::Stopped(stopped) => fmt::Display::fmt(stopped, f),
+            Self::Stopped(stopped, _) => fmt::Display::fmt(stopped, f),
+            Self::Observer(error) => fmt::Debug::fmt(error, f),
         }
     }
 }
@@ -58,6 +96,18 @@ impl From<Diagnostic> for RenderError {
 
 impl From<Stopped> for RenderError {
     fn from(stopped: Stopped) -> Self {
-        Self::Stopped(stopped)
+        Self::Stopped(stopped, None)
+    }
+}
+
+impl From<WriteError> for RenderError {
+    fn from(error: WriteError) -> Self {
+        Self::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+    }
+}
+
+impl From<io::Error> for RenderError {
+    fn from(error: io::Error) -> Self {
+        Self::Observer(error)
     }
 }

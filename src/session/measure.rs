@@ -14,7 +14,9 @@ use output::look::Look;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
-use render::tiles::{N_RENDERINGS, Overhead, Report, estimate_times, least_repeats, repeat_within};
+use render::tiles::{
+    N_RENDERINGS, OnProgress, Overhead, estimate_times, least_repeats, repeat_within,
+};
 use scene::config::SimdSet;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
@@ -48,7 +50,7 @@ impl Session {
         let n_pixels = config.image.n_pixels() as u64;
         // Measure the overhead before the film is allocated, so that two never exist at once.
         let overhead = options.measure_overhead.then(|| {
-            let work = |report: Report| Overhead::measure(tracer, &plan, report);
+            let work = |report: OnProgress| Overhead::measure(tracer, &plan, report);
             let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
             stages.end("overhead");
             overhead
@@ -56,7 +58,7 @@ impl Session {
         // Render the passes onto the film.
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
-            options.reported("render", n_rendered, |report: Report| {
+            options.reported("render", n_rendered, |report: OnProgress| {
                 let limits = &scope.limits;
                 repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
@@ -80,7 +82,7 @@ impl Session {
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
         let attribution = is_attributed.then(|| {
             let (sensor, measured) = (&plan.sensor, (&film, &meter));
-            let mut attribution = options.reported("observe", n_pixels, |report: Report| {
+            let mut attribution = options.reported("observe", n_pixels, |report: OnProgress| {
                 CostAttribution::measure(tracer, sensor, measured, &config.output, report)
             });
             film.keep_step_counts(std::mem::take(&mut attribution.step_counts));

@@ -28,13 +28,13 @@ use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
 use scene::config::{Config, HierarchyUpdate};
 use scene::yaml::{Document, Source, json_of, to_yaml};
-use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
+use tracer::accel::{AccelIndex, FrameBase};
 use world::scene::Scene;
 
 #[doc(inline)]
 pub use base::stop::{Cancellation, Stopped};
 pub use build::this_build;
-pub use error::RenderError;
+pub use error::{Kept, RenderError};
 pub(crate) use fingerprint::{contents_of, scene_files, states_of};
 pub(crate) use frames::Frames;
 #[doc(inline)]
@@ -255,11 +255,6 @@ impl Session {
         let pool = options.thread_pool()?;
         let accel = pool.install(|| self.accel(options, &mut Stages::default()))?;
         Ok(FrameBase::new(&accel, update))
-    }
-
-    /// Returns the size and expected cost of the hierarchy, once there is one.
-    pub(crate) fn hierarchy(&self) -> Option<BvhStatistics> {
-        self.index.get()?.statistics()
     }
 
     /// Returns the index of the acceleration structure, once there is one.

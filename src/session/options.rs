@@ -7,7 +7,7 @@ use base::stop::Cancellation;
 use host::text::Diagnostic;
 use host::{advice, affinity, start_threads};
 use render::ranks::local_rank;
-use render::tiles::{Progress, Report};
+use render::tiles::{OnProgress, Progress};
 use scene::config::{Pinning, SimdSet, Traversal};
 
 /// The way in which a scene is rendered, besides the settings of its config.
@@ -80,7 +80,7 @@ impl Options<'_> {
         &self,
         stage: &'static str,
         n_pixels: u64,
-        work: impl FnOnce(Report) -> T,
+        work: impl FnOnce(OnProgress) -> T,
     ) -> T {
         self.report(Event::Begin { stage, n_pixels });
         let result = work(&|progress| self.report(Event::Rendered(progress)));

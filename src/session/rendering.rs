@@ -17,7 +17,7 @@ use render::checkpoint::Checkpoint;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
-use render::tiles::{Overhead, Repeat, Report, StoredPicture, least_repeats};
+use render::tiles::{OnProgress, Overhead, Repeat, StoredPicture, least_repeats};
 use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
@@ -145,7 +145,7 @@ impl Rendering<'_> {
         let n_pixels = u64::from(film.grid.width) * u64::from(film.grid.height);
         let bands = self.bands(checkpoint, rows);
         let mut look = self.measured.look;
-        let survey = options.reported("survey", n_pixels, |report: Report| {
+        let survey = options.reported("survey", n_pixels, |report: OnProgress| {
             let look_at = |band: &Film| look.iter_mut().for_each(|look| look.add(band));
             self.pool.install(|| bands.survey(look_at, report))
         });
@@ -158,7 +158,7 @@ impl Rendering<'_> {
         self.survey = survey.into();
         let mut stages = std::mem::take(&mut self.stages);
         stages.end("survey");
-        let written = options.reported("write", n_pixels, |report: Report| {
+        let written = options.reported("write", n_pixels, |report: OnProgress| {
             let view = writers::RenderingView {
                 bands: Some(self.bands(checkpoint, rows).reporting(report)),
                 ..self.view(profiler)

@@ -159,7 +159,7 @@ fn a_canceled_rendering_ends_and_another_one_goes_on() {
         ..Options::default()
     };
     match session.render(&options) {
-        Err(RenderError::Stopped(stopped)) => assert_eq!(stopped, Stopped::Canceled),
+        Err(RenderError::Stopped(stopped, _)) => assert_eq!(stopped, Stopped::Canceled),
         other => panic!("{other:?}"),
     }
     assert!(session.render(&Options::default()).is_ok());

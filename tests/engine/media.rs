@@ -4,7 +4,7 @@ use glam::Vec3;
 use scene::build::Sensor;
 
 use crate::common::{mean, parse, radiance, scene_of};
-use render::attribution::{Observer, RayTree};
+use render::attribution::{PathObserver, RayTree};
 use tracer::accel::Accel;
 use tracer::cost::RayKind;
 use tracer::trace::Tracer;
@@ -28,7 +28,7 @@ objects: [{objects}]
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let mut tree = RayTree::default();
-    Observer::new(tracer, &Sensor::new(&scene, &config), None).observe((2, 2), &mut tree);
+    PathObserver::new(tracer, &Sensor::new(&scene, &config), None).observe((2, 2), &mut tree);
     tree
 }
 

@@ -5,7 +5,7 @@ use crate::common::scenes::scenes;
 use crate::common::{config, counts, film, parse, rays, scene_of, with_cost};
 use glam::Vec3;
 use proptest::prelude::*;
-use render::attribution::{Observer, RayTree, TooManyRays};
+use render::attribution::{PathObserver, RayTree, TooManyRays};
 use render::film::Film;
 use scene::build::Sensor;
 use scene::config::{Config, CostMode, ShadingModel};
@@ -20,7 +20,7 @@ fn observed(config: &Config, mut check: impl FnMut(&RayTree, usize, &Film)) {
     let scene = scene_of(config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &Sensor::new(&scene, config), None);
+    let observer = PathObserver::new(tracer, &Sensor::new(&scene, config), None);
     let mut tree = RayTree::default();
     for pixel in 0..config.image.n_pixels() {
         let [x, y] = [
@@ -148,7 +148,7 @@ objects:
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let mut tree = RayTree::default();
-    Observer::new(tracer, &Sensor::new(&scene, &config), None).observe((0, 0), &mut tree);
+    PathObserver::new(tracer, &Sensor::new(&scene, &config), None).observe((0, 0), &mut tree);
     let lights: Vec<_> = tree.rays.iter().map(|ray| ray.light).collect();
     assert_eq!(lights, [None, Some(0), Some(1)]);
 }
@@ -186,7 +186,7 @@ fn many_pixels_equal_single_ones() {
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &Sensor::new(&scene, &config), None).without_steps();
+    let observer = PathObserver::new(tracer, &Sensor::new(&scene, &config), None).without_steps();
     let places: Vec<_> = (0..18).flat_map(|y| (0..24).map(move |x| (x, y))).collect();
     let observed = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let observed = observed.unwrap();
@@ -211,7 +211,7 @@ fn every_ray_of_a_timed_pixel_has_a_time() {
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
     let clock = Clock::calibrated();
-    let observer = Observer::new(tracer, &Sensor::new(&scene, &config), Some(&clock));
+    let observer = PathObserver::new(tracer, &Sensor::new(&scene, &config), Some(&clock));
     let pixels = observer.observe_many([(17, 12)].into_iter(), u64::MAX, |_| {});
     let rays = &pixels.unwrap()[0].tree.rays;
     assert!(rays.len() > 2 && rays.iter().all(|ray| ray.time_ns >= 1.0));
@@ -223,7 +223,7 @@ fn the_memory_limits_the_number_of_rays() {
     let scene = scene_of(&config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &Sensor::new(&scene, &config), None).without_steps();
+    let observer = PathObserver::new(tracer, &Sensor::new(&scene, &config), None).without_steps();
     // There is no end of pixels: only the memory ends this.
     let places = std::iter::repeat((17, 12));
     let full = observer.observe_many(places, 1 << 20, |_| {});

@@ -29,6 +29,7 @@ mod bands;
 mod hostile;
 mod interrupted;
 mod irregular;
+mod jobs;
 mod layers;
 mod only_picture;
 mod output_folder;

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::common::data_set::{DataSet, assert_same, integers};
 use crate::common::{config, scene_in_world};
 use output::writers::{Traced, write_rays};
-use render::attribution::{Observer, TracedRay};
+use render::attribution::{PathObserver, TracedRay};
 use render::film::Film;
 use render::schedule::TileGrid;
 use scene::config::{Config, CostMode};
@@ -62,7 +62,7 @@ fn with_rays(
     let scene = scene_in_world(config);
     let accel = Accel::new(&scene, config.acceleration);
     let tracer = Tracer::new(&scene, &accel);
-    let observer = Observer::new(tracer, &Sensor::new(&scene, config), clock);
+    let observer = PathObserver::new(tracer, &Sensor::new(&scene, config), clock);
     let pixels = observer.observe_many(places.iter().copied(), u64::MAX, |_| {});
     let traced = Traced {
         name: "scene",

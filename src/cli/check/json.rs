@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::CheckedScene;
+use crate::job::SceneSource;
 use base::Keyword;
 use output::limits;
 use output::prediction::{ArrayFile, Prediction};

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::open_scene::OpenScene;
 use super::scene::SceneArguments;
 use super::verify_output::{outputs_in, verified};
 use super::{Failure, on_threads, shown, study};
+use crate::job::OpenScene;
 use crate::session::{Frames, Input};
 use base::numbers::parse_bytes;
 use base::stop;

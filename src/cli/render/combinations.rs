@@ -1,8 +1,6 @@
-//! The flags that exclude each other: all that a part, a deadline or a picture that is larger than
-//! memory cannot have.
+//! The flags that exclude each other: all that a part or a deadline cannot have.
 
 use super::RenderArguments;
-use crate::session::Session;
 use host::text::Diagnostic;
 
 impl RenderArguments {
@@ -35,26 +33,5 @@ impl RenderArguments {
             return Err(Diagnostic::new(message).with_help("write the scene to a file"));
         }
         Ok(())
-    }
-
-    /// Checks that a picture that is larger than memory has no flag that needs all of it.
-    ///
-    /// # Errors
-    /// The first such flag.
-    pub(super) fn check_bands(&self, session: &Session) -> Result<(), Diagnostic> {
-        let flags = [
-            ("picture", self.picture.is_some()),
-            ("format", self.run.format.is_some()),
-            ("measure-overhead", self.measure_overhead),
-        ];
-        let given = flags.into_iter().find(|(_, is_given)| *is_given);
-        match (given, session.bands()) {
-            (Some((flag, _)), Some(_)) => {
-                let message = format!("`--{flag}` needs a picture that fits into memory");
-                let help = "choose a smaller `width` or `height`, or leave the flag out";
-                Err(Diagnostic::new(message).with_help(help))
-            }
-            _ => Ok(()),
-        }
     }
 }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use super::RenderArguments;
 use super::run_arguments::RunArguments;
 use crate::cli::scene::SceneArguments;
-use crate::cli::{Failure, refuse_file, shell_word, shown};
-use crate::session::Session;
+use crate::cli::{Failure, refuse_file, shown};
+use crate::job::{Tiles, read_parts};
 use host::text::Diagnostic;
-use render::checkpoint::{Checkpoint, Header, PARTS, PartFaults, PartFiles, PicturePart};
+use render::checkpoint::{Header, PARTS, PartFiles};
 use render::ranks::n_launched;
 use tools::series::FRAMES;
 
@@ -42,7 +42,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     }
     let folder = &arguments.folder;
     refuse_file(folder)?;
-    let found = open(folder)?;
+    let found = read_parts(folder)?;
     let in_frames = || {
         frames_with_parts(folder).into_iter().find_map(|frame| {
             let files = PartFiles::open(&folder.join(frame)).ok()?;
@@ -67,11 +67,10 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     drop(found);
     let arguments = RenderArguments {
         scene: scene_of(arguments, &header)?,
-        merges: true,
         run: arguments.run.clone(),
         ..RenderArguments::default()
     };
-    super::render_scene(&arguments, None)
+    super::render(&arguments, Tiles::Merged)
 }
 
 /// Returns the folders of frames with parts, in the folder of a series.
@@ -100,70 +99,4 @@ fn scene_of(arguments: &MergeArguments, header: &Header) -> Result<SceneArgument
         return Err(Diagnostic::new(message).with_help(help));
     }
     SceneArguments::of_flags(path, &header.flags, &arguments.folder)
-}
-
-fn open(folder: &Path) -> Result<PartFiles, Diagnostic> {
-    PartFiles::open(folder).map_err(|error| {
-        let message = format!("cannot read the parts in `{}`: {error}", folder.display());
-        Diagnostic::new(message)
-    })
-}
-
-/// Opens the tiles of all parts of a session's picture in an output folder.
-///
-/// # Errors
-/// If the parts do not belong to the picture.
-pub(super) fn parts(
-    arguments: &RenderArguments,
-    session: &Session,
-    out: &Path,
-) -> Result<Checkpoint, Diagnostic> {
-    let found = open(out)?;
-    let expected = session.header(arguments.scene.all_flags(), None)?;
-    if let Some(why) = found
-        .header()
-        .and_then(|header| header.foreign_to(&expected))
-    {
-        let message = format!("the parts in `{}` do not fit: {why}", out.display());
-        let help = "undo what has changed since, or render all parts again";
-        return Err(Diagnostic::new(message).with_help(help));
-    }
-    let parts = found.checked(&expected);
-    let parts = parts.map_err(|faults| arguments.refused(&faults, &expected, out))?;
-    Ok(Checkpoint::of_parts(parts))
-}
-
-impl RenderArguments {
-    /// Returns the message about parts that do not form a picture.
-    fn refused(&self, faults: &PartFaults, expected: &Header, out: &Path) -> Diagnostic {
-        let message = format!("the parts in `{}` make no picture", out.display());
-        let refused = Diagnostic::new(message).with_note(faults.lines.join("\n"));
-        let parts: Vec<PicturePart> = faults.again.iter().copied().collect();
-        match &parts[..] {
-            [] => refused.with_help("remove the files that do not belong there"),
-            [first, others @ ..] => {
-                let frame = expected.frame.map(|frame| format!(" --frames {frame}"));
-                let flags = expected
-                    .flags
-                    .iter()
-                    .map(|flag| shell_word(Path::new(flag)));
-                let words = [shell_word(Path::new(&expected.scene))]
-                    .into_iter()
-                    .chain(flags);
-                let words: Vec<String> = words.collect();
-                let out = shell_word(&self.scene.out());
-                let command = format!(
-                    "raycost render {} --out {out}{} --part {first}",
-                    words.join(" "),
-                    frame.unwrap_or_default(),
-                );
-                let others: Vec<String> = others.iter().map(PicturePart::to_string).collect();
-                let others = match others.len() {
-                    0 => String::new(),
-                    _ => format!(", and so the parts {}", others.join(", ")),
-                };
-                refused.with_help(format!("render again: `{command}`{others}"))
-            }
-        }
-    }
 }

@@ -1,48 +1,33 @@
-//! `raycost render`.
+//! `raycost render`: flags → a [`Job`] → lines about it.
 
-mod hierarchies;
-mod frames;
 mod combinations;
 mod merge;
-mod only_picture;
-mod part;
-mod picture;
-mod picture_run;
-mod ranks;
+mod picture_file;
 mod run_arguments;
-mod tiles;
+mod terminal;
 
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use only_picture::PictureFile;
-use part::PartDone;
-use picture::FinishedPicture;
-use picture_run::PictureRun;
-use ranks::Crew;
+use picture_file::PictureFile;
 use run_arguments::RunArguments;
+use terminal::Terminal;
 
-use crate::cli::open_scene::OpenScene;
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
-use crate::cli::{Failure, json, keyword, run_summary};
-use crate::session::{Event, Options, Session, without_thread};
-use base::numbers::parse_duration;
+use crate::cli::{Failure, keyword};
+use crate::job::{self, Job, Kept, Output, PicturePart, Tiles};
+use crate::session::{Options, RenderError, without_thread};
+use base::numbers::{counted, parse_duration};
 use base::stop;
-use host::folder::refuse_root;
 use host::start_detached;
-use host::text::{self, Diagnostic};
-use output::estimate::Memory;
-use render::checkpoint::PicturePart;
-use render::instruments::{HardwareCounters, NoProfiler, Profiler, Stages};
-use render::ranks::{Order, Ranks};
+use host::text::{Diagnostic, shown};
+use render::ranks::RankFailure;
 use scene::animation::FrameRange;
-use scene::build::Geometries;
-use scene::config::{Config, Pinning, SimdSet, Traversal};
+use scene::config::{Pinning, SimdSet, Traversal};
 
 pub(super) use merge::{MergeArguments, run as run_merge};
-pub(super) use ranks::fail_on_a_rank;
-pub(super) use tiles::{OF_ANOTHER_RUN, UNFINISHED, go_on};
+pub(super) use terminal::{OF_ANOTHER_RUN, go_on};
 
 /// Render a scene and write its files
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -81,10 +66,6 @@ pub(super) struct RenderArguments {
     /// marked as partial: `--resume` goes on
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     timeout: Option<Duration>,
-
-    /// Take all tiles from the files of parts
-    #[arg(skip)]
-    merges: bool,
 
     /// Where the threads may run; `threads` in summary.json says where they could
     #[arg(long, value_name = "WHERE", default_value = "none", value_parser = keyword::<Pinning>())]
@@ -126,200 +107,119 @@ pub(super) struct RenderArguments {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+    let tiles = match arguments.part {
+        Some(part) => Tiles::Part(part),
+        None if arguments.resume => Tiles::Missing,
+        None => Tiles::All,
+    };
     let mut arguments = arguments.clone();
     if let Some(file) = &arguments.picture {
         arguments.scene.want_only_picture(file.format);
     }
-    let arguments = &arguments;
-    // Processes with parts share no picture: each renders a separate one.
-    let ranks = match arguments.part {
-        Some(_) => None,
-        None => Ranks::join()?,
-    };
-    match ranks {
-        Some(ranks) if ranks.rank() > 0 => ranks::help(arguments, ranks),
-        ranks => lead(arguments, ranks),
-    }
+    render(&arguments, tiles)
 }
 
-/// Renders as the only process, or as rank 0 of several.
-fn lead(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
-    if arguments.while_input_is_open && !arguments.scene.is_standard_input() {
-        let watch = start_detached(|| {
-            let _ = io::copy(&mut io::stdin(), &mut io::sink());
-            stop::request();
-        });
-        watch.map_err(|error| Failure::Machine(without_thread(&error)))?;
-    }
-    render_scene(arguments, ranks)
-}
-
-/// Renders a scene, a part of it, or the tiles of all parts; then dismisses the other ranks.
-fn render_scene(arguments: &RenderArguments, ranks: Option<Ranks>) -> Result<(), Failure> {
-    let deadline = arguments.deadline();
-    arguments.check_flags()?;
-    arguments.run.prepare()?;
-    arguments.simd.map(SimdSet::detect).transpose()?;
-    refuse_root(&arguments.scene.out())?;
-    let stages = Stages::with_start(arguments.hardware());
-    let crew = ranks.map(|ranks| Crew::meet(arguments, ranks));
-    let crew = crew.transpose()?;
-    if arguments.picture.is_none() {
-        arguments.scene.refuse_other_output()?;
-    }
-    let source = arguments.scene.source()?;
-    if let Some(crew) = &crew {
-        crew.send_scene(&source);
-    }
-    let scene = OpenScene::parse(&arguments.scene, source)?;
-    let done = match &scene.frames {
-        Some(frames) if arguments.picture.is_none() => {
-            frames::render(arguments, &scene, frames, crew.as_ref(), deadline)
+/// Renders these tiles, and prints lines about them.
+fn render(arguments: &RenderArguments, tiles: Tiles) -> Result<(), Failure> {
+    let job = arguments.job(tiles);
+    let mut terminal = Terminal::new(arguments);
+    let report = job::run(&job, &mut terminal).map_err(|error| match error {
+        RenderError::Stopped(stopped, Some(kept)) => {
+            let is_shown = !arguments.run.quiet && tiles != Tiles::Merged;
+            Failure::Stopped(stopped, is_shown.then(|| arguments.kept(kept)))
         }
-        _ => still(arguments, &scene, stages, crew.as_ref(), deadline),
-    };
-    if let (Some(crew), Ok(()) | Err(Failure::Partial)) = (crew, &done) {
-        crew.leave();
+        error => error.into(),
+    })?;
+    terminal.finish(&report)?;
+    if report.is_partial {
+        Err(Failure::Partial)
+    } else {
+        Ok(())
     }
-    done
 }
 
-/// Renders a still, or one frame as a still.
-fn still(
-    arguments: &RenderArguments,
-    scene: &OpenScene,
-    stages: Stages,
-    crew: Option<&Crew>,
-    deadline: Option<Instant>,
-) -> Result<(), Failure> {
-    let frame = arguments.only_frame(scene)?;
-    let profiler = arguments.profile.then(start_profiler).transpose()?;
-    if let Some(crew) = crew {
-        crew.begin(Order::Still(frame));
-    }
-    let session = Session::new(scene.load(frame, arguments.needed())?, stages)?;
-    arguments.check_bands(&session)?;
-    let team = crew.map(|crew| crew.gather(arguments, &session));
-    let team = team.transpose()?;
-    if let Some(file) = &arguments.picture {
-        return only_picture::render(arguments, &session, file, team.as_ref());
-    }
-    let out = arguments.scene.out();
-    let run = PictureRun {
-        arguments,
-        session: &session,
-        out: &out,
-        deadline,
-        profiler: profiler.as_ref(),
-        team: team.as_ref(),
-    };
-    if let Some(part) = arguments.part {
-        return still_part(run, part);
-    }
-    let picture = FinishedPicture::render(run)?;
-    if arguments.json {
-        json::print_summary(&out)?;
-    } else if !arguments.run.quiet {
-        text::print(&still_lines(arguments, &picture, profiler.as_ref()))?;
-    }
-    // The process ends: the system frees all memory at once.
-    std::mem::forget(picture.rendering);
-    picture.partial.map_or(Ok(()), |_| Err(Failure::Partial))
-}
-
-/// Returns the lines about a still that was rendered and written.
-fn still_lines(
-    arguments: &RenderArguments,
-    picture: &FinishedPicture,
-    profiler: Option<&Profiler>,
-) -> String {
-    let FinishedPicture {
-        rendering,
-        written,
-        of_tiles,
-        partial,
-    } = picture;
-    let view = rendering.view(profiler);
-    let text = run_summary::lines(
-        &arguments.scene,
-        &view,
-        rendering.look(),
-        rendering.stages(),
-        written,
-    );
-    let last = partial.map(|partial| tiles::partial_line(arguments, partial));
-    format!("{text}{of_tiles}{}", last.unwrap_or_default())
-}
-
-/// Renders a part of a still, and prints the next step.
-fn still_part(run: PictureRun, part: PicturePart) -> Result<(), Failure> {
-    let done = part::render(run, part)?;
-    if !run.arguments.run.quiet {
-        let (line, next) = (done.line(part, run.out), part::next_line(run.out));
-        text::print(&format!("{line}{next}"))?;
-    }
-    match done {
-        PartDone::Partial(_) => Err(Failure::Partial),
-        PartDone::Rendered(..) | PartDone::Kept => Ok(()),
-    }
+/// Reports a failure before the rendering to rank 0, which prints it, if this is another rank.
+pub(super) fn fail_on_a_rank(failure: &Failure) {
+    job::fail_on_a_rank(&RankFailure {
+        exit_code: failure.exit_code(),
+        message: failure.text().unwrap_or_default(),
+    });
 }
 
 impl RenderArguments {
-    /// Starts the hardware counters, if requested.
-    fn hardware(&self) -> HardwareCounters {
-        if self.hardware_counters {
-            HardwareCounters::start()
-        } else {
-            HardwareCounters::none()
+    /// Returns the job of these arguments.
+    fn job(&self, tiles: Tiles) -> Job<'_> {
+        let output = match &self.picture {
+            Some(file) => Output::Picture(file.path.clone()),
+            None => Output::Folder(self.scene.out()),
+        };
+        Job {
+            frames: self.frames.clone().map(|frames| frames.0),
+            tiles,
+            timeout: self.timeout,
+            options: Options {
+                threads: self.run.threads,
+                pin: self.pin,
+                simd: self.simd,
+                traversal: self.traversal.unwrap_or_default(),
+                measure_overhead: self.measure_overhead,
+                estimates_work: Bars::are_shown(self.run.quiet),
+                vtkhdf: self.run.format.is_some(),
+                ..Options::default()
+            },
+            output,
+            sync: self.run.sync,
+            hardware_counters: self.hardware_counters,
+            profile: self.profile,
+            ..Job::new(&self.scene, "")
         }
     }
 
-    /// Returns true if standard output has lines about the run.
-    fn prints_lines(&self) -> bool {
-        !self.run.quiet && !self.json
-    }
-
-    /// Returns the moment after which no further tile is started, if the rendering starts now.
-    fn deadline(&self) -> Option<Instant> {
-        // Without a deadline if the system's clock has no such time.
-        self.timeout
-            .and_then(|timeout| Instant::now().checked_add(timeout))
-    }
-
-    /// Returns the memory estimate of a still picture, or of a part of one.
-    fn needed(&self) -> fn(&Config, &Geometries) -> Memory {
-        match self.part {
-            Some(_) => Memory::of_part,
-            None => Memory::of_still,
+    /// Checks the flags, and applies those of the whole process.
+    ///
+    /// # Errors
+    /// Flags that do not fit each other, or an output that this program cannot write.
+    fn prepare(&self) -> Result<(), RenderError> {
+        if self.while_input_is_open && !self.scene.is_standard_input() {
+            let watch = start_detached(|| {
+                let _ = io::copy(&mut io::stdin(), &mut io::sink());
+                stop::request();
+            });
+            watch.map_err(|error| RenderError::Machine(without_thread(&error)))?;
         }
-    }
-
-    /// Returns the options of a session.
-    fn options<'a>(&self, on_event: &'a (dyn Fn(Event) + Sync)) -> Options<'a> {
-        Options {
-            threads: self.run.threads,
-            pin: self.pin,
-            simd: self.simd,
-            traversal: self.traversal.unwrap_or_default(),
-            measure_overhead: self.measure_overhead,
-            estimates_work: Bars::are_shown(self.run.quiet),
-            on_event: Some(on_event),
-            ..Options::default()
+        self.check_flags()?;
+        self.run.prepare()?;
+        if self.picture.is_none() {
+            self.scene.refuse_other_output()?;
         }
+        Ok(())
     }
-}
 
-fn start_profiler() -> Result<Profiler, Failure> {
-    Profiler::start().map_err(|none| match none {
-        NoProfiler::NotBuilt => Diagnostic::new("this raycost was built without a profiler")
-            .with_help("build one: `cargo run --release --features profile -- render …`")
-            .into(),
-        NoProfiler::Unknown => Diagnostic::new("only Linux and macOS take profiles")
-            .with_help("leave out `--profile`")
-            .into(),
-        NoProfiler::Refused(why) => Failure::Machine(
-            Diagnostic::new(format!("cannot start the profiler: {why}"))
-                .with_help("leave out `--profile`"),
-        ),
-    })
+    /// Returns the message about what a stopped run keeps, and how to continue.
+    fn kept(&self, kept: Kept) -> Diagnostic {
+        let again = "run the same command again: it";
+        let (what, help) = match kept {
+            Kept::Nothing => (
+                "nothing is kept of this picture".to_owned(),
+                "with `--resume`, an interrupted run goes on where it was".to_owned(),
+            ),
+            Kept::Tiles(n_tiles, file) => (
+                format!(
+                    "kept {} in `{}`",
+                    counted(n_tiles, "finished tile"),
+                    shown(&file)
+                ),
+                go_on(&self.scene.scene),
+            ),
+            Kept::PartTiles(n_tiles, part) => (
+                format!("kept {} of part {part}", counted(n_tiles, "finished tile")),
+                format!("{again} goes on with the others"),
+            ),
+            Kept::Frames(n_frames) => (
+                format!("kept {}", counted(n_frames, "complete frame")),
+                format!("{again} leaves complete frames as they are"),
+            ),
+        };
+        Diagnostic::new(format!("stopped: {what}")).with_help(help)
+    }
 }

@@ -5,11 +5,12 @@ mod flags;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{keyword, shell_word, shown};
+use crate::cli::{keyword, shell_word, study};
+use crate::job::SceneSource;
 use base::Keyword;
 use crop::Crop;
 use host::folder::SUMMARY;
-use host::text::Diagnostic;
+use host::text::{Diagnostic, shown};
 use import::ForeignFormat;
 use output::summary::Summary;
 use scene::config::{
@@ -129,63 +130,6 @@ pub(in crate::cli) enum PictureFormat {
 }
 
 impl SceneArguments {
-    /// Applies the settings of the command line to the config.
-    ///
-    /// # Errors
-    /// A setting that the scene does not allow.
-    pub(in crate::cli) fn override_settings(
-        &self,
-        config: &mut Config,
-        document: &Document,
-    ) -> Result<(), Diagnostic> {
-        let image = &mut config.image;
-        image.width = self.width.unwrap_or(image.width);
-        image.height = self.height.unwrap_or(image.height);
-        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
-        image.seed = self.seed.unwrap_or(image.seed);
-        if let Some(crop) = self.crop {
-            *image = crop.apply(image)?;
-        }
-        config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
-        let film = &mut config.film;
-        film.exposure = self.exposure.unwrap_or(film.exposure);
-        film.tone_curve = self.tone_curve.unwrap_or(film.tone_curve);
-        config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
-        if let Some(count) = self.count {
-            config
-                .set_count(count)
-                .map_err(|fault| document.point_at(fault))?;
-        }
-        config.cost = self.cost().unwrap_or(config.cost);
-        self.set_repeats(config, document)?;
-        let tiles = &mut config.tiles;
-        tiles.size = self.tile_size.unwrap_or(tiles.size);
-        tiles.order = self.tile_order.unwrap_or(tiles.order);
-        config.compress = self.compress.unwrap_or(config.compress);
-        if let Some(format) = self.picture {
-            config.output = Outputs::default();
-            config.metrics = RatioMetrics::default();
-            if format == PictureFormat::Exr {
-                config.output.add(OptionalOutput::Exr);
-            }
-        }
-        let by_file = config.output.clone();
-        self.also
-            .iter()
-            .for_each(|&requested| config.output.add(requested));
-        config.check_output().map_err(|(requested, fault)| {
-            if by_file.has(requested) {
-                document.point_at(fault)
-            } else {
-                fault.without_place()
-            }
-        })?;
-        config
-            .check_arrays()
-            .and_then(|()| config.check_metrics())
-            .map_err(|fault| document.point_at(fault))
-    }
-
     /// Requests only the picture, in this format.
     pub(in crate::cli) fn want_only_picture(&mut self, format: PictureFormat) {
         self.picture = Some(format);
@@ -234,18 +178,6 @@ impl SceneArguments {
         } else {
             Source::read(&self.scene)
         }
-    }
-
-    /// Parses the text of the scene with the files that it includes and its settings.
-    ///
-    /// # Errors
-    /// The first mistake in it.
-    pub(in crate::cli) fn document(&self, source: Source) -> Result<Document, Diagnostic> {
-        let mut document = Document::new(source, Config::MERGING)?;
-        for setting in &self.set {
-            document.set(setting)?;
-        }
-        Ok(document)
     }
 
     /// Refuses `--also`, for a command that writes only its own files.
@@ -350,14 +282,82 @@ impl SceneArguments {
             _ => Ok(()),
         }
     }
+}
 
-    /// Returns the scene's name: the file's stem.
-    pub(in crate::cli) fn name(&self) -> String {
+impl SceneSource for SceneArguments {
+    fn file(&self) -> &Path {
+        &self.scene
+    }
+
+    fn name(&self) -> String {
         if self.is_standard_input() {
             return "stdin".to_owned();
         }
         let stem = self.scene.file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
+    }
+
+    fn read(&self) -> Result<Source, Diagnostic> {
+        let source = self.source()?;
+        study::refuse_study(&source)?;
+        Ok(source)
+    }
+
+    fn settings(&self) -> &[String] {
+        &self.set
+    }
+
+    fn change(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
+        let image = &mut config.image;
+        image.width = self.width.unwrap_or(image.width);
+        image.height = self.height.unwrap_or(image.height);
+        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
+        image.seed = self.seed.unwrap_or(image.seed);
+        if let Some(crop) = self.crop {
+            *image = crop.apply(image)?;
+        }
+        config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
+        let film = &mut config.film;
+        film.exposure = self.exposure.unwrap_or(film.exposure);
+        film.tone_curve = self.tone_curve.unwrap_or(film.tone_curve);
+        config.acceleration = self.acceleration.map_or(config.acceleration, Into::into);
+        if let Some(count) = self.count {
+            config
+                .set_count(count)
+                .map_err(|fault| document.point_at(fault))?;
+        }
+        config.cost = self.cost().unwrap_or(config.cost);
+        self.set_repeats(config, document)?;
+        let tiles = &mut config.tiles;
+        tiles.size = self.tile_size.unwrap_or(tiles.size);
+        tiles.order = self.tile_order.unwrap_or(tiles.order);
+        config.compress = self.compress.unwrap_or(config.compress);
+        if let Some(format) = self.picture {
+            config.output = Outputs::default();
+            config.metrics = RatioMetrics::default();
+            if format == PictureFormat::Exr {
+                config.output.add(OptionalOutput::Exr);
+            }
+        }
+        let by_file = config.output.clone();
+        self.also
+            .iter()
+            .for_each(|&requested| config.output.add(requested));
+        config.check_output().map_err(|(requested, fault)| {
+            if by_file.has(requested) {
+                document.point_at(fault)
+            } else {
+                fault.without_place()
+            }
+        })?;
+        config
+            .check_arrays()
+            .and_then(|()| config.check_metrics())
+            .map_err(|fault| document.point_at(fault))
+    }
+
+    fn flags(&self) -> Vec<String> {
+        self.all_flags()
     }
 }
 

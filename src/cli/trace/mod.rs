@@ -5,12 +5,12 @@ mod tree;
 
 use std::path::Path;
 
-use super::open_scene::OpenScene;
 use super::progress::StageBar;
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
 use super::{Failure, hottest, keyword, shell_word, shown};
+use crate::job::{OpenScene, SceneSource};
 use crate::session::{Input, Options};
 use base::numbers::{bytes, counted};
 use base::stop;
@@ -19,7 +19,7 @@ use host::text::{self, Diagnostic};
 use output::estimate::Memory;
 use output::limits;
 use output::writers::{RAYS_STATE, Traced, refuse_foreign_traced, write_traced};
-use render::attribution::{ObservedPixel, Observer, TooManyRays};
+use render::attribution::{ObservedPixel, PathObserver, TooManyRays};
 use render::film::HotPixel;
 use render::tiles::{Progress, TilePlan, render};
 use scene::build::{Geometries, Sensor};
@@ -143,7 +143,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     });
     stop::check()?;
     let sensor = Sensor::new(&scene, &config);
-    let observer = Observer::new(tracer, &sensor, meter.clock()).without_steps();
+    let observer = PathObserver::new(tracer, &sensor, meter.clock()).without_steps();
     let observed = pool.install(|| observe(&observer, &pixels, arguments.quiet))?;
     stop::check()?;
     let traced = Traced {
@@ -242,7 +242,7 @@ fn small(image: &Image) -> Image {
 /// Traces the rays of all pixels, if they fit into half of the free memory; the other half is for
 /// writing them.
 fn observe(
-    observer: &Observer,
+    observer: &PathObserver,
     pixels: &TracedPixels,
     quiet: bool,
 ) -> Result<Vec<ObservedPixel>, Failure> {

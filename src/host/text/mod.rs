@@ -12,5 +12,5 @@ pub use diagnostic::{line_start, shortened};
 pub use missing::why_missing;
 pub use suggestion::did_you_mean;
 pub use suggestion::number_meant;
-pub use terminal::{one_line, print, print_error, print_styled};
-pub use terminal::{shell_word, visible, visible_json, wrapped};
+pub use terminal::{one_line, print, print_error, print_styled, shell_word, shown};
+pub use terminal::{visible, visible_json, wrapped};

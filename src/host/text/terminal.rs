@@ -14,12 +14,17 @@ const INDENT: &str = "        ";
 
 /// Escapes invisible characters except line ends and tabs.
 pub fn visible(text: &str) -> Cow<'_, str> {
-    shown(text, |c| !matches!(c, '\n' | '\t') && is_unseen(c))
+    escaped(text, |c| !matches!(c, '\n' | '\t') && is_unseen(c))
 }
 
 /// Escapes invisible characters and line ends: for a name, a title or a path.
 pub fn one_line(text: &str) -> Cow<'_, str> {
-    shown(text, is_unseen)
+    escaped(text, is_unseen)
+}
+
+/// Returns the path, safe to print on a terminal.
+pub fn shown(path: &Path) -> String {
+    one_line(&path.to_string_lossy()).into_owned()
 }
 
 /// Quotes the path as one word for a shell.
@@ -118,7 +123,7 @@ fn is_unseen(c: char) -> bool {
     c.is_control() || is_format
 }
 
-fn shown(text: &str, is_unseen: impl Fn(char) -> bool) -> Cow<'_, str> {
+fn escaped(text: &str, is_unseen: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.contains(&is_unseen) {
         return Cow::Borrowed(text);
     }

@@ -6,13 +6,13 @@ use std::fmt;
 use std::io;
 use std::ops::Range;
 
-use super::file::{FileContent, Job, OutputFile};
+use super::file::{FileContent, OutputFile, WriterInput};
 use super::survey::{Survey, Surveyor};
 use super::{frame, hits, picture};
 use base::stop;
 use host::folder::{Staging, WriteError, Written};
 use render::film::Film;
-use render::tiles::{Progress, Report, StoredPicture};
+use render::tiles::{OnProgress, Progress, StoredPicture};
 use vtk::data_set::DataSet;
 use vtk::parallel::{self, PieceFiles};
 
@@ -115,7 +115,7 @@ pub struct Bands<'a> {
     picture: StoredPicture<'a>,
     pub(super) rows: BandRows,
     /// Called after each written piece.
-    report: Report<'a>,
+    report: OnProgress<'a>,
 }
 
 impl fmt::Debug for Bands<'_> {
@@ -141,7 +141,7 @@ impl<'a> Bands<'a> {
     }
 
     /// Returns the same, with `report` called after each written piece.
-    pub fn reporting(self, report: Report<'a>) -> Self {
+    pub fn reporting(self, report: OnProgress<'a>) -> Self {
         Self { report, ..self }
     }
 
@@ -151,7 +151,7 @@ impl<'a> Bands<'a> {
     pub fn survey(
         &self,
         mut look_at: impl FnMut(&Film),
-        report: Report,
+        report: OnProgress,
     ) -> Option<(Survey, Vec<f64>)> {
         let mut surveyor = Surveyor::new(self.picture.film);
         let mut sums_ns = vec![0.0; self.picture.film.n_repeats.into()];
@@ -168,7 +168,11 @@ impl<'a> Bands<'a> {
     }
 
     /// Writes the picture and all pieces.
-    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<Vec<Written>, WriteError> {
+    pub(super) fn stage(
+        &self,
+        job: &WriterInput,
+        staging: &Staging,
+    ) -> Result<Vec<Written>, WriteError> {
         let mut pieces = Vec::new();
         let mut failure = None;
         let staged = staging.stage(picture::NAME, |out| {
@@ -201,7 +205,7 @@ impl<'a> Bands<'a> {
         i: usize,
         rows: Range<u32>,
         band: &Film,
-        job: &Job,
+        job: &WriterInput,
         staging: &Staging,
     ) -> Result<[Written; 2], WriteError> {
         let encoding = job.encoding_of_pixels();

@@ -27,9 +27,9 @@ pub struct OutputFile {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum FileContent {
     /// Written by a function.
-    Written(fn(&Job, &mut FileWriter) -> io::Result<()>),
+    Written(fn(&WriterInput, &mut FileWriter) -> io::Result<()>),
     /// Written by a function that creates the file itself.
-    AtPath(fn(&Job, &Path) -> io::Result<()>),
+    AtPath(fn(&WriterInput, &Path) -> io::Result<()>),
     /// A ParaView state: a template whose keys [`States`] fills in.
     State(&'static str),
 }
@@ -48,7 +48,7 @@ pub struct Request<'a> {
 }
 
 /// Inputs of a writer.
-pub(super) struct Job<'a> {
+pub(super) struct WriterInput<'a> {
     pub(super) rendering: &'a RenderingView<'a>,
     /// The stages that have ended.
     pub(super) stages: &'a Stages,
@@ -66,7 +66,11 @@ impl OutputFile {
     }
 
     /// Writes the new file.
-    pub(super) fn stage(&self, job: &Job, staging: &Staging) -> Result<Written, WriteError> {
+    pub(super) fn stage(
+        &self,
+        job: &WriterInput,
+        staging: &Staging,
+    ) -> Result<Written, WriteError> {
         match self.content {
             FileContent::Written(write) => staging.stage(self.name, |out| write(job, out)),
             FileContent::AtPath(write) => staging.stage_at(self.name, |path| write(job, path)),
@@ -106,7 +110,7 @@ impl Request<'_> {
     }
 }
 
-impl Job<'_> {
+impl WriterInput<'_> {
     /// Reserves space for this many bytes of arrays, unless they are compressed.
     pub(super) fn reserve(&self, n_bytes: u64, out: &FileWriter) {
         if self.rendering.config.compress == Codec::None {

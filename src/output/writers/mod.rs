@@ -62,7 +62,7 @@ pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 
 use rayon::prelude::*;
 
-use file::{FileContent, Job};
+use file::{FileContent, WriterInput};
 pub use states::StateValues;
 use states::States;
 
@@ -238,7 +238,7 @@ pub fn write(
     let mut written = match rendering.bands {
         None => Vec::new(),
         Some(bands) => {
-            let job = Job {
+            let job = WriterInput {
                 rendering,
                 stages,
                 states: &states,
@@ -258,7 +258,7 @@ pub fn write(
         if wanted.is_empty() {
             continue;
         }
-        let job = Job {
+        let job = WriterInput {
             rendering,
             stages,
             states: &states,

@@ -11,7 +11,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 use super::RenderingView;
-use super::file::{FileContent, Job, OutputFile};
+use super::file::{FileContent, OutputFile, WriterInput};
 use super::state_files::SHOWN_OF_CLOUD;
 use crate::chart::{self, ColorLegend, LegendKey, Scale, Swatch, draw_legends, png};
 use host::folder::FileWriter;
@@ -50,7 +50,7 @@ pub(super) fn write(
 }
 
 /// Returns the text chunks of a picture in a folder with the other files of its run.
-fn texts(job: &Job) -> Vec<(&'static str, String)> {
+fn texts(job: &WriterInput) -> Vec<(&'static str, String)> {
     let written = job.rendering.film.extra.written;
     let state = written
         .has_all(&SHOWN_OF_CLOUD)
@@ -93,7 +93,7 @@ fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> i
 /// Writes the picture of a film that comes in bands, from top to bottom: `for_each` calls its
 /// argument with each band.
 pub(super) fn write_bands(
-    job: &Job,
+    job: &WriterInput,
     out: &mut FileWriter,
     for_each: impl FnOnce(&mut dyn FnMut(&Film, Range<u32>) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {

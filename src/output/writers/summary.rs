@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde_json::Number;
 
-use super::file::{FileContent, Job, OutputFile};
+use super::file::{FileContent, OutputFile, WriterInput};
 use super::{RenderingView, Survey, thread_time, time_notes};
 use crate::summary::{
     AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
@@ -24,7 +24,7 @@ pub(super) const FILE: OutputFile = OutputFile {
 };
 
 /// Summarizes a rendering whose other files are written.
-fn summarize(job: &Job) -> Summary {
+fn summarize(job: &WriterInput) -> Summary {
     let (rendering, stages) = (job.rendering, job.stages);
     let config = rendering.config;
     Summary {

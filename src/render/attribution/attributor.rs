@@ -3,7 +3,7 @@
 use super::CostAttribution;
 use super::attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use super::tally::{Tally, TallyCache};
-use crate::attribution::{Observer, RayTree, TracedRay};
+use crate::attribution::{PathObserver, RayTree, TracedRay};
 use scene::build::Sensor;
 use scene::config::{OptionalOutput, Outputs};
 use tracer::accel::{BvhNode, Hit, TraversalStep};
@@ -89,7 +89,7 @@ fn accounts(tally: Tally<5>) -> Vec<AttributedCost> {
 
 /// Observes pixels on one thread and attributes the cost of their rays.
 pub(super) struct Attributor<'a> {
-    observer: Observer<'a>,
+    observer: PathObserver<'a>,
     tree: RayTree,
     groups: ObjectTallies<'a>,
     steps: Steps<'a>,
@@ -103,7 +103,7 @@ impl<'a> Attributor<'a> {
         tallies: &'a Tallies,
     ) -> Self {
         let scene = tracer.scene;
-        let observer = Observer::new(tracer, sensor, clock);
+        let observer = PathObserver::new(tracer, sensor, clock);
         let needs_steps =
             tallies.keeps_counts || tallies.primitives.is_some() || tallies.lines.is_some();
         Self {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::attribution::{Observer, RayTree, TracedRay};
+use crate::attribution::{PathObserver, RayTree, TracedRay};
 use base::stop;
 use math::statistics::upper_median;
 
@@ -45,7 +45,7 @@ impl fmt::Display for TooManyRays {
 
 impl std::error::Error for TooManyRays {}
 
-impl Observer<'_> {
+impl PathObserver<'_> {
     /// Observes many pixels on the current rayon pool. The time of each ray is the median of
     /// several observations. Calls `report` with the number of pixels that have been finished since
     /// the last call.

@@ -6,7 +6,7 @@
 //! that the rays of a pixel sum to its `time_ns`, which was measured without an observer. The time
 //! of a ray is divided evenly among its steps, the node visits and primitive tests.
 //!
-//! The [`Observer`] follows paths in the loop of single rays, with the same rays, hits and counters.
+//! The [`PathObserver`] follows paths in the loop of single rays, with the same rays, hits and counters.
 //! It is slow and records everything: the hit of each ray, the nodes and primitives it was tested
 //! against, its time, and its contribution to the pixel.
 
@@ -20,7 +20,7 @@ mod attributor;
 use rayon::prelude::*;
 
 use crate::film::Film;
-use crate::tiles::{Progress, Report};
+use crate::tiles::{OnProgress, Progress};
 use base::stop;
 use scene::build::Sensor;
 use scene::config::{Acceleration, OptionalOutput, Outputs};
@@ -31,7 +31,7 @@ use tracer::trace::Tracer;
 pub use attributed_cost::{AttributedCost, AttributionRule, Hierarchy, Visits, Work};
 use attributor::{Attributor, Tallies};
 pub use many::{ObservedPixel, TooManyRays};
-pub use observer::Observer;
+pub use observer::PathObserver;
 pub use tree::{RayTree, TracedRay};
 
 /// The cost of a picture, attributed to the parts of its scene.
@@ -82,7 +82,7 @@ impl CostAttribution {
         sensor: &Sensor,
         (film, meter): (&Film, &Meter),
         outputs: &Outputs,
-        report: Report,
+        report: OnProgress,
     ) -> Self {
         let nodes = outputs
             .has(OptionalOutput::Bvh)

@@ -16,14 +16,14 @@ use world::light::Illumination;
 
 /// Renders pixels and records their rays.
 #[derive(Clone, Copy)]
-pub struct Observer<'a> {
+pub struct PathObserver<'a> {
     view: View<'a>,
     keeps_steps: bool,
     /// The clock that measures the rays; `None` for no times.
     clock: Option<&'a Clock>,
 }
 
-impl<'a> Observer<'a> {
+impl<'a> PathObserver<'a> {
     /// Creates an observer of the pixels of this sensor, which measures their rays with the clock,
     /// if there is one.
     pub fn new(tracer: Tracer<'a>, sensor: &Sensor, clock: Option<&'a Clock>) -> Self {
@@ -83,7 +83,7 @@ impl<'a> Observer<'a> {
 
 /// Records the rays of a pixel; contributions are relative to a sample.
 struct RayRecorder<'a> {
-    observer: &'a Observer<'a>,
+    observer: &'a PathObserver<'a>,
     tree: &'a mut RayTree,
     /// Index of the path's ray that was traced last.
     number: u32,

@@ -76,7 +76,7 @@ pub struct Progress {
 
 /// Receives progress, from any thread. Not a generic parameter: each crate that renders would
 /// compile the kernels again.
-pub type Report<'a> = &'a (dyn Fn(Progress) + Sync);
+pub type OnProgress<'a> = &'a (dyn Fn(Progress) + Sync);
 
 impl Progress {
     /// Creates the progress of pixels of average cost, with `n_rays` rays.
@@ -93,7 +93,12 @@ impl Progress {
 /// Renders the plan on all threads of the current rayon pool and measures every pixel with the
 /// `meter`. Any thread calls `report` after each tile. The schedule holds the time span of each
 /// tile. After a request to stop ([`base::stop`]) the remaining tiles are skipped.
-pub fn render(tracer: Tracer, plan: &TilePlan, meter: &Meter, report: Report) -> (Film, Schedule) {
+pub fn render(
+    tracer: Tracer,
+    plan: &TilePlan,
+    meter: &Meter,
+    report: OnProgress,
+) -> (Film, Schedule) {
     let film = plan.film(tracer.scene, meter.mode());
     let view = View::new(tracer, &plan.sensor);
     render_onto(film, view, plan, &Pass::default(), meter, report)
@@ -106,7 +111,7 @@ fn render_onto(
     plan: &TilePlan,
     pass: &Pass,
     meter: &Meter,
-    report: Report,
+    report: OnProgress,
 ) -> (Film, Schedule) {
     match meter {
         Meter::Off => {
@@ -153,7 +158,7 @@ fn render_tiles<R: TileRenderer>(
     plan: &TilePlan,
     pass: &Pass,
     renderer: impl Fn() -> R + Sync,
-    report: Report,
+    report: OnProgress,
 ) -> (Film, Schedule) {
     let target = OnceLock::new();
     let film_to_fill = &mut film;

@@ -13,7 +13,7 @@ use std::hint::black_box;
 use cpu_time::ProcessTime;
 use serde::{Deserialize, Serialize};
 
-use super::{Report, TilePlan, render};
+use super::{OnProgress, TilePlan, render};
 use math::statistics::median;
 use scene::config::CostMode;
 use tracer::cost::Meter;
@@ -61,7 +61,7 @@ const MODES: [CostMode; 4] = [
 
 impl Overhead {
     /// Renders the picture [`N_RENDERINGS`] times on the current rayon pool.
-    pub fn measure(tracer: Tracer, plan: &TilePlan, report: Report) -> Self {
+    pub fn measure(tracer: Tracer, plan: &TilePlan, report: OnProgress) -> Self {
         let meters = MODES.map(Meter::new);
         let mut times_ms: [Vec<f64>; 4] = Default::default();
         for round in 0..N_ROUNDS {

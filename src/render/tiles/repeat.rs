@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::pass::{Limits, Pass};
 use super::samples::{SAMPLE_BYTES, Samples};
 use super::time_hottest::{limit_after, time_hottest_again};
-use super::{Report, TilePlan, View, render_onto};
+use super::{OnProgress, TilePlan, View, render_onto};
 use crate::film::Film;
 use crate::schedule::{N_GRIDS, Schedule, TileRun};
 use scene::config::{Config, CostMode, Repeats};
@@ -80,7 +80,7 @@ pub fn repeat(
     tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
-    report: Report,
+    report: OnProgress,
 ) -> (Film, Schedule, Vec<Repeat>) {
     let limits = Limits::default();
     repeat_within(&limits, repeats, tracer, plan, meter, report)
@@ -97,7 +97,7 @@ pub fn repeat_within(
     tracer: Tracer,
     plan: &TilePlan,
     meter: &Meter,
-    report: Report,
+    report: OnProgress,
 ) -> (Film, Schedule, Vec<Repeat>) {
     // Make the film.
     let view = View::new(tracer, &plan.sensor);

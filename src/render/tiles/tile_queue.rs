@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::canvas::Canvas;
 use super::pass::Pass;
-use super::{Progress, Report, TilePlan, TileRenderer, render_tile};
+use super::{OnProgress, Progress, TilePlan, TileRenderer, render_tile};
 use crate::film::Film;
 use crate::schedule::{Tile, TileGrid, TileRun};
 use base::stop;
@@ -50,7 +50,7 @@ pub(super) struct TileQueue<'a, 'f> {
     pub(super) plan: &'a TilePlan,
     pub(super) pass: &'a Pass<'a>,
     target: &'a OnceLock<Target<'f>>,
-    pub(super) report: Report<'a>,
+    pub(super) report: OnProgress<'a>,
     /// The moment when the rendering started.
     pub(super) begin: Instant,
     /// Number of tiles that were taken.
@@ -63,7 +63,7 @@ impl<'a, 'f> TileQueue<'a, 'f> {
         plan: &'a TilePlan,
         pass: &'a Pass<'a>,
         target: &'a OnceLock<Target<'f>>,
-        report: Report<'a>,
+        report: OnProgress<'a>,
     ) -> Self {
         Self {
             plan,

@@ -1,11 +1,8 @@
 //! `mpirun raycost render`: each picture by several processes.
 
-use super::RenderArguments;
 use super::hierarchies::{FrameHierarchies, FrameInput};
-use crate::cli::Failure;
-use crate::cli::open_scene::OpenScene;
-use crate::session::this_build;
-use crate::session::{Options, RenderError, Session};
+use super::{Job, OpenScene, Report};
+use crate::session::{RenderError, Session, this_build};
 use base::stop;
 use host::affinity;
 use output::estimate::Memory;
@@ -15,34 +12,29 @@ use scene::yaml::Source;
 
 /// Renders the tiles that rank 0 deals to this rank. It writes no file and prints nothing: rank 0
 /// prints the reason if it fails.
-pub(super) fn help(arguments: &RenderArguments, ranks: Ranks) -> Result<(), Failure> {
-    let done = work(arguments, &ranks);
-    if let Err(failure) = &done {
-        ranks.fail(&failure_of(failure));
-    } else {
-        ranks.leave();
+pub(super) fn work(job: &Job, ranks: Ranks) -> Result<Report, RenderError> {
+    match follow(job, &ranks) {
+        Ok(()) => {
+            ranks.leave();
+            Ok(Report::default())
+        }
+        Err(error) => {
+            ranks.fail(&error.to_failure());
+            Err(error)
+        }
     }
-    done
 }
 
 /// Renders tiles of each picture that rank 0 orders, until it dismisses this rank.
-fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
-    ranks.introduce(&hello(arguments, ranks)?);
+fn follow(job: &Job, ranks: &Ranks) -> Result<(), RenderError> {
+    ranks.introduce(&hello(job, ranks)?);
     let Some(SceneText { name, text }) = ranks.receive_scene() else {
         return Ok(stop::check()?);
     };
-    let scene = OpenScene::parse(&arguments.scene, Source::new(name, text))?;
-    let options = Options {
-        threads: arguments.run.threads,
-        pin: arguments.pin,
-        simd: arguments.simd,
-        traversal: arguments.traversal.unwrap_or_default(),
-        ..Options::default()
-    };
-    let flags = arguments.scene.all_flags();
-    let work_on = |session: &Session| -> Result<(), Failure> {
-        ranks.report(&session.header(flags.clone(), None)?);
-        Ok(session.work(&options, ranks)?)
+    let scene = OpenScene::parse(job.scene, Source::new(name, text))?;
+    let work_on = |session: &Session| -> Result<(), RenderError> {
+        ranks.report(&session.header(job.scene.flags(), None)?);
+        session.work(&job.options, ranks)
     };
     let mut hierarchies = FrameHierarchies::new(&scene)?;
     loop {
@@ -54,7 +46,7 @@ fn work(arguments: &RenderArguments, ranks: &Ranks) -> Result<(), Failure> {
             }
             (Some(Order::Frame(number)), Some(frames)) => {
                 let input = FrameInput::new(&scene, frames, number, "")?;
-                let frame = hierarchies.open(input, Memory::of_part, stages, &options)?;
+                let frame = hierarchies.open(input, Memory::of_part, stages, &job.options)?;
                 work_on(&frame.session)?;
                 hierarchies.take_from(&frame)?;
             }
@@ -73,8 +65,8 @@ pub(super) struct Crew {
 
 impl Crew {
     /// Waits for the other ranks, and compares their programs and flags.
-    pub(super) fn meet(arguments: &RenderArguments, ranks: Ranks) -> Result<Self, Failure> {
-        let hellos = ranks.meet(hello(arguments, &ranks)?).map_err(of_rank)?;
+    pub(super) fn meet(job: &Job, ranks: Ranks) -> Result<Self, RenderError> {
+        let hellos = ranks.meet(hello(job, &ranks)?).map_err(of_rank)?;
         Ok(Self { ranks, hellos })
     }
 
@@ -92,13 +84,9 @@ impl Crew {
     }
 
     /// Waits until the ranks have read the files of the picture, and compares them with a session.
-    pub(super) fn gather(
-        &self,
-        arguments: &RenderArguments,
-        session: &Session,
-    ) -> Result<Team<'_>, Failure> {
-        let header = session.header(arguments.scene.all_flags(), None)?;
-        Ok(Team::gather(&self.ranks, &self.hellos, &header).map_err(of_rank)?)
+    pub(super) fn gather(&self, job: &Job, session: &Session) -> Result<Team<'_>, RenderError> {
+        let header = session.header(job.scene.flags(), None)?;
+        Team::gather(&self.ranks, &self.hellos, &header).map_err(of_rank)
     }
 
     /// Dismisses the ranks.
@@ -113,29 +101,22 @@ fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
 }
 
 /// Returns the introduction of a rank before it renders.
-fn hello(arguments: &RenderArguments, ranks: &Ranks) -> Result<Hello, Failure> {
-    let pool = arguments.options(&|_| {}).thread_pool()?;
+fn hello(job: &Job, ranks: &Ranks) -> Result<Hello, RenderError> {
+    let pool = job.options.thread_pool()?;
     Ok(Hello {
         host: ranks.host(),
         affinity: pool.install(affinity::of_threads),
-        scene: arguments.scene.scene.to_string_lossy().into_owned(),
+        scene: job.scene.file().to_string_lossy().into_owned(),
         program: this_build().title(),
-        flags: arguments.scene.all_flags(),
+        flags: job.scene.flags(),
     })
 }
 
-/// Returns a failure in the form that rank 0 prints.
-fn failure_of(failure: &Failure) -> RankFailure {
-    RankFailure {
-        exit_code: failure.exit_code(),
-        message: failure.text().unwrap_or_default(),
-    }
-}
-
-/// Reports a failure of this process to rank 0, which prints it, if it is another rank.
-pub(in crate::cli) fn fail_on_a_rank(failure: &Failure) {
+/// Reports a failure of this process before its job to rank 0, which prints it, if it is another
+/// rank.
+pub(crate) fn fail_on_a_rank(failure: &RankFailure) {
     let ranks = Ranks::join().ok().flatten();
     if let Some(ranks) = ranks.filter(|ranks| ranks.rank() > 0) {
-        ranks.fail(&failure_of(failure));
+        ranks.fail(failure);
     }
 }

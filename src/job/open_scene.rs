@@ -1,9 +1,7 @@
-//! A scene of the command line and its frames.
+//! The scene of a job, and its frames.
 
 use std::path::{Path, PathBuf};
 
-use super::scene::SceneArguments;
-use super::study;
 use crate::session::{Frames, Input, scene_files};
 use host::text::Diagnostic;
 use output::estimate::Memory;
@@ -11,13 +9,85 @@ use scene::build::Geometries;
 use scene::config::Config;
 use scene::yaml::{Document, Fault, Source};
 
+/// A scene to read, with changes to its settings.
+pub trait SceneSource: Sync {
+    /// Returns the name of the scene in messages and in `summary.json`: its file.
+    fn file(&self) -> &Path;
+
+    /// Returns the name of the scene's files.
+    fn name(&self) -> String {
+        let stem = self.file().file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+
+    /// Reads the text.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn read(&self) -> Result<Source, Diagnostic> {
+        Source::read(self.file())
+    }
+
+    /// Returns values to set before the text is parsed, such as `image.width=100`.
+    fn settings(&self) -> &[String];
+
+    /// Changes the settings of a parsed scene or frame.
+    ///
+    /// # Errors
+    /// A setting that the scene does not allow.
+    fn change(&self, _config: &mut Config, _document: &Document) -> Result<(), Diagnostic> {
+        Ok(())
+    }
+
+    /// Returns the flags of `raycost render` that make the same changes: parts of a picture with
+    /// other flags are not merged.
+    fn flags(&self) -> Vec<String> {
+        let flag = |setting| format!("--set={setting}");
+        self.settings().iter().map(flag).collect()
+    }
+}
+
+/// A scene file, and values to set in it.
+#[derive(Debug, Clone)]
+pub struct SceneFile {
+    path: PathBuf,
+    settings: Vec<String>,
+}
+
+impl SceneFile {
+    /// Names a scene file. It is read when a job runs.
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self {
+            path: path.into(),
+            settings: Vec::new(),
+        }
+    }
+
+    /// Sets a value, as `--set` does: `image.width=100`.
+    #[must_use]
+    pub fn set(mut self, setting: impl Into<String>) -> Self {
+        self.settings.push(setting.into());
+        self
+    }
+}
+
+impl SceneSource for SceneFile {
+    fn file(&self) -> &Path {
+        &self.path
+    }
+
+    fn settings(&self) -> &[String] {
+        &self.settings
+    }
+}
+
 /// A scene whose text was read: a still, or all frames of an animation.
-pub(super) struct OpenScene<'a> {
-    arguments: &'a SceneArguments,
+pub(crate) struct OpenScene<'a> {
+    source: &'a dyn SceneSource,
     document: Document,
     config: Config,
     /// `None` for a still.
-    pub(super) frames: Option<Frames>,
+    pub(crate) frames: Option<Frames>,
 }
 
 impl<'a> OpenScene<'a> {
@@ -25,20 +95,22 @@ impl<'a> OpenScene<'a> {
     ///
     /// # Errors
     /// The first mistake in it, or in a data series.
-    pub(super) fn read(arguments: &'a SceneArguments) -> Result<Self, Diagnostic> {
-        Self::parse(arguments, arguments.source()?)
+    pub(crate) fn read(source: &'a dyn SceneSource) -> Result<Self, Diagnostic> {
+        Self::parse(source, source.read()?)
     }
 
     /// Opens a scene whose text was read before.
     ///
     /// # Errors
     /// The errors of [`read`](Self::read).
-    pub(super) fn parse(arguments: &'a SceneArguments, source: Source) -> Result<Self, Diagnostic> {
-        study::refuse_study(&source)?;
-        let document = arguments.document(source)?;
+    pub(crate) fn parse(source: &'a dyn SceneSource, text: Source) -> Result<Self, Diagnostic> {
+        let mut document = Document::new(text, Config::MERGING)?;
+        for setting in source.settings() {
+            document.set(setting)?;
+        }
         let config: Config = document.parse()?;
         Ok(Self {
-            arguments,
+            source,
             frames: Frames::parse(&document, &config)?,
             document,
             config,
@@ -50,7 +122,7 @@ impl<'a> OpenScene<'a> {
     ///
     /// # Errors
     /// The first fault of the scene.
-    pub(super) fn load(
+    pub(crate) fn load(
         &self,
         frame: Option<u32>,
         needed: impl Fn(&Config, &Geometries) -> Memory,
@@ -62,14 +134,14 @@ impl<'a> OpenScene<'a> {
         Input::read(document, config, needed)
     }
 
-    /// Returns the values that the command line has set, such as `image.seed=7`.
-    pub(super) fn settings(&self) -> Vec<String> {
+    /// Returns the values that were set before parsing, such as `image.seed=7`.
+    pub(crate) fn settings(&self) -> Vec<String> {
         self.document.settings().map(str::to_owned).collect()
     }
 
     /// Returns the time of a frame that the animation has, by default the first one; `None` for a
     /// still.
-    pub(super) fn time(&self, frame: Option<u32>) -> Option<f64> {
+    pub(crate) fn time(&self, frame: Option<u32>) -> Option<f64> {
         let frames = self.frames.as_ref()?;
         Some(frames.frame(frame.unwrap_or(0)).time)
     }
@@ -78,7 +150,7 @@ impl<'a> OpenScene<'a> {
     ///
     /// # Errors
     /// If it does not, or the scene is a still.
-    pub(super) fn check_frame(&self, number: u32) -> Result<(), Diagnostic> {
+    pub(crate) fn check_frame(&self, number: u32) -> Result<(), Diagnostic> {
         let n_frames = match &self.frames {
             Some(frames) if number < frames.n_frames() => return Ok(()),
             Some(frames) => frames.n_frames(),
@@ -100,7 +172,7 @@ impl<'a> OpenScene<'a> {
     ///
     /// # Errors
     /// A setting that the scene does not allow.
-    pub(super) fn files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
+    pub(crate) fn files(&self) -> Result<Vec<PathBuf>, Diagnostic> {
         let (document, config) = self.at(0)?;
         Ok(scene_files(&document, &config).collect())
     }
@@ -109,7 +181,7 @@ impl<'a> OpenScene<'a> {
     ///
     /// # Errors
     /// A setting that the scene does not allow.
-    pub(super) fn resolved(&self, frame: Option<u32>) -> Result<String, Diagnostic> {
+    pub(crate) fn resolved(&self, frame: Option<u32>) -> Result<String, Diagnostic> {
         let (document, config) = match frame {
             Some(frame) => {
                 self.check_frame(frame)?;
@@ -125,15 +197,15 @@ impl<'a> OpenScene<'a> {
     }
 
     /// Converts the fault to a diagnostic that shows its line.
-    pub(super) fn point_at(&self, fault: Fault) -> Diagnostic {
+    pub(crate) fn point_at(&self, fault: Fault) -> Diagnostic {
         self.document.point_at(fault)
     }
 
-    /// Returns the scene at a frame, or the still, with the settings of the command line.
+    /// Returns the scene at a frame, or the still, with the changes to its settings.
     ///
     /// # Errors
     /// The first fault in it.
-    pub(super) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
+    pub(crate) fn at(&self, number: u32) -> Result<(Document, Config), Diagnostic> {
         let (document, config) = match &self.frames {
             Some(frames) => frames.at(number)?,
             None => (self.document.clone(), self.config.clone()),
@@ -146,7 +218,7 @@ impl<'a> OpenScene<'a> {
         document: Document,
         mut config: Config,
     ) -> Result<(Document, Config), Diagnostic> {
-        self.arguments.override_settings(&mut config, &document)?;
+        self.source.change(&mut config, &document)?;
         Ok((document, config))
     }
 }

@@ -1,8 +1,7 @@
 //! The acceleration structure of the first frame, which other frames may refit.
 
-use super::Failure;
 use super::open_scene::OpenScene;
-use crate::session::{Frames, Options, Session};
+use crate::session::{Frames, Options, RenderError, Session};
 use host::provenance::Checksum;
 use host::text::Diagnostic;
 use output::estimate::Memory;
@@ -11,15 +10,15 @@ use scene::config::HierarchyUpdate;
 use tracer::accel::FrameBase;
 
 /// The first frame of a scene, whose hierarchy other frames may reuse.
-pub(super) struct FirstFrame {
+pub(crate) struct FirstFrame {
     /// A hash of the contents of the scene and of its files.
-    pub(super) contents: Checksum,
-    pub(super) base: FrameBase,
+    pub(crate) contents: Checksum,
+    pub(crate) base: FrameBase,
 }
 
 impl OpenScene<'_> {
     /// Returns how other frames derive their hierarchies.
-    pub(super) fn update(&self) -> HierarchyUpdate {
+    pub(crate) fn update(&self) -> HierarchyUpdate {
         let frames = self.frames.as_ref();
         frames.map_or(HierarchyUpdate::Rebuild, Frames::update)
     }
@@ -29,7 +28,7 @@ impl OpenScene<'_> {
     ///
     /// # Errors
     /// The first fault of the scene.
-    pub(super) fn first_geometry(&self) -> Result<Option<Checksum>, Diagnostic> {
+    pub(crate) fn first_geometry(&self) -> Result<Option<Checksum>, Diagnostic> {
         if self.update() == HierarchyUpdate::Rebuild {
             return Ok(None);
         }
@@ -42,11 +41,11 @@ impl OpenScene<'_> {
     ///
     /// # Errors
     /// The errors of [`first_frame`](Self::first_frame).
-    pub(super) fn base_of(
+    pub(crate) fn base_of(
         &self,
         frame: Option<u32>,
         options: &Options,
-    ) -> Result<Option<FrameBase>, Failure> {
+    ) -> Result<Option<FrameBase>, RenderError> {
         let Some(first) = self.first_geometry()? else {
             return Ok(None);
         };
@@ -61,7 +60,7 @@ impl OpenScene<'_> {
     ///
     /// # Errors
     /// The first fault of the scene, or if the hierarchy is too large.
-    pub(super) fn first_frame(&self, options: &Options) -> Result<FirstFrame, Failure> {
+    pub(crate) fn first_frame(&self, options: &Options) -> Result<FirstFrame, RenderError> {
         let session = Session::new(self.load(None, Memory::of_scene)?, Stages::default())?;
         FirstFrame::new(&session, options, self.update())
     }
@@ -72,11 +71,11 @@ impl FirstFrame {
     ///
     /// # Errors
     /// If the hierarchy is too large, or a file cannot be read.
-    pub(super) fn new(
+    pub(crate) fn new(
         session: &Session,
         options: &Options,
         update: HierarchyUpdate,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, RenderError> {
         Ok(Self {
             contents: session.contents()?,
             base: session.frame_base(options, update)?,

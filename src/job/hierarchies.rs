@@ -6,10 +6,9 @@
 
 use std::sync::Arc;
 
-use crate::cli::Failure;
-use crate::cli::first_frame::FirstFrame;
-use crate::cli::open_scene::OpenScene;
-use crate::session::{Frames, Input, Options, Session};
+use super::first_frame::FirstFrame;
+use super::open_scene::OpenScene;
+use crate::session::{Frames, Input, Options, RenderError, Session};
 use host::provenance::Checksum;
 use output::estimate::Memory;
 use output::summary::FrameSection;
@@ -17,7 +16,7 @@ use render::instruments::Stages;
 use scene::build::Geometries;
 use scene::config::Config;
 use scene::yaml::Document;
-use tracer::accel::{AccelIndex, BvhStatistics, FrameBase};
+use tracer::accel::{AccelIndex, FrameBase};
 
 /// A frame whose files have not been read.
 pub(super) struct FrameInput {
@@ -38,7 +37,7 @@ impl FrameInput {
         frames: &Frames,
         number: u32,
         flags: &str,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, RenderError> {
         let (document, config) = scene.at(number)?;
         let section = frames.section(number, (&document, &config), flags);
         Ok(Self {
@@ -74,7 +73,7 @@ impl<'a> FrameHierarchies<'a> {
     ///
     /// # Errors
     /// The first fault of the scene.
-    pub(super) fn new(scene: &'a OpenScene) -> Result<Self, Failure> {
+    pub(super) fn new(scene: &'a OpenScene) -> Result<Self, RenderError> {
         Ok(Self {
             scene,
             last: None,
@@ -102,7 +101,7 @@ impl<'a> FrameHierarchies<'a> {
         needed: fn(&Config, &Geometries) -> Memory,
         stages: Stages,
         options: &Options,
-    ) -> Result<OpenFrame, Failure> {
+    ) -> Result<OpenFrame, RenderError> {
         let FrameInput {
             document,
             config,
@@ -128,7 +127,7 @@ impl<'a> FrameHierarchies<'a> {
         session: &Session,
         geometry: Checksum,
         options: &Options,
-    ) -> Result<bool, Failure> {
+    ) -> Result<bool, RenderError> {
         let is_first = self.first_geometry == Some(geometry);
         if self.first_geometry.is_some() && !is_first {
             let first = match self.first.take() {
@@ -159,7 +158,7 @@ impl<'a> FrameHierarchies<'a> {
     ///
     /// # Errors
     /// If a file of the first frame cannot be read.
-    pub(super) fn take_from(&mut self, frame: &OpenFrame) -> Result<(), Failure> {
+    pub(super) fn take_from(&mut self, frame: &OpenFrame) -> Result<(), RenderError> {
         let OpenFrame {
             session, geometry, ..
         } = frame;
@@ -174,19 +173,4 @@ impl<'a> FrameHierarchies<'a> {
         self.last = Some((geometry, index));
         Ok(())
     }
-}
-
-/// Returns the line about the hierarchy of a frame; empty without one.
-pub(super) fn line(hierarchy: Option<BvhStatistics>, is_kept: bool) -> String {
-    let Some(bvh) = hierarchy else {
-        return String::new();
-    };
-    let how = if is_kept {
-        "kept from an earlier frame"
-    } else if bvh.is_refitted {
-        "refitted from frame 0"
-    } else {
-        "built"
-    };
-    format!(", hierarchy {how}, SAH cost {:.1}", bvh.sah_cost)
 }
