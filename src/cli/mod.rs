@@ -37,8 +37,7 @@ use crate::session;
 use base::Keyword;
 use base::stop::{self, Cancellation};
 use host::signals;
-use host::text::shell_word;
-use host::text::{self, Diagnostic, one_line, shortened, shown};
+use host::text::{self, Diagnostic, one_line, shell_word, shortened, shown};
 
 /// A ray tracer that shows its work
 ///
@@ -103,16 +102,25 @@ commands! {
 /// The message to print and the exit code.
 pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     let arguments: Vec<OsString> = arguments.collect();
-    match Cli::try_parse_from(&arguments) {
-        Ok(cli) => cli.run(),
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
         Err(usage) if usage.use_stderr() => {
             let file = file_as_command(&usage, &arguments);
             let text = || Failure::Usage(text_of(&usage, &arguments));
             let failure = file.map_or_else(text, Failure::Input);
             render::fail_on_a_rank(&failure);
-            Err(failure)
+            return Err(failure);
         }
-        Err(help) => Ok(text::print_styled(&text_of(&help, &arguments))?),
+        Err(help) => return Ok(text::print_styled(&text_of(&help, &arguments))?),
+    };
+    signals::listen().map_err(|error| {
+        let message = format!("cannot listen for signals: {error}");
+        Failure::Machine(Diagnostic::new(message))
+    })?;
+    match (cli.command.run(), stop::check()) {
+        // A command that fails after a signal fails because of the signal.
+        (Err(failure), Err(stopped)) => Err(failure.because_of(stopped)),
+        (ended, _) => ended,
     }
 }
 
@@ -202,21 +210,6 @@ fn text_of(found: &clap::Error, arguments: &[OsString]) -> String {
     let again = Cli::try_parse_from(visible).err();
     let text = again.as_ref().unwrap_or(found).render();
     text.ansi().to_string().trim_end().to_owned() + "\n"
-}
-
-impl Cli {
-    fn run(self) -> Result<(), Failure> {
-        signals::listen().map_err(|error| {
-            Failure::Machine(Diagnostic::new(format!(
-                "cannot listen for signals: {error}"
-            )))
-        })?;
-        match (self.command.run(), stop::check()) {
-            // A command that fails after a signal fails because of the signal.
-            (Err(failure), Err(stopped)) => Err(failure.because_of(stopped)),
-            (ended, _) => ended,
-        }
-    }
 }
 
 impl Cli {

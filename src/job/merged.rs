@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::{Job, Output, PicturePart};
 use crate::session::Session;
-use host::text::Diagnostic;
-use host::text::shell_word;
+use host::text::{Diagnostic, shell_word};
 use render::checkpoint::{Checkpoint, Header, PartFaults, PartFiles};
 
 /// Reads the parts in the output folder of a picture.

@@ -237,18 +237,10 @@ pub fn run(job: &Job, observer: &mut dyn Observer) -> Result<Report, RenderError
         Tiles::All | Tiles::Missing => Ranks::join()?,
         Tiles::Part(_) | Tiles::Merged => None,
     };
-    match ranks {
-        Some(ranks) if ranks.rank() > 0 => crew::work(job, ranks),
-        ranks => lead(job, ranks, observer),
-    }
-}
-
-/// Renders as the only process, or as rank 0 of several, which it dismisses at the end.
-fn lead(
-    job: &Job,
-    ranks: Option<Ranks>,
-    observer: &mut dyn Observer,
-) -> Result<Report, RenderError> {
+    let ranks = match ranks {
+        Some(ranks) if ranks.rank() > 0 => return crew::work(job, ranks),
+        ranks => ranks,
+    };
     // Without a deadline if the system's clock has no such time.
     let deadline = job
         .timeout

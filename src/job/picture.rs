@@ -38,24 +38,14 @@ impl<'a> PictureRun<'a> {
     /// Renders the picture, or its part, and writes its files into a folder.
     pub(super) fn finish(
         self,
-        folder: &Path,
-        observer: &dyn Observer,
-    ) -> Result<Finished<'a>, RenderError> {
-        match self.job.tiles {
-            Tiles::Part(part) => {
-                let done = self.render_part(part, folder, observer)?;
-                Ok(Finished::Part(part, done, folder.to_owned()))
-            }
-            _ => self.render_whole(folder, observer).map(Finished::Picture),
-        }
-    }
-
-    fn render_whole(
-        self,
         path: &Path,
         observer: &dyn Observer,
-    ) -> Result<FinishedPicture<'a>, RenderError> {
+    ) -> Result<Finished<'a>, RenderError> {
         let Self { job, session, .. } = self;
+        if let Tiles::Part(part) = job.tiles {
+            let done = self.render_part(part, path, observer)?;
+            return Ok(Finished::Part(part, done, path.to_owned()));
+        }
         let folder = session.folder(path)?.synced(job.sync);
         stop::check()?;
         let tiles = TileFiles::open(self, path)?;
@@ -73,14 +63,14 @@ impl<'a> PictureRun<'a> {
                 .map_err(|error| error.or_kept(|| tiles.kept()))?,
         };
         let partial = rendering.partial();
-        Ok(FinishedPicture {
+        Ok(Finished::Picture(FinishedPicture {
             other_tiles: tiles.settle(partial)?,
             rendering,
             path: path.to_owned(),
             written,
             partial,
             keeps_hierarchy: false,
-        })
+        }))
     }
 
     /// Renders the picture and writes nothing else, to this file.
