@@ -38,7 +38,12 @@ fn endless_with_signals(signals: &[&str], out: &Path, flags: &[&str]) -> Child {
         .spawn()
         .unwrap();
     while !is_locked(out) {
-        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        if child.try_wait().unwrap().is_some() {
+            panic!(
+                "it has ended: {}",
+                message(&child.wait_with_output().unwrap())
+            );
+        }
         sleep(Duration::from_millis(5));
     }
     child
