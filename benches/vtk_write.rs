@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Parser;
-use math::statistics::{Ratio, SampleStatistics};
+use math::statistics::Ratio;
 use output::results::{FrameFile, HitsFile};
 use output::writers::{write_frame, write_hits};
 use render::film::Film;
@@ -23,6 +23,7 @@ use render::tiles::{TilePlan, render};
 use scene::config::{Config, CostMode};
 use scene::yaml::Source;
 use serde_json::{Value, json};
+use tools::study::SampleStatistics;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
 use tracer::trace::Tracer;

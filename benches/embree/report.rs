@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use math::statistics::{Ratio, SampleStatistics};
+use math::statistics::Ratio;
 use serde::Serialize;
+use tools::study::SampleStatistics;
 
 use crate::ffi::Quality;
 use crate::rays::Kind;

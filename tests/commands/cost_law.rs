@@ -2,9 +2,8 @@
 //! the minimum number of samples.
 
 use math::sampling::uniform;
-use math::statistics::SampleStatistics;
 use proptest::prelude::*;
-use tools::study::{CostLaw, CostSample};
+use tools::study::{CostLaw, CostSample, SampleStatistics};
 
 /// Samples of `fixed + factor * n^exponent` with relative, approximately normal noise and the
 /// confidence interval that repeats would give.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use base::numbers::duration;
-use math::statistics::SampleStatistics;
+use tools::study::SampleStatistics;
 
 /// Returns a time in milliseconds in the unit that suits it.
 pub(super) fn shown_ms(ms: f64) -> String {

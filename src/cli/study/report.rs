@@ -237,7 +237,7 @@ pub(super) fn last_lines(made_by: &Value, n_left: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use math::statistics::SampleStatistics;
+    use tools::study::SampleStatistics;
 
     fn row(values: &[f64], first_is_slow: bool) -> StatisticsRow {
         StatisticsRow {

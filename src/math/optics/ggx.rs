@@ -5,10 +5,9 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use serde::{Deserialize, Serialize};
-
 use crate::sampling::disk;
 use crate::simd::{Real, Vector};
+use base::keywords;
 
 /// The microfacets of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,19 +18,17 @@ pub struct Ggx<R = f32> {
     pub masking: Masking,
 }
 
-/// How masking (facets that the viewer does not see) correlates with shadowing (facets that light
-/// does not reach), both by Smith's function.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`height_correlated` or `separable`"
-)]
-pub enum Masking {
-    /// Facets in hollows are both masked and shadowed: as in pbrt and Blender's Cycles.
-    #[default]
-    HeightCorrelated,
-    /// Uncorrelated, which is darker: as in Mitsuba.
-    Separable,
+keywords! {
+    /// How masking (facets that the viewer does not see) correlates with shadowing (facets that light
+    /// does not reach), both by Smith's function.
+    #[derive(Default)]
+    pub enum Masking {
+        /// Facets in hollows are both masked and shadowed: as in pbrt and Blender's Cycles.
+        #[default]
+        HeightCorrelated = "height_correlated",
+        /// Uncorrelated, which is darker: as in Mitsuba.
+        Separable = "separable",
+    }
 }
 
 /// Reflection toward a direction.

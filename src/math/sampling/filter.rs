@@ -6,24 +6,21 @@
 
 use std::f64::consts::PI;
 
-use serde::{Deserialize, Serialize};
-
 use crate::simd::{Double, Real};
+use base::keywords;
 
-/// The weight of light by its distance from the pixel's center, separately in x and y.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`box`, `tent` or `blackman_harris`"
-)]
-pub enum PixelFilter {
-    /// The same weight everywhere
-    #[default]
-    Box,
-    /// Linear, from the center to 0 at the radius
-    Tent,
-    /// The window of Blackman and Harris, close to a Gaussian
-    BlackmanHarris,
+keywords! {
+    /// The weight of light by its distance from the pixel's center, separately in x and y.
+    #[derive(Default)]
+    pub enum PixelFilter {
+        /// The same weight everywhere
+        #[default]
+        Box = "box",
+        /// Linear, from the center to 0 at the radius
+        Tent = "tent",
+        /// The window of Blackman and Harris, close to a Gaussian
+        BlackmanHarris = "blackman_harris",
+    }
 }
 
 impl PixelFilter {

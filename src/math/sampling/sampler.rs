@@ -1,21 +1,21 @@
 //! The samples of pixels.
 
-use serde::{Deserialize, Serialize};
-
 use super::hash::{hash, mixed, unit};
 use super::sobol;
 use super::stratified::Strata;
 use crate::simd::{Integer, Real};
+use base::keywords;
 
-/// A pattern of the samples' positions in a pixel. Each pattern contains the pixel's center.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", expecting = "`stratified` or `sobol`")]
-pub enum PixelPattern {
-    /// Strata of equal area with one jittered point each
-    #[default]
-    Stratified,
-    /// Owen-scrambled Sobol' points, evenly spread from the first one on
-    Sobol,
+keywords! {
+    /// A pattern of the samples' positions in a pixel. Each pattern contains the pixel's center.
+    #[derive(Default)]
+    pub enum PixelPattern {
+        /// Strata of equal area with one jittered point each
+        #[default]
+        Stratified = "stratified",
+        /// Owen-scrambled Sobol' points, evenly spread from the first one on
+        Sobol = "sobol",
+    }
 }
 
 /// The decision that two numbers of a sample are used for.

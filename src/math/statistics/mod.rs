@@ -1,25 +1,20 @@
-//! Statistics of measurements: order statistics, the summary of a sample, the comparison of two
-//! samples, the fit of a linear model, and sums.
+//! Statistics of measurements: order statistics, the comparison of two samples, the fit of a linear model, and sums.
 //!
 //! Comparisons use only ranks: an interrupted run is one high rank, however long it took, and no
 //! distribution of the noise is assumed.
 
 mod histogram;
 mod least_squares;
-mod median_interval;
 mod order;
 mod rank_sum;
 mod ratio;
-mod sample;
 mod spearman;
 mod sum;
 
 pub use histogram::{Histogram, value_past};
 pub use least_squares::non_negative_least_squares;
-pub use median_interval::MedianInterval;
 pub use order::{median, upper_median};
 pub use rank_sum::mann_whitney_p;
 pub use ratio::{CONFIDENCE, Ratio};
-pub use sample::SampleStatistics;
 pub use spearman::spearman;
 pub use sum::sum;

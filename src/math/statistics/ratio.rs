@@ -5,7 +5,7 @@
 //! all pairs. Here the values are durations with multiplicative noise, so that
 //! the pairs give differences of logarithms: ratios.
 
-use serde::Serialize;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::rank_sum::RankSums;
 
@@ -13,7 +13,7 @@ use super::rank_sum::RankSums;
 pub const CONFIDENCE: f64 = 0.95;
 
 /// The factor from sample `a` to sample `b`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
     /// The Hodges-Lehmann estimate: the median of b / a over all pairs.
     pub estimate: f64,
@@ -36,6 +36,15 @@ impl Ratio {
             estimate: (below * (above / below).sqrt()).clamp(below, above),
             interval: cut.map(|cut| [ratios[cut - 1], ratios[n - cut]]),
         })
+    }
+}
+
+impl Serialize for Ratio {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let mut fields = s.serialize_struct("Ratio", 2)?;
+        fields.serialize_field("estimate", &self.estimate)?;
+        fields.serialize_field("interval", &self.interval)?;
+        fields.end()
     }
 }
 

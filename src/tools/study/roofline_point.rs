@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use super::StatisticsRow;
 use super::point::label_of;
+use super::sample::SampleStatistics;
 use base::numbers;
-use math::statistics::SampleStatistics;
 use render::instruments::MachineLimits;
 
 /// A point of a study and its rays' use of the machine. All numbers are medians.

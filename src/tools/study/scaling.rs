@@ -3,8 +3,8 @@
 use serde_json::{Map, Value};
 
 use super::by_round::ByRound;
+use super::sample::SampleStatistics;
 use super::{Run, StatisticsRow, StudyPlan};
-use math::statistics::SampleStatistics;
 
 /// The factors that may change together with the number of threads.
 const WITH_THREADS: [&str; 3] = ["threads", "ranks", "image_size"];

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::by_round::ByRound;
+use super::sample::SampleStatistics;
 use super::{Run, StatisticsRow, StudyPlan, StudyPoint};
 use host::files;
-use math::statistics::SampleStatistics;
 
 /// The metric of a run that speedups compare.
 pub(super) const STEP_TIME: &str = "render_wall_ms";

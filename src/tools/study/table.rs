@@ -6,9 +6,10 @@ use indexmap::IndexMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::median_interval::MedianInterval;
+use super::sample::SampleStatistics;
 use super::{Run, StudyPlan};
 use host::text::text_cell;
-use math::statistics::{MedianInterval, SampleStatistics};
 
 /// The statistics of one metric at one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]

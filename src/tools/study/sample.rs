@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{MedianInterval, median};
+use super::median_interval::MedianInterval;
+use math::statistics::median;
 
 /// Standard deviations per median absolute deviation of a normal distribution.
 const MAD_TO_SIGMA: f64 = 1.4826;

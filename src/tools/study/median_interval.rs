@@ -51,7 +51,7 @@ impl MedianInterval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::uniform;
+    use math::sampling::uniform;
 
     /// The ranks, from 1, and coverages of the tables in Hahn and Meeker and in Le Boudec,
     /// "Performance Evaluation of Computer and Communication Systems", 2010, table A.1.
