@@ -90,6 +90,37 @@ macro_rules! keywords {
                 s.serialize_str($crate::Keyword::name(*self))
             }
         }
+
+        $crate::schema_of_keywords!($type);
+    };
+}
+
+#[cfg(not(feature = "schema"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! schema_of_keywords {
+    ($type:ty) => {};
+}
+
+/// Implements `JsonSchema` for a type of keywords: their names and descriptions.
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! schema_of_keywords {
+    ($type:ty) => {
+        impl $crate::schemars::JsonSchema for $type {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($type).into()
+            }
+
+            fn json_schema(_: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
+                let keywords = <Self as $crate::Keyword>::KEYWORDS.iter().map(|&keyword| {
+                    let (name, help) = ($crate::Keyword::name(keyword), $crate::Keyword::help(keyword));
+                    $crate::schemars::json_schema!({ "const": name, "description": help })
+                });
+                $crate::schemars::json_schema!({ "oneOf": keywords.collect::<Vec<_>>() })
+            }
+        }
     };
 }
 

@@ -9,5 +9,8 @@ pub mod numbers;
 pub mod stop;
 
 pub use keyword::Keyword;
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub use schemars;
 #[doc(hidden)]
 pub use serde;

@@ -19,6 +19,7 @@ use math::optics::Masking;
 /// # assert_eq!(shading.max_depth, 4);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "ShadingKeys", into = "ShadingKeys")]
 pub struct Shading {
     /// The shading model.
@@ -39,21 +40,33 @@ pub struct Shading {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "a mapping with keys such as `model`")]
 struct ShadingKeys {
+    /// The shading model.
     #[serde(default)]
     model: ShadingModel,
-    #[serde(default, deserialize_with = "values::radiance")]
+    /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
+    #[serde(default, with = "values::Radiance")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.05)))]
     ambient: Option<Vec3>,
-    #[serde(default = "default_depth", deserialize_with = "values::byte")]
+    /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
+    #[serde(default = "default_depth", with = "values::Byte")]
     max_depth: u8,
+    /// The lights that are sampled at each point; `each`, and `power` in path tracing, by default.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "each")))]
     light_sampling: Option<LightSampling>,
+    /// The masking-shadowing function of rough surfaces in path tracing; `height_correlated` if not
+    /// given.
     #[serde(default)]
     masking: Option<Masking>,
-    #[serde(default, deserialize_with = "values::positive")]
+    /// Length of the rays of ambient occlusion in world units; infinite if not given.
+    #[serde(default, with = "values::Positive")]
     occlusion_distance: Option<f32>,
+    /// If true, objects cast shadows.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = true)))]
     shadows: Option<bool>,
 }
 

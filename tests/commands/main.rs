@@ -12,7 +12,6 @@ mod configs;
 mod cost_law;
 mod course;
 mod diff;
-mod doc_comments;
 mod errors;
 mod examples;
 mod exit_codes;

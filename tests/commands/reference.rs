@@ -136,9 +136,6 @@ fn plain_type(schema: &Value) -> &str {
 /// Leaves out bounds that are those of all numbers, and marks examples in braces and brackets as code, which
 /// Markdown would read otherwise.
 fn value(expected: &str) -> String {
-    if expected == "a boolean" {
-        return "`true` or `false`".to_owned();
-    }
     const BOUNDS: [[&str; 2]; 5] = [
         [" (1e-15 to 1e15)", ""],
         [" (at most 1e15)", ""],

@@ -16,8 +16,7 @@ use tools::study::StudyPlan;
 use crate::common::in_repository;
 
 /// Whether a schema accepts a value: the keywords that the schemas here use.
-fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
-    let of = |schema: &Value, value: &Value| accepts(root, schema, value);
+fn accepts(schema: &Value, value: &Value) -> bool {
     let Value::Object(keywords) = schema else {
         return schema == &json!(true);
     };
@@ -27,11 +26,10 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
         let n = |rule: &Value| rule.as_u64().unwrap() as usize;
         match keyword.as_str() {
             "$schema" | "title" | "description" | "default" | "then" | "else" => true,
-            "$ref" => of(root.pointer(&rule.as_str().unwrap()[1..]).unwrap(), value),
-            "anyOf" => rules().any(|schema| of(schema, value)),
-            "allOf" => rules().all(|schema| of(schema, value)),
-            "not" => !of(rule, value),
-            "if" => of(rule, value) || of(&schema["else"], value),
+            "anyOf" => rules().any(|schema| accepts(schema, value)),
+            "allOf" => rules().all(|schema| accepts(schema, value)),
+            "not" => !accepts(rule, value),
+            "if" => accepts(rule, value) || accepts(&schema["else"], value),
             "const" => rule == value,
             "enum" => rules().any(|word| word == value),
             "type" => match rule {
@@ -40,6 +38,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
             },
             "minimum" => value.as_f64().is_none_or(|x| x >= rule.as_f64().unwrap()),
             "maximum" => value.as_f64().is_none_or(|x| x <= rule.as_f64().unwrap()),
+            "minLength" => value.as_str().is_none_or(|text| !text.is_empty()),
             "maxLength" => value
                 .as_str()
                 .is_none_or(|text| text.chars().count() <= n(rule)),
@@ -47,7 +46,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
                 assert_eq!(rule, "^#[0-9a-fA-F]{6}$");
                 world::values::hex_color(text).is_some()
             }),
-            "items" => list.is_none_or(|list| list.iter().all(|item| of(rule, item))),
+            "items" => list.is_none_or(|list| list.iter().all(|item| accepts(rule, item))),
             "minItems" => list.is_none_or(|list| list.len() >= n(rule)),
             "maxItems" => list.is_none_or(|list| list.len() <= n(rule)),
             "minProperties" => map.is_none_or(|map| map.len() >= n(rule)),
@@ -57,7 +56,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
             }
             "properties" => map.is_none_or(|map| {
                 let inside = |(key, value): (&String, &Value)| {
-                    rule.get(key).is_none_or(|schema| of(schema, value))
+                    rule.get(key).is_none_or(|schema| accepts(schema, value))
                 };
                 map.iter().all(inside)
             }),
@@ -65,7 +64,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
                 let paths = map.iter().filter(|(key, _)| key.contains(['.', '[']));
                 paths
                     .into_iter()
-                    .all(|(_, value)| of(&rule["[.\\[]"], value))
+                    .all(|(_, value)| accepts(&rule["[.\\[]"], value))
             }),
             "additionalProperties" => map.is_none_or(|map| {
                 let is_path = |key: &str| {
@@ -73,7 +72,7 @@ fn accepts(root: &Value, schema: &Value, value: &Value) -> bool {
                 };
                 let is_known = |key: &str| schema["properties"].get(key).is_some() || is_path(key);
                 map.iter()
-                    .all(|(key, value)| is_known(key) || of(rule, value))
+                    .all(|(key, value)| is_known(key) || accepts(rule, value))
             }),
             unknown => panic!("the keyword {unknown}"),
         }
@@ -94,7 +93,7 @@ fn is_of_type(kind: &Value, value: &Value) -> bool {
 }
 
 fn is_valid(schema: &Value, yaml: &str) -> bool {
-    accepts(schema, schema, &serde_yaml::from_str(yaml).unwrap())
+    accepts(schema, &serde_yaml::from_str(yaml).unwrap())
 }
 
 fn yaml_files(folder: &str) -> Vec<PathBuf> {
@@ -364,7 +363,7 @@ fn check_replacements(scene: &Value, pointer: &str, schema: &Value) -> [u32; 2] 
         let mut changed = scene.clone();
         *changed.pointer_mut(pointer).unwrap() = value.clone();
         drop_nulls(&mut changed);
-        let is_valid = accepts(schema, schema, &changed);
+        let is_valid = accepts(schema, &changed);
         match parsed(&changed) {
             Ok(()) => {
                 n_accepted += 1;

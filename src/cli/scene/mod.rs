@@ -386,6 +386,7 @@ fn seed(text: &str) -> Result<u64, String> {
 /// Reads an exposure.
 fn stops(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();
-    let in_range = number.filter(|&stops| FilmSettings::STOPS.contains(&stops.into()));
+    let [least, greatest] = FilmSettings::STOPS;
+    let in_range = number.filter(|&stops| (least..=greatest).contains(&stops.into()));
     in_range.ok_or_else(|| "expected a number from -32 to 32".to_owned())
 }

@@ -1,9 +1,10 @@
 //! Scales, and ticks at round values.
 
-use serde::Deserialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The scale of colors or of an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
 pub enum Scale {
     /// Logarithmic; for positive values.

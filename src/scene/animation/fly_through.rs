@@ -3,11 +3,12 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::yaml::{Fault, FieldPath};
-use world::values;
+use world::kinds;
+use world::values::{self, NonEmpty};
 
 /// Moves the camera along a smooth path through all eyes, at constant speed.
 ///
@@ -17,18 +18,19 @@ use world::values;
 /// { eyes: [[0, 1, 6], [3, 1, 3], [3, 1, -3]], targets: [[0, 0, 0]] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "a path such as { eyes: [[0, 1, 6], [3, 1, 3]] }"
 )]
 pub struct FlyThrough {
     /// Points of the path, at least two; the camera starts at the first.
-    #[serde(deserialize_with = "points")]
+    #[serde(with = "Points")]
     pub eyes: Vec<[f64; 3]>,
     /// Points that the camera looks at: one for all frames, or one per eye. Without targets the
     /// camera looks ahead along the path.
-    #[serde(default, deserialize_with = "points")]
+    #[serde(default, with = "Points")]
     pub targets: Vec<[f64; 3]>,
     #[serde(skip)]
     path: MeasuredPath,
@@ -52,14 +54,13 @@ impl PartialEq for MeasuredPath {
 }
 
 /// A point of a scene.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(transparent)]
-struct Point(#[serde(deserialize_with = "values::point")] glam::DVec3);
+struct Point(#[serde(with = "values::Point")] glam::DVec3);
 
-fn points<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 3]>, D::Error> {
-    let points: Vec<Point> = values::non_empty(d, "point")?;
-    let point = |Point(point): Point| point.to_array();
-    Ok(points.into_iter().map(point).collect())
+kinds! {
+    Points: Vec<[f64; 3]> = NonEmpty::<Point>::of("point")
+        => |points| points.into_iter().map(|Point(point)| point.to_array()).collect();
 }
 
 /// Number of parts into which a segment is divided to measure its length.

@@ -1,9 +1,10 @@
 //! Interpolation between keyframes.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The interpolation between two keyframes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case", expecting = "`linear` or `smooth`")]
 pub enum Interpolation {
     /// By the same amount in each frame.

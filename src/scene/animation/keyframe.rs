@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
@@ -11,14 +12,15 @@ use world::integers_as_f64;
 use world::values;
 
 /// A value at a frame.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "a keyframe such as { frame: 0, value: 1 }"
 )]
 pub struct Keyframe {
     /// The number of the frame; the first is 0.
-    #[serde(deserialize_with = "values::between::<_, _, 0, { MAX_FRAMES - 1 }>")]
+    #[serde(with = "values::Between::<0, { MAX_FRAMES - 1 }>")]
     pub frame: u32,
     /// The value at this frame.
     pub value: KeyframeValue,
@@ -28,13 +30,14 @@ pub struct Keyframe {
 }
 
 /// A number, or a list of numbers: a vector or a color.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(transform = values::expected::<Self>)]
 #[serde(untagged)]
 pub enum KeyframeValue {
     /// One number.
-    Number(f64),
+    Number(#[schemars(with = "values::ExactCoordinate")] f64),
     /// At least one number.
-    List(Vec<f64>),
+    List(#[schemars(schema_with = "list_or_color")] Vec<f64>),
 }
 
 /// Maximum length of a list: the entries of a 4 x 4 matrix.
@@ -96,7 +99,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 
     fn visit_f64<E: Error>(self, number: f64) -> Result<KeyframeValue, E> {
-        values::exact_coordinate(number.into_deserializer()).map(KeyframeValue::Number)
+        values::ExactCoordinate::deserialize(number.into_deserializer()).map(KeyframeValue::Number)
     }
 
     integers_as_f64!();
@@ -126,6 +129,14 @@ impl<'de> Visitor<'de> for ValueVisitor {
     }
 }
 
+fn list_or_color(generator: &mut SchemaGenerator) -> Schema {
+    let items = generator.subschema_for::<values::ExactCoordinate>();
+    let list = json_schema!({
+        "type": "array", "items": items, "minItems": 1, "maxItems": MAX_NUMBERS,
+    });
+    json_schema!({ "anyOf": [values::hex_color_schema(), list] })
+}
+
 /// A number of a list.
 #[derive(Deserialize)]
-struct Coordinate(#[serde(deserialize_with = "values::exact_coordinate")] f64);
+struct Coordinate(#[serde(with = "values::ExactCoordinate")] f64);

@@ -13,7 +13,7 @@ mod fly_through;
 mod frame_range;
 
 use indexmap::IndexMap;
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use fly_through::FlyThrough;
@@ -25,7 +25,8 @@ pub use orbit::Orbit;
 use crate::yaml::{Document, Fault, FieldPath};
 use host::text::Diagnostic;
 use tracer::accel::HierarchyUpdate;
-use world::values;
+use world::kinds;
+use world::values::{self, Number};
 
 /// Values of the scene that change from frame to frame.
 ///
@@ -41,7 +42,8 @@ use world::values;
 /// orbit: { turns: 1 }
 /// "#).unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "an animation such as { frames: 48, orbit: { turns: 1 } }"
@@ -49,10 +51,10 @@ use world::values;
 pub struct Animation {
     /// The number of frames, 1 to 100,000; by default the number of time steps of the longest data
     /// series.
-    #[serde(default, deserialize_with = "values::between::<_, _, 1, MAX_FRAMES>")]
+    #[serde(default, with = "values::Between::<1, MAX_FRAMES>")]
     pub frames: Option<u32>,
     /// Frames per second of the video, and of time if no data series gives it; 24 by default.
-    #[serde(default = "default_fps", deserialize_with = "fps")]
+    #[serde(default = "default_fps", with = "FramesPerSecond")]
     pub fps: f32,
     /// The interpolation between keyframes that do not specify one.
     #[serde(default)]
@@ -82,8 +84,8 @@ fn default_fps() -> f32 {
     DEFAULT_FPS
 }
 
-fn fps<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 0.001..=1000.0, "frames per second from 0.001 to 1000")
+kinds! {
+    FramesPerSecond: f32 = Number { expected: "frames per second from 0.001 to 1000", ranges: &[[0.001, 1000.0]] };
 }
 
 /// No keyframes, for scenes that only show a data series.

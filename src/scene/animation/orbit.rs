@@ -1,24 +1,26 @@
 //! A camera that moves around its target.
 
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Pose;
-use world::values;
+use world::kinds;
+use world::values::Number;
 
 /// Moves the camera around its target, about its `up`, at the same distance and height. After a
 /// whole number of turns, the frame after the last would equal the first.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "an orbit such as { turns: 1 }")]
 pub struct Orbit {
     /// The number of turns over all frames, counterclockwise as seen from above; clockwise if
     /// negative.
-    #[serde(deserialize_with = "turns")]
+    #[serde(with = "Turns")]
     pub turns: f64,
 }
 
-fn turns<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
-    values::within(d, -1000.0..=1000.0, "a number of turns from -1000 to 1000")
+kinds! {
+    Turns: f32 = Number { expected: "a number of turns from -1000 to 1000", ranges: &[[-1000.0, 1000.0]] };
 }
 
 impl Orbit {

@@ -1,10 +1,11 @@
 //! The key `adaptive` of the `image` section.
 
-use serde::Deserialize;
-use serde::de::Deserializer;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use base::numbers::counted;
-use world::values;
+use world::kinds;
+use world::values::{self, Number};
 
 /// Maximum number of camera rays through a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -18,19 +19,17 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// ").unwrap();
 /// # assert_eq!(adaptive.min_samples, 16);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "a limit such as { noise: 0.01 }")]
 pub struct Adaptive {
     /// The standard error of a pixel's channels below which it gets no more samples, as a
     /// share of white in a picture with a gamma of 2, from 0.0001 to 1.
-    #[serde(deserialize_with = "noise")]
+    #[serde(with = "Noise")]
     pub noise: f32,
     /// Samples that each pixel gets, at least 2 and at most the image's samples per pixel;
     /// 16 if not given.
-    #[serde(
-        deserialize_with = "values::between::<_, _, 2, MAX_SAMPLES>",
-        default = "sixteen"
-    )]
+    #[serde(with = "values::Between::<2, MAX_SAMPLES>", default = "sixteen")]
     pub min_samples: u32,
 }
 
@@ -47,8 +46,8 @@ impl Adaptive {
     }
 }
 
-fn noise<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 1e-4..=1.0, "a standard error from 0.0001 to 1")
+kinds! {
+    Noise: f32 = Number { expected: "a standard error from 0.0001 to 1", ranges: &[[1e-4, 1.0]] };
 }
 
 fn sixteen() -> u32 {

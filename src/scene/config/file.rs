@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::de::{Deserializer, MapAccess};
+use schemars::JsonSchema;
+use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
 use super::isosurface::Isosurface;
@@ -11,11 +12,12 @@ use super::normals::MeshNormals;
 use super::same_or_array::{NumberArray, SameOrArray};
 use crate::yaml::{Fault, FieldPath};
 use import::{DataFile, FileFault, RadiusChoice, Spheres, TimeStep, Tubes};
+use world::kinds;
 use world::material::ArrayChoice;
-use world::values;
+use world::values::{self, Whole};
 
 /// A file of shapes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GeometryFile {
     /// A triangle mesh.
@@ -103,7 +105,8 @@ impl fmt::Display for GeometryFile {
 /// { file: meshes/spot.obj, normals: smooth }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "a mesh such as { file: meshes/spot.obj }"
@@ -115,7 +118,7 @@ pub struct MeshFile {
     pub file: PathBuf,
     /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
-    #[serde(default, deserialize_with = "step")]
+    #[serde(default, with = "Step")]
     pub step: Option<usize>,
     /// The shading normals.
     #[serde(default)]
@@ -125,7 +128,7 @@ pub struct MeshFile {
     #[serde(default)]
     pub isosurface: Option<Isosurface>,
     /// A factor on the lights of a glTF file, at least 0; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::intensity")]
+    #[serde(default = "values::one", with = "values::Intensity")]
     pub lights: f32,
 }
 
@@ -143,7 +146,8 @@ pub struct MeshFile {
 /// { file: grains.vtp, radius: { array: diameter, scale: 0.5 } }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "spheres such as { file: particles.csv, radius: 0.01 }"
@@ -159,7 +163,7 @@ pub struct SpheresFile {
     pub radius: Option<PointRadius>,
     /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
-    #[serde(default, deserialize_with = "step")]
+    #[serde(default, with = "Step")]
     pub step: Option<usize>,
 }
 
@@ -177,7 +181,8 @@ pub struct SpheresFile {
 /// { file: streamlines.vtp, radius: { array: speed, scale: 0.02 } }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "tubes such as { file: streamlines.vtp, radius: 0.01 }"
@@ -193,7 +198,7 @@ pub struct TubesFile {
     pub radius: Option<PointRadius>,
     /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
     /// frames, if not given.
-    #[serde(default, deserialize_with = "step")]
+    #[serde(default, with = "Step")]
     pub step: Option<usize>,
 }
 
@@ -201,7 +206,8 @@ pub struct TubesFile {
 pub type PointRadius = SameOrArray<RadiusArray>;
 
 /// An array of radii.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: diameter, scale: 0.5 }"
@@ -210,7 +216,7 @@ pub struct RadiusArray {
     /// The name of the array of points, or of the column of a table.
     pub array: String,
     /// The factor from its numbers to radii, greater than 0; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::positive")]
+    #[serde(default = "values::one", with = "values::Positive")]
     pub scale: f32,
 }
 
@@ -218,8 +224,8 @@ impl NumberArray for RadiusArray {
     const EXPECTED: &str = "a radius greater than 0, or { array: … }";
 }
 
-fn step<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
-    values::whole(d, 0..=MAX_STEP).map(|step| Some(step as usize))
+kinds! {
+    Step: usize = Whole(0..=MAX_STEP) => |step| step as usize;
 }
 
 /// The maximum time step of a file with several.

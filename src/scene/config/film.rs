@@ -1,14 +1,12 @@
 //! The `film` section.
 
-use std::ops::RangeInclusive;
-
-use serde::de::DeserializeSeed;
-use serde::{Deserialize, Deserializer, Serialize};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use world::color::{Development, ToneCurve, Transfer};
+use world::kinds;
 use world::shading::ShadingModel;
-use world::values;
-use world::values::Number;
+use world::values::{self, Number};
 
 /// The conversion of a pixel's light to the numbers of the picture.
 ///
@@ -20,7 +18,8 @@ use world::values::Number;
 /// ").unwrap();
 /// # assert_eq!((film.exposure, film.tone_curve, film.bits), (1.5, ToneCurve::Agx, 16));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -28,25 +27,25 @@ use world::values::Number;
 )]
 pub struct FilmSettings {
     /// Stops, -32 to 32, each of which doubles the light; 0 if not given.
-    #[serde(deserialize_with = "stops")]
+    #[serde(with = "Stops")]
     pub exposure: f32,
     /// The tone curve; none if not given.
     pub tone_curve: ToneCurve,
     /// The transfer function; `srgb`, and `linear` for the shading model `seed`, by default.
     pub transfer: Option<Transfer>,
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
-    #[serde(deserialize_with = "bits")]
+    #[serde(with = "Bits")]
     pub bits: u8,
     /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
     /// the mean is taken, which removes single bright pixels and some light; none, and 1 for the
     /// shading model `seed`, by default.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     pub sample_limit: Option<f32>,
 }
 
 impl FilmSettings {
     /// The permitted exposures in stops.
-    pub const STOPS: RangeInclusive<f64> = -32.0..=32.0;
+    pub const STOPS: [f64; 2] = [-32.0, 32.0];
 
     /// Returns the conversion of light to numbers with this shading model.
     pub fn development(&self, model: ShadingModel) -> Development {
@@ -64,16 +63,9 @@ impl FilmSettings {
     }
 }
 
-fn stops<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, FilmSettings::STOPS, "a number of stops from -32 to 32")
-}
-
-fn bits<'de, D: Deserializer<'de>>(d: D) -> Result<u8, D::Error> {
-    let number = Number {
-        expected: "8 or 16",
-        accepts: |bits| [8.0, 16.0].contains(&bits),
-    };
-    number.deserialize(d).map(|bits| bits as u8)
+kinds! {
+    Stops: f32 = Number { expected: "a number of stops from -32 to 32", ranges: &[FilmSettings::STOPS] };
+    Bits: u8 = Number { expected: "8 or 16", ranges: &[[8.0, 8.0], [16.0, 16.0]] } => |bits| bits as u8;
 }
 
 impl Default for FilmSettings {

@@ -1,20 +1,23 @@
 //! Generators: objects of many shapes, described by a few parameters.
 
 use std::fmt;
+use std::marker::PhantomData;
 
 use glam::{DVec3, UVec3, Vec3};
-use serde::de::{Deserializer, Error as _, MapAccess, Unexpected};
+use schemars::JsonSchema;
+use serde::de::MapAccess;
 use serde::{Deserialize, Serialize};
 
 use math::sampling::uniform;
 use world::geometry::{Located, Sphere, located};
+use world::kinds;
 use world::values;
 
 /// Maximum number of shapes of one generator.
 pub const MAX_SHAPES: u32 = 1_000_000_000;
 
 /// A procedural set of spheres.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Generator {
     /// Spheres at random positions in a box.
@@ -93,23 +96,23 @@ impl fmt::Display for Generator {
 /// { count: 10000, min: [-5, 0, -5], max: [5, 2, 5], radius: [0.02, 0.06], seed: 1 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereCloud {
     /// The number of spheres, at least 1.
-    #[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")]
+    #[serde(with = "values::Count::<MAX_SHAPES>")]
     pub count: u32,
     /// One corner of the box of the centers.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub min: DVec3,
     /// The opposite corner.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub max: DVec3,
     /// Least and greatest radius, or a single one for all.
-    #[serde(deserialize_with = "values::positive_range")]
+    #[serde(with = "values::PositiveRange")]
     pub radius: [f32; 2],
     /// The seed of centers, radii and materials; 0 if not given.
-    #[serde(deserialize_with = "values::unsigned", default)]
+    #[serde(with = "values::Unsigned", default)]
     pub seed: u64,
 }
 
@@ -142,20 +145,20 @@ impl SphereCloud {
 /// { counts: [10, 1, 10], min: [-5, 0, -5], max: [5, 0, 5], radius: 0.4 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereGrid {
     /// The number of spheres along x, y and z, each at least 1.
-    #[serde(deserialize_with = "counts")]
+    #[serde(with = "Counts")]
     pub counts: UVec3,
     /// The center of the first sphere.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub min: DVec3,
     /// The center of the last sphere.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub max: DVec3,
     /// The radius of all spheres, greater than 0.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     pub radius: f32,
 }
 
@@ -172,22 +175,20 @@ impl SphereGrid {
     }
 }
 
-/// Reads `[nx, ny, nz]`, with a product of at most [`MAX_SHAPES`].
-fn counts<'de, D: Deserializer<'de>>(d: D) -> Result<UVec3, D::Error> {
-    #[derive(Deserialize)]
-    struct AxisCount(#[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")] u32);
+/// The number along an axis.
+#[derive(Deserialize, JsonSchema)]
+struct AxisCount(#[serde(with = "values::Count::<MAX_SHAPES>")] u32);
 
-    let counts = <[AxisCount; 3]>::deserialize(d)?.map(|AxisCount(n)| n);
-    let product = counts
-        .iter()
-        .try_fold(1_u32, |product, &n| product.checked_mul(n));
-    match product {
-        Some(n) if n <= MAX_SHAPES => Ok(counts.into()),
-        _ => Err(D::Error::invalid_value(
-            Unexpected::Other("more than 1,000,000,000 spheres"),
-            &"three counts with a smaller product",
-        )),
-    }
+kinds! {
+    /// The numbers along each axis, with a product of at most [`MAX_SHAPES`].
+    Counts: UVec3 = PhantomData::<[AxisCount; 3]>, |counts| {
+        let product = counts.iter().try_fold(1_u32, |product, n| product.checked_mul(n.0));
+        let is_allowed = product.is_some_and(|n| n <= MAX_SHAPES);
+        is_allowed.then(|| counts.map(|AxisCount(n)| n).into()).ok_or(
+            "invalid value: more than 1,000,000,000 spheres, \
+             expected three counts with a smaller product",
+        )
+    };
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! The `image` section.
 
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::adaptive::{Adaptive, MAX_SAMPLES};
 use crate::yaml::{Fault, FieldPath};
 use math::sampling::{PixelFilter, PixelPattern};
-use world::values;
+use world::kinds;
+use world::values::{self, Number};
 
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 65_535;
@@ -20,26 +21,24 @@ pub const MAX_SIDE: u32 = 65_535;
 /// ").unwrap();
 /// # assert_eq!(image.samples_per_pixel, 4);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "a size such as { width: 400, height: 300 }"
 )]
 pub struct Image {
     /// Columns, 1 to 65,535.
-    #[serde(deserialize_with = "values::count::<_, MAX_SIDE>")]
+    #[serde(with = "values::Count::<MAX_SIDE>")]
     pub width: u32,
     /// Rows, 1 to 65,535.
-    #[serde(deserialize_with = "values::count::<_, MAX_SIDE>")]
+    #[serde(with = "values::Count::<MAX_SIDE>")]
     pub height: u32,
     /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
-    #[serde(
-        deserialize_with = "values::count::<_, MAX_SAMPLES>",
-        default = "values::one"
-    )]
+    #[serde(with = "values::Count::<MAX_SAMPLES>", default = "values::one")]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.
-    #[serde(deserialize_with = "values::unsigned", default)]
+    #[serde(with = "values::Unsigned", default)]
     pub seed: u64,
     /// The pattern of the samples in a pixel; `stratified` if not given.
     #[serde(default)]
@@ -49,7 +48,7 @@ pub struct Image {
     pub filter: PixelFilter,
     /// The radius of the filter in pixels, from 0.1 to 10; the filter's usual one if not
     /// given.
-    #[serde(deserialize_with = "filter_radius", default)]
+    #[serde(with = "FilterRadius", default)]
     pub filter_radius: Option<f32>,
     /// Adaptive sampling, which needs `sampler: sobol`: then `samples_per_pixel` is the maximum per
     /// pixel.
@@ -181,6 +180,6 @@ impl Image {
     }
 }
 
-fn filter_radius<'de, D: Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    values::within(d, 0.1..=10.0, "a radius in pixels from 0.1 to 10")
+kinds! {
+    FilterRadius: f32 = Number { expected: "a radius in pixels from 0.1 to 10", ranges: &[[0.1, 10.0]] };
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::file::MeshFile;
@@ -12,8 +12,9 @@ use super::place_scale::PlaceScale;
 use import::{InstancePlace, PlaceArrays};
 use math::sampling::uniform;
 use world::geometry::TransformStep;
+use world::kinds;
 use world::material::ArrayChoice;
-use world::values;
+use world::values::{self, NonEmpty};
 
 /// Instances of a mesh: it is stored once, and each instance costs only the memory of its
 /// placement. The object's `transform` applies to all of them.
@@ -35,7 +36,7 @@ use world::values;
 /// cloud: { count: 10000, min: [-50, 0, -50], max: [50, 0, 50], scale: [0.8, 1.2], turn: [0, 1, 0], seed: 1 }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "InstanceKeys", into = "InstanceKeys")]
 pub struct InstancedMesh {
     /// The mesh.
@@ -55,7 +56,8 @@ pub enum InstancePlaces {
     Cloud(PlaceCloud),
 }
 
-#[derive(Deserialize, Serialize)]
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "instances such as { mesh: { file: … }, places: [ … ] }"
@@ -64,7 +66,7 @@ struct InstanceKeys {
     /// The mesh.
     mesh: MeshFile,
     /// The places of the instances, at least one: for each a list of steps as in `transform`.
-    #[serde(default, deserialize_with = "places")]
+    #[serde(default, with = "Places")]
     places: Option<Vec<Vec<TransformStep>>>,
     /// Instead of `places`, a table or a VTK file: an instance at each of its points.
     #[serde(default)]
@@ -118,15 +120,16 @@ impl InstancedMesh {
     }
 }
 
-fn places<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Vec<Vec<TransformStep>>>, D::Error> {
-    values::non_empty(d, "place").map(Some)
+kinds! {
+    Places: Vec<Vec<TransformStep>> = NonEmpty::<Vec<TransformStep>>::of("place");
 }
 
 /// A table of places: comma-separated values below a header with the columns `x`, `y` and `z`, and
 /// optionally `scale`, or `scale_x`, `scale_y` and `scale_z`, and `direction_x`, `direction_y` and
 /// `direction_z`, to which the x axis of the mesh is turned. Or a VTK file: an instance at each of
 /// its points.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "points such as { file: trees.csv }")]
 pub struct PlacePoints {
     /// The file, relative to the scene file's folder.
@@ -140,14 +143,15 @@ pub struct PlacePoints {
 }
 
 /// An array of directions.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: velocity }"
 )]
 pub struct OrientArray {
     /// The name of the array of vectors of points.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     array: String,
 }
 
@@ -177,26 +181,26 @@ impl PlacePoints {
 
 /// Random places in a box, with random scales in a range and random angles, all uniformly
 /// distributed. The same seed gives the same places.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceCloud {
     /// The number of instances, at least 1.
-    #[serde(deserialize_with = "values::count::<_, MAX_SHAPES>")]
+    #[serde(with = "values::Count::<MAX_SHAPES>")]
     pub count: u32,
     /// One corner of the box of the positions.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub min: DVec3,
     /// The opposite corner.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub max: DVec3,
     /// Least and greatest scale, or a single one for all; 1 if not given.
-    #[serde(default = "same_size", deserialize_with = "values::positive_range")]
+    #[serde(default = "same_size", with = "values::PositiveRange")]
     pub scale: [f32; 2],
     /// The axis about which each instance is rotated by a random angle; no rotation if not given.
-    #[serde(default, deserialize_with = "values::direction")]
+    #[serde(default, with = "values::Direction")]
     pub turn: Option<Vec3>,
     /// The seed of positions, scales and angles; 0 if not given.
-    #[serde(deserialize_with = "values::unsigned", default)]
+    #[serde(with = "values::Unsigned", default)]
     pub seed: u64,
 }
 

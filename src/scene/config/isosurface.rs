@@ -1,12 +1,12 @@
 //! The isosurfaces of data sets.
 
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use import::IsosurfaceChoice;
+use world::kinds;
 use world::material::{ArrayChoice, ArrayOf};
-use world::values;
-use world::values::OneOrList;
+use world::values::{self, OneOrList, coordinate_or_list};
 
 /// The surfaces within a data set where an array of its points has a value.
 ///
@@ -19,20 +19,21 @@ use world::values::OneOrList;
 /// { array: velocity, component: 2, value: [-0.5, 0.5] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "an isosurface such as { array: temperature, value: 1200 }"
 )]
 pub struct Isosurface {
     /// The name of the array of points.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "values::between::<_, _, 0, 255>")]
+    #[serde(default, with = "values::Between::<0, 255>")]
     component: Option<u32>,
     /// The value, or a list with one per surface.
-    #[serde(deserialize_with = "values")]
+    #[serde(with = "Values")]
     value: Vec<f64>,
 }
 
@@ -51,9 +52,9 @@ impl Isosurface {
     }
 }
 
-fn values<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f64>, D::Error> {
-    match values::coordinate_or_list(d, "a value, or a list of values")? {
-        OneOrList::One(value) => Ok(vec![value]),
-        OneOrList::List(values) => Ok(values),
-    }
+kinds! {
+    Values: Vec<f64> = coordinate_or_list("a value, or a list of values") => |found| match found {
+        OneOrList::One(value) => vec![value],
+        OneOrList::List(values) => values,
+    };
 }

@@ -28,6 +28,7 @@ mod tiling;
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use adaptive::{Adaptive, MAX_SAMPLES};
@@ -80,7 +81,8 @@ pub use world::shading::{LightSampling, Shading, ShadingModel};
 /// ").parse().unwrap();
 /// # assert_eq!(config.objects.len(), 1);
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "sections such as `image: { … }`")]
 pub struct Config {
     /// The files whose sections are part of the scene, relative to the file's folder.
@@ -92,6 +94,7 @@ pub struct Config {
     pub camera: Camera,
     /// The color seen by rays without a hit; black if not given.
     #[serde(default)]
+    #[schemars(extend("default" = 0))]
     pub background: Background,
     /// The fog around the objects; none if not given.
     #[serde(default)]
@@ -107,6 +110,7 @@ pub struct Config {
     pub film: FilmSettings,
     /// The acceleration structure.
     #[serde(default)]
+    #[schemars(extend("default" = "bvh"))]
     pub acceleration: Acceleration,
     /// The cost measured for each pixel.
     #[serde(default)]
@@ -122,6 +126,7 @@ pub struct Config {
     pub tiles: Tiling,
     /// The optional outputs, in addition to the files of every run, and the arrays of these.
     #[serde(default)]
+    #[schemars(extend("default" = NO_OUTPUTS))]
     pub output: Outputs,
     /// The compression of the arrays in VTK files.
     #[serde(default)]
@@ -133,6 +138,9 @@ pub struct Config {
     /// The objects, at least one; the index in this order is the object's id.
     pub objects: Vec<Object>,
 }
+
+/// No optional outputs, as they are written.
+const NO_OUTPUTS: [(); 0] = [];
 
 impl YamlFile for Config {
     fn from_yaml(text: &str) -> Result<Self, Refusal> {

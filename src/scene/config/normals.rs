@@ -2,11 +2,13 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use world::values;
+use world::kinds;
+use world::values::{Either, Number, expected};
 
 /// The shading normals of a mesh.
 ///
@@ -18,7 +20,8 @@ use world::values;
 /// ").unwrap();
 /// # assert!(keyword != with_edges);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, JsonSchema)]
+#[schemars(with = "Either<NormalsWord, NormalsKeys>", transform = expected::<Self>)]
 pub enum MeshNormals {
     /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
     /// the gradient.
@@ -31,29 +34,35 @@ pub enum MeshNormals {
 }
 
 /// Edges at which smooth normals stop.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "creases such as { angle_deg: 30 }")]
 pub struct Creases {
     /// The largest angle between the normals of two triangles at a smooth edge, 0 to 180.
-    #[serde(deserialize_with = "crease_angle")]
+    #[serde(with = "CreaseAngle")]
     pub angle_deg: f32,
 }
 
-fn crease_angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 0.0..=180.0, "an angle from 0 to 180")
+kinds! {
+    CreaseAngle: f32 = Number { expected: "an angle from 0 to 180", ranges: &[[0.0, 180.0]] };
 }
 
 /// Normals as a word.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
 enum NormalsWord {
+    /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
+    /// the gradient.
     File,
+    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are any.
     Smooth,
+    /// The geometric normals of the triangles.
     Flat,
 }
 
 /// Normals with keys.
-#[derive(Deserialize, Serialize)]
+#[derive(Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "normals such as `smooth`")]
 struct NormalsKeys {
     /// The normals of `smooth`, except at creases.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::LazyLock;
 
+use schemars::JsonSchema;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
@@ -12,7 +13,8 @@ use super::generator::Generator;
 use super::instances::InstancedMesh;
 use super::tube::Tube;
 use world::geometry::{KeyedShape, Shape, TransformStep};
-use world::values;
+use world::kinds;
+use world::values::{self, NonEmpty};
 
 /// One of the scene file's `objects`: a geometry under its own key, a material,
 /// and optionally a name and a transform.
@@ -29,9 +31,16 @@ use world::values;
 /// ").unwrap();
 /// # assert_eq!(object.transform.len(), 2);
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(
+    deny_unknown_fields,
+    transform = values::expected::<Self>,
+    transform = values::one_needed("material mesh instances"),
+)]
 pub struct Object {
     /// The name, if the file gives one.
+    #[serde(with = "values::Name")]
+    #[schemars(default)]
     pub name: Option<String>,
     /// The geometry.
     #[serde(flatten)]
@@ -39,13 +48,15 @@ pub struct Object {
     /// The name of the material; an object of many spheres may have several, and a mesh none, for
     /// the materials of its file.
     #[serde(skip_serializing_if = "MaterialNames::is_of_file")]
+    #[schemars(default)]
     pub material: MaterialNames,
     /// The transform to world space; empty for the identity.
+    #[schemars(default)]
     pub transform: Vec<TransformStep>,
 }
 
 /// The geometry of an object.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Geometry {
     /// A tube through points.
@@ -64,7 +75,8 @@ pub enum Geometry {
 }
 
 /// One or more material names: `red` or `[red, green]`; none for the materials of a file.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, JsonSchema)]
+#[schemars(with = "values::Either<values::Text, Names>", transform = values::expected::<Self>)]
 pub struct MaterialNames(pub Vec<String>);
 
 impl MaterialNames {
@@ -168,7 +180,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
 
 /// An object's name.
 #[derive(serde::Deserialize)]
-struct Name(#[serde(deserialize_with = "values::name")] String);
+struct Name(#[serde(with = "values::Name")] String);
 
 /// A value whose deserialization always fails, at the position of the second shape.
 struct SecondShape;
@@ -219,6 +231,10 @@ impl<'de> Deserialize<'de> for MaterialNames {
     }
 }
 
+kinds! {
+    Names: Vec<String> = NonEmpty::<String>::of("material name");
+}
+
 struct MaterialNamesVisitor;
 
 impl<'de> Visitor<'de> for MaterialNamesVisitor {
@@ -233,11 +249,6 @@ impl<'de> Visitor<'de> for MaterialNamesVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<MaterialNames, A::Error> {
-        let names: Vec<String> = Vec::deserialize(SeqAccessDeserializer::new(list))?;
-        if names.is_empty() {
-            Err(A::Error::invalid_length(0, &"at least one material name"))
-        } else {
-            Ok(MaterialNames(names))
-        }
+        Names::deserialize(SeqAccessDeserializer::new(list)).map(MaterialNames)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
@@ -26,7 +27,8 @@ use world::values;
 /// # assert!(outputs.has(OptionalOutput::Objects) && outputs.written_arrays().has("RGB"));
 /// # assert!(!outputs.written_arrays().has("distance"));
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, JsonSchema)]
+#[schemars(with = "values::Either<Vec<OutputEntry>, OutputKeys>", transform = values::expected::<Self>)]
 pub struct Outputs {
     optional: Vec<OptionalOutput>,
     arrays: Option<Vec<PixelArray>>,
@@ -84,14 +86,14 @@ pub struct ExtraArrays {
 }
 
 /// The nodes of the hierarchy that are written; all, if not given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BvhLimits {
     /// Greatest depth of a node; the root has depth 0.
-    #[serde(deserialize_with = "values::between::<_, _, 0, { u32::MAX }>")]
+    #[serde(with = "values::Between::<0, { u32::MAX }>")]
     pub max_depth: u32,
     /// Least number of rays that visited a node.
-    #[serde(deserialize_with = "values::unsigned")]
+    #[serde(with = "values::Unsigned")]
     pub min_visits: u64,
 }
 
@@ -195,7 +197,8 @@ impl Outputs {
 }
 
 /// An entry of the list: a name, or a name with settings.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(with = "values::Either<OptionalOutput, Settings>", transform = values::expected::<Self>)]
 #[serde(rename_all = "snake_case")]
 enum OutputEntry {
     Bvh(BvhLimits),
@@ -264,7 +267,7 @@ impl<'de> Visitor<'de> for OutputsVisitor {
 }
 
 /// The YAML mapping of the section.
-#[derive(Deserialize, Serialize)]
+#[derive(Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct OutputKeys {
     /// The optional outputs.
@@ -305,7 +308,7 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
 }
 
 /// The YAML mapping of an entry with settings.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Settings {
     /// The boxes of the hierarchy and the cost of each, within these limits.

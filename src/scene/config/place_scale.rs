@@ -1,5 +1,6 @@
 //! The scale of instances at points.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::same_or_array::{NumberArray, SameOrArray};
@@ -10,20 +11,21 @@ use world::values;
 pub type PlaceScale = SameOrArray<ScaleArray>;
 
 /// An array of scales.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { array: diameter, factor: 0.5 }"
 )]
 pub struct ScaleArray {
     /// The name of the array of points.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     array: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(default, deserialize_with = "values::between::<_, _, 0, 255>")]
+    #[serde(default, with = "values::Between::<0, 255>")]
     component: Option<u32>,
     /// The factor from its numbers to scales, greater than 0; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::positive")]
+    #[serde(default = "values::one", with = "values::Positive")]
     factor: f32,
 }
 

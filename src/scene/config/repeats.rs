@@ -4,8 +4,11 @@ use std::fmt;
 use std::num::NonZeroU8;
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
+
+use world::values::Count;
 
 /// How many times the picture is rendered to time its pixels.
 ///
@@ -16,14 +19,16 @@ use serde::{Deserialize, Serialize, Serializer};
 /// let repeats: Repeats = scene::yaml::from_str("auto").unwrap();
 /// # assert_eq!(repeats, Repeats::Auto);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema)]
+#[schemars(rename_all = "snake_case", transform = world::values::expected::<Self>)]
 pub enum Repeats {
     /// If pixels are timed, up to five times, within half a second and with at
     /// most 64 MiB of samples. Otherwise once.
     #[default]
     Auto,
     /// Exactly this many times.
-    Exactly(NonZeroU8),
+    #[schemars(untagged)]
+    Exactly(#[schemars(with = "Count<255>")] NonZeroU8),
 }
 
 /// Maximum number of bytes of samples of [`Repeats::Auto`].

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
@@ -11,11 +12,12 @@ use world::integers_as_f64;
 use world::values;
 
 /// A number greater than 0, or an array.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(bound = "A: NumberArray + JsonSchema", transform = values::expected::<Self>)]
 #[serde(untagged)]
 pub enum SameOrArray<A> {
     /// The same for all.
-    Same(f32),
+    Same(#[serde(with = "values::Positive")] f32),
     /// One number per element, from an array.
     Array(A),
 }
@@ -42,7 +44,7 @@ impl<'de, A: NumberArray> Visitor<'de> for SameOrArrayVisitor<A> {
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<Self::Value, E> {
-        values::positive(found.into_deserializer()).map(SameOrArray::Same)
+        values::Positive::deserialize(found.into_deserializer()).map(SameOrArray::Same)
     }
 
     integers_as_f64!();

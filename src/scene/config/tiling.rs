@@ -1,5 +1,6 @@
 //! The `tiles` section.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use base::keywords;
@@ -14,7 +15,8 @@ use world::values;
 /// ").unwrap();
 /// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[schemars(transform = world::values::expected::<Self>)]
 #[serde(
     deny_unknown_fields,
     default,
@@ -22,9 +24,7 @@ use world::values;
 )]
 pub struct Tiling {
     /// Side of a tile in pixels, 2 to 256; 16 if not given.
-    #[serde(
-        deserialize_with = "values::between::<_, _, { Tiling::MIN_SIZE }, { Tiling::MAX_SIZE }>"
-    )]
+    #[serde(with = "values::Between::<{ Tiling::MIN_SIZE }, { Tiling::MAX_SIZE }>")]
     pub size: u32,
     /// The order in which threads take tiles.
     pub order: TileOrder,

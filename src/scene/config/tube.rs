@@ -1,13 +1,13 @@
 //! A tube through points listed in the scene file.
 
 use glam::DVec3;
-use serde::de::Deserializer;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use import::Tubes;
 use world::geometry::{Sphere, origin_near};
-use world::values;
-use world::values::OneOrList;
+use world::kinds;
+use world::values::{self, OneOrList, positive_or_list};
 
 /// A tube along the line through points, with round joints and ends.
 ///
@@ -20,25 +20,25 @@ use world::values::OneOrList;
 /// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: [0.1, 0.2, 0.4] }
 /// ").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "TubeKeys", into = "TubeKeys")]
 pub struct Tube {
     keys: TubeKeys,
     tubes: Tubes,
 }
 
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct TubeKeys {
     /// The points, at least two of which differ.
     points: Vec<LinePoint>,
     /// The radius, greater than 0, or a list with one per point.
-    #[serde(deserialize_with = "radius")]
+    #[serde(with = "Radius")]
     radius: OneOrList,
 }
 
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-struct LinePoint(#[serde(deserialize_with = "values::point")] DVec3);
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+struct LinePoint(#[serde(with = "values::Point")] DVec3);
 
 impl TryFrom<TubeKeys> for Tube {
     type Error = String;
@@ -85,9 +85,7 @@ impl Tube {
     }
 }
 
-fn radius<'de, D: Deserializer<'de>>(d: D) -> Result<OneOrList, D::Error> {
-    values::positive_or_list(
-        d,
-        "a radius greater than 0, or a list with one for each point",
-    )
+kinds! {
+    Radius: OneOrList =
+        positive_or_list("a radius greater than 0, or a list with one for each point");
 }

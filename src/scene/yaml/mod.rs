@@ -31,5 +31,4 @@ pub use fault::{Fault, Spot};
 pub use field_path::{FieldPath, Step};
 pub use json::{json_of, quoted, to_yaml};
 pub use origins::Merging;
-pub use source::refusal;
 pub use source::{Source, from_str};

@@ -240,13 +240,6 @@ impl Source {
     }
 }
 
-/// Returns why a text is rejected as a `T`: the path of the value and the message; `None` if it is
-/// accepted. The text must pass the checks that [`Source::parse`] makes first.
-pub fn refusal<T: YamlFile>(text: &str) -> Option<(FieldPath, String)> {
-    let refused = T::from_yaml(text).err()?;
-    Some((refused.0, translate::message_of(&refused.1)))
-}
-
 /// Points at the first byte that is not UTF-8.
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let at = error.utf8_error().valid_up_to();

@@ -1,10 +1,11 @@
 //! The table of factors that a study can vary. A new factor is one row here, and a level type in
 //! `factor_level.rs` if none of those fits.
 
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::value::StringDeserializer;
-use serde::de::{Deserializer, IntoDeserializer, MapAccess};
-use serde_json::Value;
+use serde::de::{DeserializeOwned, Deserializer, IntoDeserializer, MapAccess};
+use serde_json::{Map, Value, json};
 
 use super::factor_level::{
     BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, ProcessorCount, keyword, max_depth,
@@ -14,15 +15,16 @@ use scene::config::{
     CostMode, MAX_SAMPLES, MAX_SHAPES, Pinning, SimdSet, Structure, TileOrder, Tiling, Traversal,
 };
 use vtk::Codec;
+use world::values::expected;
 
 /// Makes the enum of factors, their names and their parsers: one row per factor, `Variant "name":
 /// type of a level in YAML => function that makes a [`FactorLevel`]`.
 macro_rules! factors {
-    ($($(#[$doc:meta])* $factor:ident $name:literal: $level:ty => $to_level:expr;)+) => {
+    ($($(#[doc = $doc:literal])* $factor:ident $name:literal: $level:ty => $to_level:expr;)+) => {
         /// A factor that a study varies through a flag of `raycost render`.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
         pub enum FlagFactor {
-            $($(#[$doc])* #[serde(rename = $name)] $factor,)+
+            $($(#[doc = $doc])* #[serde(rename = $name)] $factor,)+
         }
 
         impl FlagFactor {
@@ -34,6 +36,15 @@ macro_rules! factors {
                 match self {
                     $(Self::$factor => $name,)+
                 }
+            }
+
+            /// Returns the name, the description and the schema of a level of each factor.
+            fn schemas(generator: &mut SchemaGenerator) -> Vec<[Value; 3]> {
+                vec![$([
+                    $name.into(),
+                    concat!($($doc),*).trim_ascii_start().into(),
+                    generator.subschema_for::<$level>().into(),
+                ]),+]
             }
 
             /// Reads the value of this factor's key: at least one level.
@@ -122,6 +133,31 @@ impl<'de> Deserialize<'de> for Factor {
         let name: StringDeserializer<D::Error> = name.into_deserializer();
         FlagFactor::deserialize(name).map(Self::Flag)
     }
+}
+
+/// Returns the schema of a mapping of factors, which a `T` is read from.
+pub(super) fn schema<T: DeserializeOwned>(
+    form: FactorForm,
+    generator: &mut SchemaGenerator,
+) -> Schema {
+    let of_key = |level: Value| match form {
+        FactorForm::One => level,
+        FactorForm::List => json!({ "type": "array", "items": level, "minItems": 1 }),
+    };
+    let factors = FlagFactor::schemas(generator).into_iter();
+    let properties = factors.map(|[name, description, level]| {
+        let mut key = of_key(level);
+        key["description"] = description;
+        (name.as_str().unwrap_or_default().to_owned(), key)
+    });
+    let mut schema = json_schema!({
+        "type": "object",
+        "properties": properties.collect::<Map<String, Value>>(),
+        "patternProperties": { "[.\\[]": of_key(json!({})) },
+        "additionalProperties": false,
+    });
+    expected::<T>(&mut schema);
+    schema
 }
 
 fn next_levels<'de, T: Deserialize<'de>, A: MapAccess<'de>>(

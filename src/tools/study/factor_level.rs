@@ -2,13 +2,15 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use scene::config::MAX_SIDE;
-use world::values;
+use world::schema_of_form;
+use world::values::{Either, NonEmpty, Whole, expected};
 
 /// One level of a factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +35,7 @@ pub(super) struct Choices<T>(pub(super) Vec<T>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        values::non_empty(d, "choice").map(Self)
+        NonEmpty::of("choice").deserialize(d).map(Self)
     }
 }
 
@@ -71,6 +73,8 @@ pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
 /// A number from 1 to `MAX`.
 pub(super) struct BoundedCount<const MAX: u64>(u64);
 
+schema_of_form!(BoundedCount<MAX> where [const MAX: u64], Whole(1..=MAX));
+
 impl<const MAX: u64> BoundedCount<MAX> {
     /// Returns the level `--flag=number`.
     pub(super) fn level(self, flag: &str) -> FactorLevel {
@@ -83,11 +87,13 @@ impl<const MAX: u64> BoundedCount<MAX> {
 
 impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        values::whole(d, 1..=MAX).map(Self)
+        Whole(1..=MAX).deserialize(d).map(Self)
     }
 }
 
 /// A number from 1 to `MAX`, or `all`: as many as this machine has processors.
+#[derive(JsonSchema)]
+#[schemars(with = "Either<All, BoundedCount<MAX>>", transform = expected::<Self>)]
 pub(super) struct ProcessorCount<const MAX: u64>(BoundedCount<MAX>);
 
 impl<const MAX: u64> ProcessorCount<MAX> {
@@ -103,6 +109,14 @@ impl<const MAX: u64> ProcessorCount<MAX> {
             flags: Vec::new(),
         }
     }
+}
+
+/// As many as this machine has processors.
+#[derive(JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[expect(dead_code, reason = "for the schema")]
+enum All {
+    All,
 }
 
 impl<'de, const MAX: u64> Deserialize<'de> for ProcessorCount<MAX> {
@@ -139,7 +153,11 @@ impl<const MAX: u64> Visitor<'_> for ProcessorCountVisitor<MAX> {
 }
 
 /// Width and height of an image in pixels: `[100, 75]`, `100x75`, or `100` for a square.
+#[derive(JsonSchema)]
+#[schemars(with = "Either<ImageSide, [ImageSide; 2]>", transform = expected::<Self>)]
 pub(super) struct ImageSize([u64; 2]);
+
+type ImageSide = BoundedCount<{ MAX_SIDE as u64 }>;
 
 impl<'de> Deserialize<'de> for ImageSize {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
@@ -167,8 +185,7 @@ impl<'de> Visitor<'de> for ImageSizeVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<[u64; 2], A::Error> {
-        type Side = BoundedCount<{ MAX_SIDE as u64 }>;
-        let [width, height] = <[Side; 2]>::deserialize(SeqAccessDeserializer::new(list))?;
+        let [width, height] = <[ImageSide; 2]>::deserialize(SeqAccessDeserializer::new(list))?;
         Ok([width.0, height.0])
     }
 }

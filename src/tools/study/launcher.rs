@@ -1,5 +1,6 @@
 //! The command that starts the ranks of a run.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use scene::yaml::{Fault, FieldPath};
@@ -37,7 +38,7 @@ const WITHOUT_VALUE: [&str; 4] = [
 
 /// A command such as `mpirun -n {ranks}`, which starts the command after it on this number of
 /// ranks. Its words are separated by blanks.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Launcher(String);
 

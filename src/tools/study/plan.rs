@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::Deserializer;
 
 use super::point::scene_names;
 use super::step::leave_out;
@@ -12,7 +12,8 @@ use super::{
 };
 use math::sampling::uniform;
 use scene::yaml::{Refusal, YamlFile, deserialize};
-use world::values;
+use world::kinds;
+use world::values::{self, NonEmpty};
 
 /// A study file.
 ///
@@ -27,14 +28,14 @@ use world::values;
 /// ").unwrap();
 /// # assert_eq!(plan.points().len(), 4);
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyPlan {
     /// The title of tables and plots.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     pub title: String,
     /// Scene files, relative to the study's folder; at least one.
-    #[serde(deserialize_with = "scenes")]
+    #[serde(with = "Scenes")]
     pub scenes: Vec<PathBuf>,
     /// The factors that are crossed: each level of one with each level of the others.
     #[serde(default)]
@@ -42,10 +43,12 @@ pub struct StudyPlan {
     /// Levels that change together, such as the image size with the threads; each case is crossed
     /// with [`vary`](Self::vary).
     #[serde(default)]
+    #[schemars(extend("default" = NONE))]
     pub cases: Vec<Case>,
     /// Steps from one way of rendering to another, in place of `vary` and `cases`: each adds to the
     /// settings of the steps before.
     #[serde(default)]
+    #[schemars(extend("default" = NONE))]
     pub steps: Vec<StudyStep>,
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
@@ -54,22 +57,17 @@ pub struct StudyPlan {
     #[serde(default)]
     pub launcher: Option<Launcher>,
     /// Runs of each point that enter the statistics; 10 if not given.
-    #[serde(
-        default = "ten",
-        deserialize_with = "values::between::<_, _, 1, 100_000>"
-    )]
+    #[serde(default = "ten", with = "values::Between::<1, 100_000>")]
     pub repeats: u32,
     /// Earlier runs of each point that are ignored; 1 if not given.
-    #[serde(
-        default = "values::one",
-        deserialize_with = "values::between::<_, _, 0, 1000>"
-    )]
+    #[serde(default = "values::one", with = "values::Between::<0, 1000>")]
     pub warm_up: u32,
     /// Time in seconds after which no further run starts; no limit if not given.
-    #[serde(default, deserialize_with = "values::positive")]
+    #[serde(default, with = "values::Positive")]
     pub time_budget_s: Option<f32>,
     /// The plots to draw.
     #[serde(default)]
+    #[schemars(extend("default" = NONE))]
     pub plots: Vec<PlotSpec>,
     /// If true, measures the machine's limits once and draws the points below them, as
     /// `roofline.svg`; no if not given.
@@ -80,8 +78,11 @@ pub struct StudyPlan {
     pub quick: Option<QuickPlan>,
 }
 
+/// An empty list, as it is written.
+const NONE: [(); 0] = [];
+
 /// Replacements for a smaller study.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuickPlan {
     /// Replaces [`StudyPlan::vary`].
@@ -94,10 +95,7 @@ pub struct QuickPlan {
     #[serde(default)]
     pub flags: Option<Vec<String>>,
     /// Replaces [`StudyPlan::repeats`]; 3 if not given.
-    #[serde(
-        default = "three",
-        deserialize_with = "values::between::<_, _, 1, 100_000>"
-    )]
+    #[serde(default = "three", with = "values::Between::<1, 100_000>")]
     pub repeats: u32,
 }
 
@@ -212,8 +210,8 @@ fn points_of_steps(steps: &[StudyStep], scene: &StudyPoint) -> Vec<StudyPoint> {
     steps.iter().map(point).collect()
 }
 
-fn scenes<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<PathBuf>, D::Error> {
-    values::non_empty(d, "scene file")
+kinds! {
+    Scenes: Vec<PathBuf> = NonEmpty::<PathBuf>::of("scene file");
 }
 
 fn three() -> u32 {

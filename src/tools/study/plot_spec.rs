@@ -1,12 +1,16 @@
 //! The `plots` section of a study file.
 
 use std::fmt;
+use std::marker::PhantomData;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
 use output::chart::Scale;
+use world::kinds;
+use world::values::{Either, Text, expected};
 
 /// A plot that a study file requests.
 ///
@@ -15,14 +19,14 @@ use output::chart::Scale;
 /// # use tools::study::PlotSpec;
 /// let plot: PlotSpec = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlotSpec {
     /// The factor or metric along the horizontal axis.
     pub x: String,
     /// The metrics along the vertical axis, of one unit: medians with their confidence intervals.
     /// In YAML one name or a list of names.
-    #[serde(deserialize_with = "names")]
+    #[serde(with = "Names")]
     pub y: Vec<String>,
     /// The factors that distinguish series; if not given, the factors without which a series would
     /// have several points at one `x`.
@@ -41,8 +45,19 @@ pub struct PlotSpec {
     pub fit: bool,
 }
 
-fn names<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<String>, D::Error> {
-    d.deserialize_any(NamesVisitor)
+kinds! {
+    Names: Vec<String> = PhantomData::<NameOrList> => |names| names.0;
+}
+
+/// The name of a metric, or a list of names.
+#[derive(JsonSchema)]
+#[schemars(with = "Either<Text, Vec<String>>", transform = expected::<Self>)]
+struct NameOrList(Vec<String>);
+
+impl<'de> Deserialize<'de> for NameOrList {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        d.deserialize_any(NamesVisitor).map(Self)
+    }
 }
 
 struct NamesVisitor;

@@ -1,5 +1,6 @@
 //! The steps of a study: settings that add up, one step after the other.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Case, FlagFactor};
@@ -8,11 +9,11 @@ use scene::yaml::{Fault, FieldPath};
 use world::values;
 
 /// A step of a study.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyStep {
     /// The name in tables and plots.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     pub name: String,
     /// The levels that join or replace the levels of the steps before.
     #[serde(default)]
@@ -70,7 +71,7 @@ pub(super) fn leave_out(
 
 /// A command such as `python loop.py {scene} {image}`, started in the folder of the study. Its
 /// words are separated by blanks.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct StepCommand(String);
 

@@ -6,7 +6,8 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 
 use super::factor_level::FactorForm;
-use super::{Factor, FactorLevel, FlagFactor};
+use super::{Factor, FactorLevel, FlagFactor, factor};
+use world::schema_of_form;
 
 /// Factors and their levels, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,6 +37,12 @@ impl Case {
         joined
     }
 }
+
+schema_of_form!(Vary, |g: &mut _| factor::schema::<Self>(
+    FactorForm::List,
+    g
+));
+schema_of_form!(Case, |g: &mut _| factor::schema::<Self>(FactorForm::One, g));
 
 impl<'de> Deserialize<'de> for Vary {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {

@@ -18,6 +18,7 @@ use base::keywords;
 /// # assert_eq!(plain, Acceleration::default());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "world::values::Either<AccelerationWord, BvhSection>", transform = world::values::expected::<Self>))]
 pub enum Acceleration {
     /// A bounding volume hierarchy over all shapes except planes.
     Bvh(Quality),
@@ -45,6 +46,7 @@ impl Acceleration {
 
 /// The effort spent on building a hierarchy. All qualities find the same hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`fast`, `balanced` or `high`")]
 pub enum Quality {
     /// Object splits only: the least build time and memory.
@@ -108,6 +110,7 @@ keywords! {
 
 /// How the hierarchy of a frame is made if its objects differ from the frame before.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`rebuild`, `refit` or `auto`")]
 pub enum HierarchyUpdate {
     /// It is built, as for a still.
@@ -170,8 +173,21 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
     }
 }
 
+/// The words of the section.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[expect(dead_code, reason = "for the schema")]
+enum AccelerationWord {
+    /// A bounding volume hierarchy over all shapes except planes.
+    Bvh,
+    /// Tests every ray against every shape: the reference for the others.
+    BruteForce,
+}
+
 /// The YAML mapping of a hierarchy.
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct BvhSection {
     /// The effort spent on building the hierarchy.

@@ -36,6 +36,14 @@ pub struct RatioMetric {
 /// # assert_eq!(metric.parts, [PixelArray::PrimitiveTests, PixelArray::Rays]);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(
+        with = "std::collections::BTreeMap<String, RatioParts>",
+        transform = world::values::expected::<Self>,
+    )
+)]
 pub struct RatioMetrics(&'static [RatioMetric]);
 
 /// The greatest number of metrics of a scene.
@@ -125,6 +133,13 @@ impl<'de> Deserialize<'de> for RatioParts {
         d.deserialize_str(RatioPartsVisitor)
     }
 }
+
+#[cfg(feature = "schema")]
+world::schema_of_form!(RatioParts, |_: &mut schemars::SchemaGenerator| {
+    let costs: Vec<&str> = RatioMetric::costs().map(PixelArray::name).collect();
+    let cost = format!("({})", costs.join("|"));
+    schemars::json_schema!({ "type": "string", "pattern": format!("^ *{cost} */ *{cost} *$") })
+});
 
 struct RatioPartsVisitor;
 

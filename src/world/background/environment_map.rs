@@ -25,15 +25,16 @@ use math::simd::{Arithmetic, LookupTable, Real, Vector, cos_sin, turns_of};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "a picture such as { file: sky.hdr }")]
 pub struct EnvironmentMap {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
     /// The rotation about +y in degrees, counterclockwise as seen from above; 0 by default.
-    #[serde(default, deserialize_with = "values::coordinate")]
+    #[serde(default, with = "values::Coordinate")]
     pub rotation_deg: f32,
     /// A factor on the colors, at least 0; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::non_negative")]
+    #[serde(default = "values::one", with = "values::NonNegative")]
     pub intensity: f32,
     /// The transfer function of the file's numbers; by default the usual one of its format.
     #[serde(default)]

@@ -8,13 +8,14 @@ use math::simd::{Real, Vector};
 
 /// A linear gradient between two colors; see the module's documentation.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 pub struct Gradient {
     /// The color straight down, each channel at least 0.
-    #[serde(deserialize_with = "values::radiance")]
+    #[serde(with = "values::Radiance")]
     pub bottom: Vec3,
     /// The color straight up, each channel at least 0.
-    #[serde(deserialize_with = "values::radiance")]
+    #[serde(with = "values::Radiance")]
     pub top: Vec3,
 }
 

@@ -30,6 +30,7 @@ use math::simd::{Real, Vector};
 /// # assert_eq!(gray.color(glam::Vec3::Y.into()), glam::Vec3::splat(0.2).into());
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(from = "RadianceOr<BackgroundPattern>", rename_all = "snake_case")]
 pub enum Background {
     /// One or two colors.
@@ -42,6 +43,7 @@ pub enum Background {
 
 /// A background other than one color.
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum BackgroundPattern {
     /// Two colors, linear in the height of the direction.

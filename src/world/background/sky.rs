@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3, Vec3};
-use serde::de::Deserializer;
 use serde::{Deserialize, Serialize};
 
 use super::EnvironmentMap;
 use super::sun::Sun;
+use crate::kinds;
 use crate::picture::{Picture, Texels};
-use crate::values;
+use crate::values::{self, Number};
 
 /// A clear sky by day, its sun, and a ground below the horizon that both illuminate. A white
 /// surface facing the sun above the atmosphere has radiance 1.
@@ -28,6 +28,7 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(from = "SkyKeys", into = "SkyKeys")]
 pub struct Sky {
     keys: SkyKeys,
@@ -41,6 +42,7 @@ pub struct Sky {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a sky such as { sun: { elevation_deg: 40 } }"
@@ -49,27 +51,28 @@ struct SkyKeys {
     /// The position of the sun.
     sun: SunKeys,
     /// The haze of the air, 2 to 10: 2 for very clear air; 3 by default.
-    #[serde(default = "turbidity", deserialize_with = "turbidities")]
+    #[serde(default = "turbidity", with = "Turbidity")]
     turbidity: f32,
     /// The albedo of the ground below the horizon; 0.2 by default.
-    #[serde(default = "ground", deserialize_with = "values::color")]
+    #[serde(default = "ground", with = "values::Color")]
     ground: Vec3,
     /// A factor on the light of the sky and the sun, at least 0; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::non_negative")]
+    #[serde(default = "values::one", with = "values::NonNegative")]
     intensity: f32,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a place such as { elevation_deg: 40, azimuth_deg: 120 }"
 )]
 struct SunKeys {
     /// The angle above the horizon in degrees, 0 to 90.
-    #[serde(deserialize_with = "elevation")]
+    #[serde(with = "Elevation")]
     elevation_deg: f32,
     /// The angle from -z toward +x in degrees, clockwise as seen from above; 0 by default.
-    #[serde(default, deserialize_with = "values::coordinate")]
+    #[serde(default, with = "values::Coordinate")]
     azimuth_deg: f32,
 }
 
@@ -81,12 +84,9 @@ fn ground() -> Vec3 {
     Vec3::splat(0.2)
 }
 
-fn turbidities<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 2.0..=10.0, "a number from 2 to 10")
-}
-
-fn elevation<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 0.0..=90.0, "an angle from 0 to 90")
+kinds! {
+    Turbidity: f32 = Number { expected: "a number from 2 to 10", ranges: &[[2.0, 10.0]] };
+    Elevation: f32 = Number { expected: "an angle from 0 to 90", ranges: &[[0.0, 90.0]] };
 }
 
 impl From<SkyKeys> for Sky {

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::Basis;
 use crate::geometry::RenderSpace;
-use crate::values;
+use crate::kinds;
+use crate::values::{self, Number, Whole};
 use math::sampling::{Polygon, disk};
 use math::simd::{Real, Vector};
 
@@ -30,6 +31,7 @@ pub struct Lens {
 
 /// The scene file's `lens`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     try_from = "LensFields",
     into = "LensFields",
@@ -62,40 +64,42 @@ enum Focus {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "a lens such as { radius: 0.05 }")]
+#[cfg_attr(
+    feature = "schema",
+    schemars(
+        transform = values::exactly_one("radius f_number"),
+        transform = values::at_most_one("focus_distance focus_point"),
+    )
+)]
 struct LensFields {
     /// The radius of the lens in world units; 0 is a pinhole.
-    #[serde(default, deserialize_with = "values::non_negative")]
+    #[serde(default, with = "values::NonNegative")]
     radius: Option<f32>,
     /// Instead of the radius: the focal length divided by the diameter.
-    #[serde(default, deserialize_with = "f_number")]
+    #[serde(default, with = "FNumber")]
     f_number: Option<f32>,
     /// The distance of the plane in focus from the eye, in world units.
-    #[serde(default, deserialize_with = "values::positive")]
+    #[serde(default, with = "values::Positive")]
     focus_distance: Option<f32>,
     /// Instead of the distance: a point of the plane in focus; the target if neither is given.
-    #[serde(default, deserialize_with = "values::point")]
+    #[serde(default, with = "values::Point")]
     focus_point: Option<DVec3>,
     /// The number of corners of the aperture, 3 to 32; 0 for a circle, as if not given.
-    #[serde(default, deserialize_with = "blades")]
+    #[serde(default, with = "Blades")]
     blades: u32,
     /// The rotation of the aperture in degrees, counterclockwise; at 0 a corner is on top.
-    #[serde(default, deserialize_with = "values::coordinate")]
+    #[serde(default, with = "values::Coordinate")]
     rotation_deg: f32,
 }
 
-fn f_number<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    values::within(d, 0.1..=1e4, "an f-number from 0.1 to 10000")
-}
-
-/// Reads a number of blades: 0, or from 3 to 32.
-fn blades<'de, D: serde::Deserializer<'de>>(d: D) -> Result<u32, D::Error> {
-    match values::whole(d, 0..=32)? {
-        1 | 2 => Err(serde::de::Error::custom(
-            "cannot enclose an aperture, expected 3 to 32, or 0 for a round one",
-        )),
+kinds! {
+    FNumber: f32 = Number { expected: "an f-number from 0.1 to 10000", ranges: &[[0.1, 1e4]] };
+    Blades: u32 = Whole(0..=32), |n| match n {
+        1 | 2 => Err("cannot enclose an aperture, expected 3 to 32, or 0 for a round one"),
         n => Ok(n),
-    }
+    };
 }
 
 impl TryFrom<LensFields> for LensKeys {

@@ -7,7 +7,8 @@ use super::basis::{Basis, up};
 use super::image_plane::{ImagePlane, Projection};
 use super::lens::{FRAME_HEIGHT, Lens, LensKeys};
 use crate::geometry::RenderSpace;
-use crate::values;
+use crate::kinds;
+use crate::values::{self, Number};
 
 /// A perspective camera, a pinhole or with a lens.
 ///
@@ -18,6 +19,7 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "LookAtKeys", into = "LookAtKeys")]
 pub struct LookAt {
     keys: LookAtKeys,
@@ -28,38 +30,36 @@ pub struct LookAt {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(transform = values::exactly_one("fov_y_deg focal_length_mm")))]
 #[serde(deny_unknown_fields)]
 struct LookAtKeys {
     /// The center of projection.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     eye: DVec3,
     /// The point in the middle of the picture.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     target: DVec3,
     /// The upward direction in the picture; +y if not given.
-    #[serde(deserialize_with = "values::direction", default = "up")]
+    #[serde(with = "values::Direction", default = "up")]
     up: Vec3,
     /// The angle of view from the bottom to the top of the picture, in degrees.
-    #[serde(deserialize_with = "fov_deg", default)]
+    #[serde(with = "Fov", default)]
     fov_y_deg: Option<f32>,
     /// Instead of the angle: the focal length in millimeters, for frames of 36 x 24 mm.
-    #[serde(deserialize_with = "focal_length_mm", default)]
+    #[serde(with = "FocalLength", default)]
     focal_length_mm: Option<f32>,
     /// A thin lens; a pinhole if not given.
     #[serde(default)]
     lens: Option<LensKeys>,
 }
 
-fn fov_deg<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    values::within(d, 0.001..=179.9, "an angle in degrees from 0.001 to 179.9")
-}
-
-fn focal_length_mm<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Option<f32>, D::Error> {
-    values::within(
-        d,
-        1.0..=1e4,
-        "a focal length in millimeters from 1 to 10000",
-    )
+kinds! {
+    Fov: f32 = Number { expected: "an angle in degrees from 0.001 to 179.9", ranges: &[[0.001, 179.9]] };
+    FocalLength: f32 = Number {
+        expected: "a focal length in millimeters from 1 to 10000",
+        ranges: &[[1.0, 1e4]],
+    };
 }
 
 impl TryFrom<LookAtKeys> for LookAt {

@@ -33,6 +33,7 @@ macro_rules! cameras {
 
         /// The scene file's `camera`.
         #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = crate::values::expected::<Self>))]
         #[serde(
             rename_all = "snake_case",
             expecting = "a camera such as { look_at: { … } }"

@@ -17,6 +17,7 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "OrthographicKeys", into = "OrthographicKeys")]
 pub struct Orthographic {
     keys: OrthographicKeys,
@@ -24,19 +25,20 @@ pub struct Orthographic {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OrthographicKeys {
     /// A point of the plane where the view begins, in the middle of the picture.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     eye: DVec3,
     /// Another point in the middle of the picture.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     target: DVec3,
     /// The upward direction in the picture; +y if not given.
-    #[serde(deserialize_with = "values::direction", default = "up")]
+    #[serde(with = "values::Direction", default = "up")]
     up: Vec3,
     /// World-space height of the image.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     height: f32,
 }
 

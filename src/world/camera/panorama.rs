@@ -20,6 +20,7 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "PanoramaKeys", into = "PanoramaKeys")]
 pub struct Panorama {
     keys: PanoramaKeys,
@@ -27,16 +28,17 @@ pub struct Panorama {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct PanoramaKeys {
     /// The center of the panorama.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     eye: DVec3,
     /// A point on the middle column of the picture.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     target: DVec3,
     /// The direction of the top row of the picture; +y if not given.
-    #[serde(deserialize_with = "values::direction", default = "up")]
+    #[serde(with = "values::Direction", default = "up")]
     up: Vec3,
 }
 

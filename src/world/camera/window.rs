@@ -17,6 +17,7 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "WindowKeys", into = "WindowKeys")]
 pub struct Window {
     keys: WindowKeys,
@@ -24,6 +25,7 @@ pub struct Window {
 
 /// The positions of the pixels' centers in the window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`centers` or `edges`")]
 pub enum WindowSamples {
     /// In the centers of `width * height` equal cells.
@@ -36,19 +38,20 @@ pub enum WindowSamples {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct WindowKeys {
     /// The center of projection.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     eye: DVec3,
     /// The left and the right edge of the window.
-    #[serde(deserialize_with = "values::range")]
+    #[serde(with = "values::Range")]
     x: [f64; 2],
     /// The bottom and the top edge of the window.
-    #[serde(deserialize_with = "values::range")]
+    #[serde(with = "values::Range")]
     y: [f64; 2],
     /// The z coordinate of the window.
-    #[serde(deserialize_with = "values::exact_coordinate")]
+    #[serde(with = "values::ExactCoordinate")]
     z: f64,
     /// The positions of the samples in the cells of the window.
     #[serde(default)]

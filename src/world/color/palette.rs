@@ -24,6 +24,7 @@ const MAX_COLORS: usize = 1024;
 /// let phases: Palette = scene::yaml::from_str("categories: [[0, 0, 1], [1, 0, 0]]").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "values::Either<ColorMap, PaletteKeys>", transform = values::expected::<Self>))]
 #[serde(rename_all = "snake_case")]
 pub enum Palette {
     /// Evenly spread colors, interpolated between them.
@@ -39,13 +40,15 @@ pub enum Palette {
 
 /// Red, green and blue of some colors, from 0 to 1.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "Vec<ListedColor>")]
 pub struct ColorList(Vec<[f64; 3]>);
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 struct ListedColor {
-    #[serde(deserialize_with = "values::color")]
+    #[serde(with = "values::Color")]
     color: Vec3,
 }
 
@@ -63,6 +66,7 @@ impl TryFrom<Vec<ListedColor>> for ColorList {
 
 /// The palettes with keys.
 #[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum PaletteKeys {
     /// The colors of equally spaced numbers, from the first of the range to the last.

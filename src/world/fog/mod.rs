@@ -4,9 +4,10 @@ mod phase;
 mod sphere;
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
-use crate::values;
+use crate::kinds;
+use crate::values::{self, Number};
 
 pub use phase::HenyeyGreenstein;
 pub use sphere::FogSphere;
@@ -24,6 +25,7 @@ pub use sphere::FogSphere;
 /// # assert_eq!(fog.mean_free_path, 12.0);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "fog such as { mean_free_path: 10, color: 0.8 }"
@@ -31,23 +33,23 @@ pub use sphere::FogSphere;
 pub struct Fog {
     /// The distance in world units, greater than 0, at which a fraction of 1/e of the light is
     /// left.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     pub mean_free_path: f32,
     /// The color; white by default. In path tracing, the fraction of the light that the particles
     /// scatter rather than absorb (the albedo). In `blinn_phong`, the color that distant objects
     /// fade to.
-    #[serde(default = "values::white", deserialize_with = "values::color")]
+    #[serde(default = "values::white", with = "values::Color")]
     pub color: Vec3,
     /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
     /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
-    #[serde(default, deserialize_with = "anisotropy")]
+    #[serde(default, with = "Anisotropy")]
     pub anisotropy: f32,
     /// The radius of the sphere of fog around the center of the objects; by default, the smallest
     /// sphere that contains all bounded objects and the camera.
-    #[serde(default, deserialize_with = "values::positive")]
+    #[serde(default, with = "values::Positive")]
     pub radius: Option<f32>,
 }
 
-fn anisotropy<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, -0.99..=0.99, "a number from -0.99 to 0.99")
+kinds! {
+    Anisotropy: f32 = Number { expected: "a number from -0.99 to 0.99", ranges: &[[-0.99, 0.99]] };
 }

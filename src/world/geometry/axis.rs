@@ -18,6 +18,7 @@ pub(super) struct Ends(pub(super) [Vec3; 2]);
 
 /// Two distinct points: `[[x, y, z], [x, y, z]]`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "TwoPoints", into = "TwoPoints")]
 pub(super) struct EndKeys {
     points: TwoPoints,
@@ -25,10 +26,12 @@ pub(super) struct EndKeys {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
+#[cfg_attr(feature = "schema", schemars(with = "[values::Point; 2]"))]
 #[serde(expecting = "two ends: [[x, y, z], [x, y, z]]")]
 struct TwoPoints(
-    #[serde(deserialize_with = "values::point")] DVec3,
-    #[serde(deserialize_with = "values::point")] DVec3,
+    #[serde(with = "values::Point")] DVec3,
+    #[serde(with = "values::Point")] DVec3,
 );
 
 impl TryFrom<TwoPoints> for EndKeys {

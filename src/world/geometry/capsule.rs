@@ -33,13 +33,14 @@ pub struct Capsule {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CapsuleKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
-    #[serde(deserialize_with = "values::radii")]
+    #[serde(with = "values::Radii")]
     radius: [f32; 2],
 }
 

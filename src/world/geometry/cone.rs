@@ -30,13 +30,14 @@ pub struct Cone {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ConeKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
-    #[serde(deserialize_with = "values::cone_radii")]
+    #[serde(with = "values::ConeRadii")]
     radius: [f32; 2],
 }
 

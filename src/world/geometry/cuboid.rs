@@ -22,13 +22,14 @@ pub struct Cuboid {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CuboidKeys {
     /// The corner with the least coordinates.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     min: DVec3,
     /// The corner with the greatest coordinates.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     max: DVec3,
 }
 

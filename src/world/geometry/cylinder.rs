@@ -23,13 +23,14 @@ use math::simd::{Real, Vector};
 pub struct Cylinder(Cone);
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CylinderKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
     /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
     /// which one may be 0; of a capsule one number, or one for each end.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     radius: f32,
 }
 

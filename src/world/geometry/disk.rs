@@ -33,16 +33,17 @@ pub struct Disk {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DiskKeys {
     /// The center.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     center: DVec3,
     /// The unit normal; the file may give any length but zero.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     normal: Vec3,
     /// The radius, greater than 0.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     radius: f32,
 }
 

@@ -82,6 +82,11 @@ impl<'de, S: Described> Deserialize<'de> for Located<S> {
 
 /// A shape beside the keys that describe it: the shape alone has rounded them.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    schemars(with = "S::Keys", bound = "S::Keys: schemars::JsonSchema")
+)]
 pub struct Keyed<S: Described> {
     keys: S::Keys,
     /// The shape.

@@ -29,13 +29,14 @@ pub struct Plane {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PlaneKeys {
     /// One of its points.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     point: DVec3,
     /// The unit normal; the file may give any length but zero.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     normal: Vec3,
 }
 

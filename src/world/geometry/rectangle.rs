@@ -29,20 +29,23 @@ pub struct Rectangle {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct RectangleKeys {
     /// A corner.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     corner: DVec3,
     /// The two edges at the corner, which are not parallel.
     edges: Edges,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
+#[cfg_attr(feature = "schema", schemars(with = "[values::Point; 2]"))]
 #[serde(expecting = "two edges: [[x, y, z], [x, y, z]]")]
 struct Edges(
-    #[serde(deserialize_with = "values::point")] DVec3,
-    #[serde(deserialize_with = "values::point")] DVec3,
+    #[serde(with = "values::Point")] DVec3,
+    #[serde(with = "values::Point")] DVec3,
 );
 
 impl Described for Rectangle {

@@ -30,6 +30,7 @@ macro_rules! shapes {
 
         /// A shape of any kind in a scene file, with its keys.
         #[derive(Debug, Clone, PartialEq, Serialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         pub enum KeyedShape {
             $($(#[$doc])* #[serde(rename = $key)] $shape(Keyed<$shape>),)*
         }

@@ -29,13 +29,14 @@ pub struct Sphere {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SphereKeys {
     /// The center.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     center: DVec3,
     /// The radius, greater than 0.
-    #[serde(deserialize_with = "values::positive")]
+    #[serde(with = "values::Positive")]
     radius: f32,
 }
 

@@ -20,28 +20,30 @@ use crate::values;
 /// # assert_eq!(steps.len(), 3);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(rename_all = "snake_case", expecting = "a step such as { scale: 2 }")]
 pub enum TransformStep {
     /// Translates by a vector.
-    Translate(#[serde(deserialize_with = "values::vector")] DVec3),
+    Translate(#[serde(with = "values::Displacement")] DVec3),
     /// Rotates about an axis through the origin.
     Rotate(Rotation),
     /// Scales each coordinate; negative factors mirror.
-    Scale(#[serde(deserialize_with = "values::scale")] Vec3),
+    Scale(#[serde(with = "values::Scale")] Vec3),
 }
 
 /// A right-handed rotation about an axis through the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a turn such as { axis: [0, 1, 0], angle_deg: 30 }"
 )]
 pub struct Rotation {
     /// The axis, a unit vector.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     axis: Vec3,
     /// The angle in degrees.
-    #[serde(deserialize_with = "values::coordinate")]
+    #[serde(with = "values::Coordinate")]
     angle_deg: f32,
 }
 

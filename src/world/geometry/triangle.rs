@@ -26,6 +26,7 @@ pub struct Triangle {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TriangleKeys {
     /// The vertices, counterclockwise as seen from outside; not on one line.
@@ -34,6 +35,7 @@ pub struct TriangleKeys {
 
 /// Three points that are not on one line.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "[Corner; 3]", into = "[Corner; 3]")]
 struct TriangleCorners {
     points: [Corner; 3],
@@ -41,7 +43,8 @@ struct TriangleCorners {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
-struct Corner(#[serde(deserialize_with = "values::point")] DVec3);
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Corner(#[serde(with = "values::Point")] DVec3);
 
 impl TryFrom<[Corner; 3]> for TriangleCorners {
     type Error = &'static str;

@@ -17,17 +17,18 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
     /// The direction in which the light travels, a unit vector; the file may give any length but
     /// zero.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     pub direction: Vec3,
     /// The color, each channel at least 0; white by default.
-    #[serde(deserialize_with = "values::radiance", default = "values::white")]
+    #[serde(with = "values::Radiance", default = "values::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(deserialize_with = "values::intensity", default = "values::one")]
+    #[serde(with = "values::Intensity", default = "values::one")]
     pub intensity: f32,
 }
 

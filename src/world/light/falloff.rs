@@ -6,6 +6,7 @@ use math::simd::Real;
 
 /// The falloff of a light with the distance `d` from it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     rename_all = "snake_case",
     expecting = "`none`, `inverse` or `inverse_square`"

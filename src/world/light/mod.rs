@@ -26,6 +26,7 @@ macro_rules! lights {
 
         /// One of the scene file's `lights`.
         #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = crate::values::expected::<Self>))]
         #[serde(
             rename_all = "snake_case",
             expecting = "a light such as { point: { … } }"

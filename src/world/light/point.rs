@@ -18,16 +18,17 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
     /// The position.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     pub position: DVec3,
     /// The color, each channel at least 0; white by default.
-    #[serde(deserialize_with = "values::radiance", default = "values::white")]
+    #[serde(with = "values::Radiance", default = "values::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(deserialize_with = "values::intensity", default = "values::one")]
+    #[serde(with = "values::Intensity", default = "values::one")]
     pub intensity: f32,
     /// The falloff with the distance; none by default.
     #[serde(default)]

@@ -1,13 +1,14 @@
 //! The spot light.
 
 use glam::{DAffine3, DVec3, Vec3};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use super::falloff::Falloff;
 use super::illumination::Illumination;
 use super::point::PointLight;
 use crate::geometry::RenderSpace;
-use crate::values;
+use crate::kinds;
+use crate::values::{self, Number};
 use math::simd::{Real, Vector};
 
 /// A light that shines from one point into a cone.
@@ -19,6 +20,7 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "SpotKeys", into = "SpotKeys")]
 pub struct SpotLight {
     /// The light in the middle of the cone.
@@ -36,35 +38,38 @@ pub struct SpotLight {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct SpotKeys {
     /// The position.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     position: DVec3,
     /// A point in the middle of the cone.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     target: DVec3,
     /// The angle of the cone in degrees, from edge to edge.
-    #[serde(deserialize_with = "angle")]
+    #[serde(with = "ConeAngle")]
     angle_deg: f32,
     /// The outer fraction of the angle, in which the light fades, 0 to 1; 0.1 by default.
-    #[serde(deserialize_with = "values::fraction", default = "soft_edge")]
+    #[serde(with = "values::Fraction", default = "soft_edge")]
     soft_edge: f32,
     /// The color, each channel at least 0; white by default.
-    #[serde(deserialize_with = "values::radiance", default = "values::white")]
+    #[serde(with = "values::Radiance", default = "values::white")]
     color: Vec3,
     /// A factor on the color, at least 0; 1 by default.
-    #[serde(deserialize_with = "values::intensity", default = "values::one")]
+    #[serde(with = "values::Intensity", default = "values::one")]
     intensity: f32,
     /// The falloff with the distance; none by default.
     #[serde(default)]
     falloff: Falloff,
 }
 
-/// Returns the whole angle of a cone.
-fn angle<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
+kinds! {
     // From the least number above 0.
-    values::within(d, 5e-324..=180.0, "an angle greater than 0 and at most 180")
+    ConeAngle: f32 = Number {
+        expected: "an angle greater than 0 and at most 180",
+        ranges: &[[5e-324, 180.0]],
+    };
 }
 
 fn soft_edge() -> f32 {

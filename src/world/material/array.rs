@@ -37,6 +37,7 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     try_from = "ArrayKeys",
     into = "ArrayKeys",
@@ -64,19 +65,17 @@ pub struct ArrayTexture {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "an array such as { name: temperature }"
 )]
 struct ArrayKeys {
     /// The name of the array in the file.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     name: String,
     /// The component of a vector array, counted from 0; the magnitude by default.
-    #[serde(
-        default,
-        deserialize_with = "values::between::<_, _, 0, MAX_COMPONENT>"
-    )]
+    #[serde(default, with = "values::Between::<0, MAX_COMPONENT>")]
     component: Option<u32>,
     /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
     /// if it has both.
@@ -87,16 +86,18 @@ struct ArrayKeys {
     map: Palette,
     /// The numbers of the first and the last color.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "data")))]
     range: Option<ArrayRange>,
     /// The scale between these numbers. On `log`, numbers that are not positive have the first
     /// color.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = "linear")))]
     scale: Option<ArrayScale>,
     /// The color of numbers that are NaN; yellow by default.
-    #[serde(default = "yellow", deserialize_with = "values::color")]
+    #[serde(default = "yellow", with = "values::Color")]
     nan_color: Vec3,
     /// The title of a color bar that is drawn onto `image.png`; without it there is none.
-    #[serde(default, deserialize_with = "title")]
+    #[serde(default, with = "values::Name")]
     bar: Option<String>,
     /// The labels of the categories 0, 1 and so on in the color bar; other categories show their
     /// numbers.
@@ -105,11 +106,13 @@ struct ArrayKeys {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
-struct CategoryLabel(#[serde(deserialize_with = "values::name")] String);
+struct CategoryLabel(#[serde(with = "values::Name")] String);
 
 /// The elements that an array has values for.
 #[derive(Debug, Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
 pub(super) enum ArrayKind {
     /// Points: interpolated between them.
@@ -138,6 +141,7 @@ impl From<ArrayOf> for ArrayKind {
 
 /// The numbers of the first and the last color of a map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(rename_all = "snake_case")]
 pub enum ArrayRange {
     /// The least and the greatest number of the data of the material's objects, as in ParaView:
@@ -148,11 +152,12 @@ pub enum ArrayRange {
     Quantiles,
     /// Given numbers, ascending.
     #[serde(untagged)]
-    Given([f64; 2]),
+    Given(#[serde(with = "values::Range")] [f64; 2]),
 }
 
 /// How numbers become positions in a color map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`linear` or `log`")]
 pub enum ArrayScale {
     /// In equal steps.
@@ -160,10 +165,6 @@ pub enum ArrayScale {
     Linear,
     /// In equal ratios, of positive numbers.
     Log,
-}
-
-fn title<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
-    values::name(d).map(Some)
 }
 
 /// The maximum index of a component.
@@ -392,7 +393,7 @@ impl<'de> Visitor<'de> for RangeVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ArrayRange, A::Error> {
-        values::range(SeqAccessDeserializer::new(list)).map(ArrayRange::Given)
+        values::Range::deserialize(SeqAccessDeserializer::new(list)).map(ArrayRange::Given)
     }
 }
 

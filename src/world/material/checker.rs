@@ -17,16 +17,17 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
     /// The color of the cell at the origin of world space.
-    #[serde(deserialize_with = "values::color")]
+    #[serde(with = "values::Color")]
     pub even: Vec3,
     /// The other color.
-    #[serde(deserialize_with = "values::color")]
+    #[serde(with = "values::Color")]
     pub odd: Vec3,
     /// Side length of a cell in world units.
-    #[serde(deserialize_with = "values::exact_positive")]
+    #[serde(with = "values::ExactPositive")]
     pub size: f64,
     /// The axes along which the colors alternate; all by default. A floor at the
     /// boundary of two cells in y needs `xz`: rounding would mix their colors.
@@ -42,6 +43,7 @@ pub struct Checker {
 
 /// A set of axes of world space.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(rename_all = "lowercase", expecting = "axes such as `x` or `xz`")]
 #[expect(missing_docs, reason = "each variant names its axes")]
 pub enum Axes {
@@ -57,6 +59,7 @@ pub enum Axes {
 
 /// The rounding of coordinates to cell indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
 pub enum Rounding {
     /// Toward negative infinity: all cells have the same size.

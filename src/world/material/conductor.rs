@@ -4,10 +4,11 @@ use std::fmt;
 
 use glam::Vec3;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, MapAccess, Visitor};
+use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::values::{self, Number};
+use crate::kinds;
+use crate::values::{ColorForm, Number};
 
 /// A smooth metal, which reflects light by Fresnel's equations and transmits none.
 ///
@@ -21,6 +22,7 @@ use crate::values::{self, Number};
 /// # assert!((copper.index - other.index).abs().max_element() < 0.01);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "crate::values::Either<NamedMetal, ConductorKeys>", transform = crate::values::expected::<Self>))]
 pub struct Conductor {
     /// The real part of the index of refraction in each channel.
     pub index: Vec3,
@@ -32,36 +34,28 @@ pub struct Conductor {
 /// and Christy, "Optical Constants of the Noble Metals", Phys. Rev. B 6, 1972, and Rakić,
 /// "Algorithm for the determination of intrinsic optical constants of metal films:
 /// application to aluminum", Applied Optics 34, 1995.
-const METALS: [(&str, Conductor); 4] = [
-    (
-        "aluminum",
-        metal([1.657, 0.880, 0.521], [9.224, 6.270, 4.837]),
-    ),
-    (
-        "copper",
-        metal([0.200, 0.924, 1.102], [3.913, 2.453, 2.142]),
-    ),
-    ("gold", metal([0.143, 0.375, 1.442], [3.983, 2.386, 1.603])),
-    (
-        "silver",
-        metal([0.155, 0.117, 0.138], [4.828, 3.123, 2.147]),
-    ),
-];
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+enum NamedMetal {
+    Aluminum,
+    Copper,
+    Gold,
+    Silver,
+}
 
-const NAMES: [&str; METALS.len()] = {
-    let mut names = [""; METALS.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = METALS[i].0;
-        i += 1;
-    }
-    names
-};
-
-const fn metal(index: [f32; 3], extinction: [f32; 3]) -> Conductor {
-    Conductor {
-        index: Vec3::from_array(index),
-        extinction: Vec3::from_array(extinction),
+impl From<NamedMetal> for Conductor {
+    fn from(metal: NamedMetal) -> Self {
+        let (index, extinction) = match metal {
+            NamedMetal::Aluminum => ([1.657, 0.880, 0.521], [9.224, 6.270, 4.837]),
+            NamedMetal::Copper => ([0.200, 0.924, 1.102], [3.913, 2.453, 2.142]),
+            NamedMetal::Gold => ([0.143, 0.375, 1.442], [3.983, 2.386, 1.603]),
+            NamedMetal::Silver => ([0.155, 0.117, 0.138], [4.828, 3.123, 2.147]),
+        };
+        Self {
+            index: Vec3::from_array(index),
+            extinction: Vec3::from_array(extinction),
+        }
     }
 }
 
@@ -81,9 +75,7 @@ impl<'de> Visitor<'de> for ConductorVisitor {
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<Conductor, E> {
-        let found = METALS.iter().find(|(known, _)| *known == name);
-        let unknown = || E::unknown_variant(name, &NAMES);
-        found.map(|(_, metal)| *metal).ok_or_else(unknown)
+        NamedMetal::deserialize(name.into_deserializer()).map(Conductor::from)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Conductor, A::Error> {
@@ -96,19 +88,21 @@ impl<'de> Visitor<'de> for ConductorVisitor {
 }
 
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ConductorKeys {
-    #[serde(deserialize_with = "optical_constant")]
+    /// The real part of the index of refraction in each channel.
+    #[serde(with = "OpticalConstant")]
     index: Vec3,
-    #[serde(deserialize_with = "optical_constant")]
+    /// The imaginary part, the extinction coefficient.
+    #[serde(with = "OpticalConstant")]
     extinction: Vec3,
 }
 
-/// Reads an optical constant. Metals' are less than 100 from the ultraviolet to the far infrared.
-fn optical_constant<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    let number: Number = Number {
+kinds! {
+    // Less than 100 from the ultraviolet to the far infrared.
+    OpticalConstant: Vec3 = ColorForm(Number {
         expected: "a number from 0 to 1000",
-        accepts: |n| (0.0..=1000.0).contains(&n),
-    };
-    values::channels(d, number)
+        ranges: &[[0.0, 1000.0]],
+    });
 }

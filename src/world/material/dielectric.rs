@@ -1,9 +1,10 @@
 //! Transparent media: glass, water, ice.
 
 use glam::Vec3;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
-use crate::values;
+use crate::kinds;
+use crate::values::{self, Number};
 
 /// A smooth, clear medium inside a closed surface.
 ///
@@ -16,21 +17,23 @@ use crate::values;
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "a medium such as { index: 1.5 }")]
 pub struct Dielectric {
     /// The index of refraction, from 1 (vacuum) to 10.
-    #[serde(deserialize_with = "index")]
+    #[serde(with = "Index")]
     pub index: f32,
     /// The absorption coefficient of each channel per world unit, at least 0: light is
     /// weakened by `exp(-absorption * distance)`, the law of Beer and Lambert.
-    #[serde(deserialize_with = "values::radiance", default)]
+    #[serde(with = "values::Radiance", default)]
     pub absorption: Vec3,
     /// Where media overlap, the one with the highest priority counts; of equal ones the one that
     /// the ray entered last.
-    #[serde(deserialize_with = "values::byte", default)]
+    #[serde(with = "values::Byte", default)]
     pub priority: u8,
 }
 
-pub(super) fn index<'de, D: Deserializer<'de>>(d: D) -> Result<f32, D::Error> {
-    values::within(d, 1.0..=10.0, "an index of refraction from 1 to 10")
+kinds! {
+    /// An index of refraction.
+    pub(super) Index: f32 = Number { expected: "an index of refraction from 1 to 10", ranges: &[[1.0, 10.0]] };
 }

@@ -59,6 +59,7 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     try_from = "MaterialKeys",
     into = "MaterialKeys",
@@ -248,29 +249,44 @@ impl Material {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a material such as { color: [1, 0, 0] }"
+)]
+#[cfg_attr(
+    feature = "schema",
+    schemars(
+        transform = values::one_needed("color dielectric conductor emission"),
+        transform = values::at_most_one("reflection dielectric conductor principled"),
+        transform = values::at_most_one("opacity cutout dielectric"),
+        transform = values::excluded("principled", "diffuse specular"),
+    )
 )]
 struct MaterialKeys {
     /// The color of the diffuse reflection; white by default for a medium or a metal.
     #[serde(default)]
     color: Option<Texture>,
     /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a metal.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     ambient: Option<f32>,
     /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     diffuse: Option<f32>,
     /// Strength of the highlight, 0 to 1; 0 by default.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0)))]
     specular: Option<f32>,
     /// Exponent of the highlight, at least 0; 50 by default.
-    #[serde(default, deserialize_with = "values::non_negative")]
+    #[serde(default, with = "values::NonNegative")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 50)))]
     exponent: Option<f32>,
     /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
     /// metal, which reflect light by Fresnel's equations.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = 0)))]
     reflection: Option<f32>,
     /// The medium inside the surface, if light enters it.
     #[serde(default)]
@@ -288,7 +304,7 @@ struct MaterialKeys {
     #[serde(default)]
     cutout: Option<Cutout>,
     /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
     roughness: Option<f32>,
     /// The principled surface, if it is one.
     #[serde(default)]
@@ -298,7 +314,7 @@ struct MaterialKeys {
     #[serde(default = "by_default")]
     multiple_scattering: bool,
     /// The radiance that the surface emits, the same in all directions; none by default.
-    #[serde(default, deserialize_with = "values::radiance")]
+    #[serde(default, with = "values::Radiance")]
     emission: Vec3,
     /// If true, both sides reflect and emit light; otherwise only the outer one, on the side of the
     /// shape's own normal. True by default.

@@ -20,6 +20,7 @@ use math::simd::{Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(from = "NormalMapKeys")]
 pub struct NormalMap {
     /// The picture. Its numbers are linear unless specified otherwise.
@@ -29,13 +30,16 @@ pub struct NormalMap {
 }
 
 #[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a picture of normals such as { image: { file: normals.png } }"
 )]
 struct NormalMapKeys {
+    /// The picture. Its numbers are linear unless specified otherwise.
     image: ImageTexture,
-    #[serde(default = "values::one", deserialize_with = "values::non_negative")]
+    /// The factor of the bumps' slopes, at least 0.
+    #[serde(default = "values::one", with = "values::NonNegative")]
     strength: f32,
 }
 

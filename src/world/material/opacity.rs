@@ -23,6 +23,7 @@ use crate::values;
 /// # assert_eq!((veil.factor, lace.factor), (0.3, 0.8));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "values::Either<values::Fraction, OpacityKeys>", transform = values::expected::<Self>))]
 pub struct Opacity {
     /// The factor of all opacities, 0 to 1.
     pub factor: f32,
@@ -76,7 +77,7 @@ impl<'de> Visitor<'de> for OpacityVisitor {
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<Opacity, E> {
         Ok(Opacity {
-            factor: values::fraction(found.into_deserializer())?,
+            factor: values::Fraction::deserialize(found.into_deserializer())?,
             image: None,
             threshold: None,
         })
@@ -95,12 +96,13 @@ impl<'de> Visitor<'de> for OpacityVisitor {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OpacityKeys {
     /// The picture: its opacity counts, or its largest channel if it is opaque.
     image: ImageTexture,
     /// The factor of the picture's opacity, 0 to 1; 1 by default.
-    #[serde(default = "values::one", deserialize_with = "values::fraction")]
+    #[serde(default = "values::one", with = "values::Fraction")]
     factor: f32,
 }
 
@@ -115,6 +117,7 @@ struct OpacityKeys {
 /// ").unwrap();
 /// ```
 #[derive(Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a picture with holes such as { image: { file: leaf.png } }"
@@ -123,7 +126,7 @@ pub struct Cutout {
     /// The picture: its opacity counts, or its largest channel if it is opaque.
     pub image: ImageTexture,
     /// The least opacity of the surface, 0 to 1; there are holes below it. 0.5 by default.
-    #[serde(default = "values::half", deserialize_with = "values::fraction")]
+    #[serde(default = "values::half", with = "values::Fraction")]
     pub threshold: f32,
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::dielectric::{Dielectric, index};
+use super::dielectric::{Dielectric, Index};
 use crate::values;
 use math::optics::{Ggx, Masking};
 
@@ -22,6 +22,7 @@ use math::optics::{Ggx, Masking};
 /// # assert_eq!((plastic.metallic, frosted.index), (0.0, 1.45));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a principled surface such as { metallic: 1, roughness: 0.3 }"
@@ -29,17 +30,17 @@ use math::optics::{Ggx, Masking};
 pub struct Principled {
     /// The share of metal, 0 to 1: it reflects the color, brighter at grazing angles. 0 by
     /// default.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
     pub metallic: f32,
     /// The roughness, 0 to 1; 0.5 by default.
-    #[serde(default = "values::half", deserialize_with = "values::fraction")]
+    #[serde(default = "values::half", with = "values::Fraction")]
     pub roughness: f32,
     /// The share of the rest that lets light through, 0 to 1: the surface of a clear medium
     /// that colors it. 0 by default.
-    #[serde(default, deserialize_with = "values::fraction")]
+    #[serde(default, with = "values::Fraction")]
     pub transmission: f32,
     /// The index of refraction of the coat and of the medium, 1 to 10; 1.5 by default.
-    #[serde(default = "glass", deserialize_with = "index")]
+    #[serde(default = "glass", with = "Index")]
     pub index: f32,
 }
 

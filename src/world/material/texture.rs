@@ -11,14 +11,15 @@ use math::simd::{Real, Vector};
 /// Defines [`Texture`], its YAML keys and its dispatch from one list. A row has the
 /// kind, whose YAML key is its name in snake case, and the type in the kind's file.
 macro_rules! textures {
-    ($($(#[$doc:meta])* $kind:ident($file:ident::$texture:ident),)*) => {
+    ($($(#[doc = $doc:literal])* $(#[serde($write:ident)])? $kind:ident($file:ident::$texture:ident),)*) => {
         $(pub use super::$file::$texture;)*
 
         /// The color of each point of a surface.
         #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "ColorOr<TexturePattern>"))]
         #[serde(from = "ColorOr<TexturePattern>", rename_all = "snake_case")]
         pub enum Texture {
-            $($(#[$doc])* $kind($texture),)*
+            $($(#[doc = $doc])* $(#[serde($write)])? $kind($texture),)*
             /// The same everywhere.
             #[serde(untagged)]
             Color(Vec3),
@@ -26,9 +27,10 @@ macro_rules! textures {
 
         /// A texture other than one color.
         #[derive(Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[serde(rename_all = "snake_case")]
         enum TexturePattern {
-            $($kind($texture),)*
+            $($(#[doc = $doc])* $kind($texture),)*
         }
 
         impl From<ColorOr<TexturePattern>> for Texture {

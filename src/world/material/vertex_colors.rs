@@ -22,6 +22,11 @@ use math::simd::{Real, Vector};
 /// # assert!(scanned.is_of_vertices() && seen.is_of_vertices());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "VertexColorKeys")
+)]
 pub struct VertexColors {
     /// A color that multiplies the vertices' colors.
     pub tint: Vec3,
@@ -44,13 +49,14 @@ impl VertexColors {
 
 /// The keys for a VTK file.
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "`vertex_colors`, or an array such as { array: RGB }"
 )]
 struct VertexColorKeys {
     /// The name of the array of colors in a VTK file.
-    #[serde(deserialize_with = "values::name")]
+    #[serde(with = "values::Name")]
     array: String,
     /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
     /// if it has both.

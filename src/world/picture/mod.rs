@@ -42,6 +42,7 @@ pub struct Sampling {
 
 /// The filter between the texels of a picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     rename_all = "snake_case",
     expecting = "`trilinear`, `bilinear` or `nearest`"

@@ -6,6 +6,7 @@ use math::simd::{Arithmetic, Real};
 
 /// The continuation of a picture beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", expecting = "`repeat`, `clamp` or `mirror`")]
 pub enum Wrap {
     /// The picture is repeated.

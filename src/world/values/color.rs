@@ -5,32 +5,26 @@ use std::marker::PhantomData;
 
 use glam::Vec3;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer};
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
-
-use super::number::{NON_NEGATIVE, Number, NumberList, Splat, rounded};
-use crate::integers_as_f64;
-
-const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
-
-/// A channel of a reflectance.
-const CHANNEL: Number = Number {
-    expected: "a number from 0 to 1 (not 0 to 255)",
-    accepts: |x| (0.0..=1.0).contains(&x),
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor,
 };
 
-/// Reads a reflectance: each channel from 0 to 1.
-pub fn color<'de, D: Deserializer<'de>>(d: D) -> Result<Vec3, D::Error> {
-    d.deserialize_any(Color(CHANNEL))
-}
+use super::number::{NON_NEGATIVE, Number, Splat, rounded};
+use crate::{integers_as_f64, kinds};
 
-/// Reads a radiance: each channel at least 0.
-pub fn radiance<'de, D: Deserializer<'de>, T: From<Vec3>>(d: D) -> Result<T, D::Error> {
-    d.deserialize_any(Color(NON_NEGATIVE)).map(T::from)
-}
+pub(super) const EXPECTED: &str = "a color: [r, g, b], \"#rrggbb\" or one number for a gray";
 
-/// Reads a `number` for each channel.
-pub fn channels<'de, D: Deserializer<'de>>(d: D, number: Number) -> Result<Vec3, D::Error> {
-    d.deserialize_any(Color(number))
+/// A channel of a reflectance.
+pub(super) const CHANNEL: Number = Number {
+    expected: "a number from 0 to 1 (not 0 to 255)",
+    ranges: &[[0.0, 1.0]],
+};
+
+kinds! {
+    /// A reflectance: each channel from 0 to 1.
+    pub Color: Vec3 = ColorForm(CHANNEL);
+    /// A radiance: each channel at least 0.
+    pub Radiance: Vec3 = ColorForm(NON_NEGATIVE);
 }
 
 /// Parses red, green and blue of `#rrggbb`.
@@ -78,15 +72,24 @@ fn vector_of(numbers: [f64; 3]) -> Vec3 {
     Vec3::from(rounded(numbers))
 }
 
-struct Color(Number);
+/// A color: a number for each channel.
+pub struct ColorForm(pub Number);
 
-impl Color {
+impl ColorForm {
     fn numbers(self) -> Splat<3> {
-        Splat(NumberList(self.0, EXPECTED))
+        Splat(self.0, EXPECTED)
     }
 }
 
-impl<'de> Visitor<'de> for Color {
+impl<'de> DeserializeSeed<'de> for ColorForm {
+    type Value = Vec3;
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<Vec3, D::Error> {
+        d.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for ColorForm {
     type Value = Vec3;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -122,11 +125,11 @@ impl<'de, T: Deserialize<'de> + ColorPattern> Visitor<'de> for ColorOrVisitor<T>
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<ColorOr<T>, A::Error> {
-        Color(self.0).visit_seq(list).map(ColorOr::Color)
+        ColorForm(self.0).visit_seq(list).map(ColorOr::Color)
     }
 
     fn visit_f64<E: Error>(self, found: f64) -> Result<ColorOr<T>, E> {
-        Color(self.0).visit_f64(found).map(ColorOr::Color)
+        ColorForm(self.0).visit_f64(found).map(ColorOr::Color)
     }
 
     integers_as_f64!();
@@ -141,7 +144,7 @@ impl<'de, T: Deserialize<'de> + ColorPattern> Visitor<'de> for ColorOrVisitor<T>
                 let expected = format!("{EXPECTED}, or `{}`", T::WORDS.join("`, `"));
                 Err(E::invalid_value(Unexpected::Str(found), &expected.as_str()))
             }
-            _ => Color(self.0).visit_str(found).map(ColorOr::Color),
+            _ => ColorForm(self.0).visit_str(found).map(ColorOr::Color),
         }
     }
 

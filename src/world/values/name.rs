@@ -2,17 +2,16 @@
 
 use std::fmt;
 
-use serde::de::{Deserializer, Error, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error, Visitor};
+
+use crate::kinds;
 
 /// Maximum number of characters of a name, a title or a key.
 pub const MAX_NAME: usize = 256;
 
-/// Reads a name; for `#[serde(deserialize_with = "…")]`.
-///
-/// # Errors
-/// The value is not a string, or is longer than [`MAX_NAME`].
-pub fn name<'de, D: Deserializer<'de>>(d: D) -> Result<String, D::Error> {
-    d.deserialize_str(NameVisitor)
+kinds! {
+    /// A name: a text of at most [`MAX_NAME`] characters.
+    pub Name: String = NameForm;
 }
 
 /// Returns true if the text has more than [`MAX_NAME`] characters.
@@ -20,9 +19,18 @@ pub fn is_long(text: &str) -> bool {
     text.len() > MAX_NAME && text.chars().nth(MAX_NAME).is_some()
 }
 
-struct NameVisitor;
+/// A text of at most [`MAX_NAME`] characters.
+pub(super) struct NameForm;
 
-impl Visitor<'_> for NameVisitor {
+impl<'de> DeserializeSeed<'de> for NameForm {
+    type Value = String;
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<String, D::Error> {
+        d.deserialize_str(self)
+    }
+}
+
+impl Visitor<'_> for NameForm {
     type Value = String;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {

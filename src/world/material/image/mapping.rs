@@ -8,6 +8,8 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use super::planar::Planar;
 use super::spherical::Spherical;
 use super::triplanar::Triplanar;
+#[cfg(feature = "schema")]
+use crate::values::{Either, expected};
 
 /// The mapping of a picture onto a surface.
 ///
@@ -19,6 +21,7 @@ use super::triplanar::Triplanar;
 /// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Either<MappingWord, MappingKeys>", transform = expected::<Self>))]
 #[serde(rename_all = "snake_case")]
 pub enum Mapping {
     /// By the texture coordinates of a mesh.
@@ -34,8 +37,26 @@ pub enum Mapping {
     Triplanar(Triplanar),
 }
 
+/// The mappings without keys.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[expect(dead_code, reason = "for the schema")]
+enum MappingWord {
+    /// By the texture coordinates of a mesh.
+    Uv,
+    /// Projected onto a plane.
+    Planar,
+    /// Projected onto a sphere, as a map of longitudes and latitudes.
+    Spherical,
+    /// Projected along all three axes of world space, weighted by how close the normal is to each
+    /// axis.
+    Triplanar,
+}
+
 /// The mappings with keys.
 #[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum MappingKeys {
     /// Projected along an axis.

@@ -39,6 +39,7 @@ use math::simd::{LookupTable, Real, Vector};
 /// ").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     expecting = "a picture such as { file: planks.png }"
@@ -50,7 +51,7 @@ pub struct ImageTexture {
     #[serde(default)]
     pub mapping: Mapping,
     /// Width and height of the picture in the units of the mapping; 1 by default.
-    #[serde(default = "unit_size", deserialize_with = "values::size")]
+    #[serde(default = "unit_size", with = "values::Size")]
     pub size: [f32; 2],
     /// The continuation of the picture beyond its edges.
     #[serde(default)]

@@ -9,6 +9,11 @@ use math::simd::{Real, Vector};
 
 /// A plane onto which points are projected orthogonally.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "PlanarKeys")
+)]
 #[serde(try_from = "PlanarKeys")]
 pub struct Planar {
     /// The lower left corner of the picture.
@@ -20,17 +25,21 @@ pub struct Planar {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     default,
     expecting = "a plane such as { right: [1, 0, 0], up: [0, 1, 0] }"
 )]
 struct PlanarKeys {
-    #[serde(deserialize_with = "values::point")]
+    /// The lower left corner of the picture.
+    #[serde(with = "values::Point")]
     origin: DVec3,
-    #[serde(deserialize_with = "values::direction")]
+    /// To the right in the picture, a unit vector.
+    #[serde(with = "values::Direction")]
     right: Vec3,
-    #[serde(deserialize_with = "values::direction")]
+    /// Upward in the picture, a unit vector.
+    #[serde(with = "values::Direction")]
     up: Vec3,
 }
 

@@ -12,6 +12,11 @@ use math::simd::{Real, Vector, turns_of};
 /// A sphere of directions from a center. The picture is a map of the whole
 /// sphere as seen from outside, with equal steps of longitude and latitude.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "SphericalKeys")
+)]
 #[serde(try_from = "SphericalKeys")]
 pub struct Spherical {
     center: DVec3,
@@ -26,6 +31,7 @@ pub struct Spherical {
 }
 
 #[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(
     deny_unknown_fields,
     default,
@@ -33,13 +39,13 @@ pub struct Spherical {
 )]
 struct SphericalKeys {
     /// The center in world space.
-    #[serde(deserialize_with = "values::point")]
+    #[serde(with = "values::Point")]
     center: DVec3,
     /// The direction to the top of the picture.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     up: Vec3,
     /// The direction to the middle of the picture; its part along `up` is ignored.
-    #[serde(deserialize_with = "values::direction")]
+    #[serde(with = "values::Direction")]
     front: Vec3,
 }
 
