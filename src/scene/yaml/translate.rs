@@ -73,7 +73,7 @@ pub(super) fn missing_key_of(error: &serde_yaml::Error) -> Option<String> {
 
 /// Returns serde_yaml's message without the path before it and the position
 /// after it, which the excerpt shows.
-pub(super) fn message_of(error: &serde_yaml::Error) -> String {
+fn message_of(error: &serde_yaml::Error) -> String {
     let mut message = error.to_string();
     if let Some(place) = error.location() {
         let position = format!(" at line {} column {}", place.line(), place.column());

@@ -84,7 +84,7 @@ impl RatioMetrics {
 
 impl RatioMetric {
     /// Returns the arrays that can be parts.
-    pub fn costs() -> impl Iterator<Item = PixelArray> {
+    fn costs() -> impl Iterator<Item = PixelArray> {
         let arrays = PixelArray::KEYWORDS.iter().copied();
         arrays.filter(|array| array.is_cost())
     }

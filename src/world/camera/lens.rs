@@ -88,6 +88,13 @@ struct LensFields {
     focus_point: Option<DVec3>,
     /// The number of corners of the aperture, 3 to 32; 0 for a circle, as if not given.
     #[serde(default, with = "Blades")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(
+            with = "values::Either<values::Between<0, 0>, values::Between<3, 32>>",
+            extend("expected" = "3 to 32, or 0 for a round one"),
+        )
+    )]
     blades: u32,
     /// The rotation of the aperture in degrees, counterclockwise; at 0 a corner is on top.
     #[serde(default, with = "values::Coordinate")]
