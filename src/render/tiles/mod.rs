@@ -104,32 +104,14 @@ pub fn render(
     render_onto(film, view, plan, &Pass::default(), meter, report)
 }
 
-/// Renders onto a film of the image's size and the meter's mode.
-fn render_onto(
-    film: Film,
-    view: View,
-    plan: &TilePlan,
-    pass: &Pass,
-    meter: &Meter,
-    report: OnProgress,
-) -> (Film, Schedule) {
+/// Creates the renderer of tiles for the calling thread. Not a generic parameter: its calls take no
+/// time beside a tile, and all that handles tiles would be compiled four times.
+fn renderer<'a>(view: View<'a>, meter: &'a Meter, plan: &TilePlan) -> Box<dyn TileRenderer + 'a> {
     match meter {
-        Meter::Off => {
-            let renderer = || StreamRenderer::<NoProbe>::new(view);
-            render_tiles(film, plan, pass, renderer, report)
-        }
-        Meter::Counters => {
-            let renderer = || StreamRenderer::<Counters>::new(view);
-            render_tiles(film, plan, pass, renderer, report)
-        }
-        Meter::Time(clock) => {
-            let renderer = || GroupRenderer::new(view, clock);
-            render_tiles(film, plan, pass, renderer, report)
-        }
-        Meter::SingleRayTime(clock) => {
-            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
-            render_tiles(film, plan, pass, renderer, report)
-        }
+        Meter::Off => Box::new(StreamRenderer::<NoProbe>::new(view)),
+        Meter::Counters => Box::new(StreamRenderer::<Counters>::new(view)),
+        Meter::Time(clock) => Box::new(GroupRenderer::new(view, clock)),
+        Meter::SingleRayTime(clock) => Box::new(SingleRayRenderer::new(view, clock, plan.room())),
     }
 }
 
@@ -151,13 +133,14 @@ trait TileRenderer {
     }
 }
 
-/// Renders the tiles of the plan, except for those that the pass takes over. Each thread takes the
-/// next tile in the plan's order until there is none, or the pass is over.
-fn render_tiles<R: TileRenderer>(
+/// Renders the tiles of the plan onto a film of the image's size and the meter's mode, except for
+/// those that the pass takes over. Each thread takes the next tile in the plan's order until there is none, or the pass is over.
+fn render_onto(
     mut film: Film,
+    view: View,
     plan: &TilePlan,
     pass: &Pass,
-    renderer: impl Fn() -> R + Sync,
+    meter: &Meter,
     report: OnProgress,
 ) -> (Film, Schedule) {
     let target = OnceLock::new();
@@ -165,8 +148,10 @@ fn render_tiles<R: TileRenderer>(
     let (begin, runs) = pass.keeping(|| {
         // Render: rank 0 deals tiles to the other ranks meanwhile.
         let queue = TileQueue::new(plan, pass, &target, report);
-        let render_some =
-            |context: rayon::BroadcastContext| queue.render(context.index() as u32, renderer());
+        let render_some = |context: rayon::BroadcastContext| {
+            let renderer = &mut *renderer(view, meter, plan);
+            queue.render(context.index() as u32, renderer)
+        };
         let render = || {
             let film = film_to_fill;
             let _ = target.set(Target::new(film, &plan.grid, pass.limits.is_stored));
@@ -223,7 +208,7 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
 
 /// Renders a tile into the film. Returns its times since `begin` and its counters.
 fn render_tile(
-    renderer: &mut impl TileRenderer,
+    renderer: &mut dyn TileRenderer,
     (plan, tile): (&TilePlan, &Tile),
     canvas: &Canvas,
     begin: Instant,

@@ -86,15 +86,15 @@ impl<'a, 'f> TileQueue<'a, 'f> {
     }
 
     /// Renders tiles on the calling thread, which has this number, until none is left.
-    pub(super) fn render(&self, thread: u32, renderer: impl TileRenderer) -> TileRuns {
+    pub(super) fn render(&self, thread: u32, renderer: &mut dyn TileRenderer) -> TileRuns {
         self.with_canvas(|canvas| self.render_on(canvas, thread, renderer))
     }
 
-    fn render_on(&self, canvas: &Canvas, thread: u32, mut renderer: impl TileRenderer) -> TileRuns {
+    fn render_on(&self, canvas: &Canvas, thread: u32, renderer: &mut dyn TileRenderer) -> TileRuns {
         let mut runs = TileRuns::new();
         while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
             let tile_of_plan = (self.plan, &tile);
-            let run = render_tile(&mut renderer, tile_of_plan, canvas, self.begin);
+            let run = render_tile(renderer, tile_of_plan, canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,

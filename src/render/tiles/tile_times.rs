@@ -16,17 +16,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::canvas::Canvas;
-use super::groups::GroupRenderer;
 use super::prepass::{self, RayCounts, ray_counts};
-use super::stream::StreamRenderer;
-use super::timed::SingleRayRenderer;
 use super::view::View;
-use super::{TilePlan, TileRenderer, render_tile};
+use super::{TilePlan, TileRenderer, render_tile, renderer};
 use crate::film::Film;
 use crate::schedule::Tile;
 use base::stop;
 use math::statistics::non_negative_least_squares;
-use tracer::cost::{Counters, Meter};
+use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
 /// Tiles for each that is measured, and the least and the greatest number of measured tiles.
@@ -51,20 +48,12 @@ pub fn estimate_times(plan: TilePlan, tracer: Tracer, meter: &Meter) -> TilePlan
     let tiles: Vec<Tile> = chosen.iter().map(|&n| plan.grid.tile(n)).collect();
     let film = plan.film_without_rows(tracer.scene, meter.mode());
     let view = View::new(tracer, &plan.sensor);
-    let measured = match meter {
-        Meter::SingleRayTime(clock) => {
-            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
-            measured(&film, &plan, &tiles, renderer)
-        }
-        Meter::Time(clock) => {
-            let renderer = || GroupRenderer::new(view, clock);
-            measured(&film, &plan, &tiles, renderer)
-        }
-        Meter::Off | Meter::Counters => {
-            let renderer = || StreamRenderer::<Counters>::new(view);
-            measured(&film, &plan, &tiles, renderer)
-        }
+    // Streams take the same time for a ray whether it is counted or not.
+    let meter = match meter {
+        Meter::Off => &Meter::Counters,
+        meter => meter,
     };
+    let measured = measured(&film, &plan, &tiles, || renderer(view, meter, &plan));
     let ns_per_count = fitted(&measured);
     let ns_of = |counts: &RayCounts| -> f64 {
         let terms = counts.iter().zip(ns_per_count);
@@ -152,11 +141,11 @@ fn chosen(sequence: &[u32], counts: &[RayCounts]) -> Vec<u32> {
 }
 
 /// Renders tiles and forgets their pixels.
-fn measured<R: TileRenderer>(
+fn measured<'a>(
     film: &Film,
     plan: &TilePlan,
     tiles: &[Tile],
-    renderer: impl Fn() -> R + Sync,
+    renderer: impl Fn() -> Box<dyn TileRenderer + 'a> + Sync,
 ) -> Vec<MeasuredTile> {
     let n_taken = AtomicUsize::new(0);
     let measure_some = |_: rayon::BroadcastContext| {
@@ -169,7 +158,7 @@ fn measured<R: TileRenderer>(
             let n_renderings = if measured.is_empty() { 2 } else { 1 };
             for i in 1..=n_renderings {
                 let begin = Instant::now();
-                let run = render_tile(&mut renderer, (plan, tile), &canvas, begin);
+                let run = render_tile(&mut *renderer, (plan, tile), &canvas, begin);
                 if i == n_renderings && !stop::is_requested() {
                     measured.push(MeasuredTile {
                         tile: *tile,

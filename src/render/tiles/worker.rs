@@ -7,17 +7,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::canvas::Canvas;
-use super::groups::GroupRenderer;
-use super::stream::StreamRenderer;
-use super::timed::SingleRayRenderer;
-use super::{TilePlan, TileRenderer, View, render_tile};
+use super::{TilePlan, TileRenderer, View, render_tile, renderer};
 use crate::checkpoint::TileRecord;
 use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
 use base::stop;
 use host::start_in_scope;
-use tracer::cost::{Counters, Meter, NoProbe};
+use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
 /// Greatest number of bytes of tiles in a message: more would keep rank 0 from the other workers.
@@ -38,28 +35,6 @@ type DealtTile = (u8, u32);
 pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) -> io::Result<()> {
     let film = &plan.film_without_rows(tracer.scene, meter.mode());
     let view = View::new(tracer, &plan.sensor);
-    match meter {
-        Meter::Off => render_dealt(ranks, film, plan, || StreamRenderer::<NoProbe>::new(view)),
-        Meter::Counters => {
-            render_dealt(ranks, film, plan, || StreamRenderer::<Counters>::new(view))
-        }
-        Meter::Time(clock) => {
-            let renderer = || GroupRenderer::new(view, clock);
-            render_dealt(ranks, film, plan, renderer)
-        }
-        Meter::SingleRayTime(clock) => {
-            let renderer = || SingleRayRenderer::new(view, clock, plan.room());
-            render_dealt(ranks, film, plan, renderer)
-        }
-    }
-}
-
-fn render_dealt<R: TileRenderer>(
-    ranks: &Ranks,
-    film: &Film,
-    plan: &TilePlan,
-    renderer: impl Fn() -> R + Sync,
-) -> io::Result<()> {
     let (to_threads, dealt) = mpsc::channel();
     let (to_rank_0, rendered) = mpsc::channel();
     let dealt = DealtTiles {
@@ -77,7 +52,8 @@ fn render_dealt<R: TileRenderer>(
         rayon::broadcast(|context| {
             let thread = context.index() as u32;
             let film = film.of_one_tile();
-            render_some(thread, renderer(), (ranks, plan, film), &dealt, &to_rank_0);
+            let renderer = &mut *renderer(view, meter, plan);
+            render_some(thread, renderer, (ranks, plan, film), &dealt, &to_rank_0);
         });
         Ok(())
     })
@@ -86,7 +62,7 @@ fn render_dealt<R: TileRenderer>(
 /// Renders tiles on the calling thread until there are no more.
 fn render_some(
     thread: u32,
-    mut renderer: impl TileRenderer,
+    renderer: &mut dyn TileRenderer,
     (ranks, plan, mut film): (&Ranks, &TilePlan, Film),
     dealt: &DealtTiles,
     to_rank_0: &Sender<TileRecord<'static>>,
@@ -95,7 +71,7 @@ fn render_some(
         let grid = plan.grid.of_rendering(rendering, film.cost);
         let tile = grid.tile(number);
         let canvas = &Canvas::of_one_tile(&mut film, grid);
-        let run = render_tile(&mut renderer, (plan, &tile), canvas, ranks.epoch);
+        let run = render_tile(renderer, (plan, &tile), canvas, ranks.epoch);
         let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);
         // A tile that was stopped is not whole.
