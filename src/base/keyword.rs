@@ -29,9 +29,9 @@ pub trait Keyword: Copy + 'static {
 /// too.
 ///
 /// ```
-/// use base::Keyword;
+/// use raycost_base::Keyword;
 ///
-/// base::keywords! {
+/// raycost_base::keywords! {
 ///     /// The way from here.
 ///     #[derive(Default)]
 ///     pub enum Turn {

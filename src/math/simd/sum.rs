@@ -12,7 +12,7 @@ impl Simd {
     /// multiple of 64.
     ///
     /// ```
-    /// # use math::simd::Simd;
+    /// # use raycost_math::simd::Simd;
     /// assert_eq!(Simd::best().sum(&[0.5; 640]), 320.0);
     /// ```
     pub fn sum(self, numbers: &[f32]) -> f32 {

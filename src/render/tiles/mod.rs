@@ -244,3 +244,26 @@ fn render_tile(
     run.film_ns = run.film_ns.min(run.duration_ns());
     run
 }
+
+/// Two mirrors over a mirroring floor, for tests.
+#[cfg(test)]
+fn mirrors(width: u32, height: u32) -> (scene::config::Config, world::scene::Scene) {
+    let text = format!(
+        "image: {{ width: {width}, height: {height} }}
+camera: {{ look_at: {{ eye: [0, 1, 5], target: [0, 0.5, 0], fov_y_deg: 50 }} }}
+shading: {{ model: seed, max_depth: 4 }}
+materials:
+  mirror: {{ color: [0.5, 0.2, 0.5], specular: 1, exponent: 50, reflection: 0.5 }}
+lights: [{{ point: {{ position: [5, 5, 10] }} }}]
+objects:
+  - {{ sphere: {{ center: [-0.7, 0.6, 0], radius: 0.6 }}, material: mirror }}
+  - {{ sphere: {{ center: [0.7, 0.6, -1], radius: 0.6 }}, material: mirror }}
+  - {{ plane: {{ point: [0, 0, 0], normal: [0, 1, 0] }}, material: mirror }}
+"
+    );
+    let mut config = scene::yaml::from_str(&text).unwrap();
+    let folder = std::path::Path::new("");
+    let geometries = scene::build::Geometries::read(&mut config, folder, u64::MAX).unwrap();
+    let scene = scene::build::scene(&config, geometries).unwrap();
+    (config, scene)
+}

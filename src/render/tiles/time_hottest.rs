@@ -145,25 +145,16 @@ fn before((x, y): (u32, u32), width: u32) -> impl Iterator<Item = (u32, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::render;
-    use scene::build::{Geometries, Sensor};
-    use scene::config::{Config, CostMode, Tiling};
-    use scene::yaml::Source;
+    use crate::tiles::{mirrors, render};
+    use scene::build::Sensor;
+    use scene::config::{CostMode, Tiling};
     use tracer::accel::Accel;
     use tracer::cost::Meter;
     use tracer::trace::Tracer;
 
     #[test]
     fn a_pixel_that_was_disturbed_is_not_the_hottest() {
-        let file = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../configs/seed_extended.yaml"
-        );
-        let source = Source::read(file.as_ref()).unwrap();
-        let mut config: Config = source.parse().unwrap();
-        (config.image.width, config.image.height) = (40, 30);
-        let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
-        let scene = scene::build::scene(&config, geometries).unwrap();
+        let (config, scene) = mirrors(40, 30);
         let accel = Accel::new(&scene, config.acceleration);
         let tracer = Tracer::new(&scene, &accel);
         let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), Tiling::default());

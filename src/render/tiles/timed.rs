@@ -280,24 +280,16 @@ impl TileRenderer for SingleRayRenderer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::TilePlan;
     use crate::tiles::stream::StreamRenderer;
-    use scene::build::{Geometries, Sensor};
-    use scene::config::{Config, Tiling};
-    use scene::yaml::Source;
+    use crate::tiles::{TilePlan, mirrors};
+    use scene::build::Sensor;
+    use scene::config::Tiling;
     use tracer::accel::Accel;
     use tracer::trace::Tracer;
 
     #[test]
     fn a_warm_up_is_timed_and_not_counted() {
-        let file = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../configs/seed_extended.yaml"
-        );
-        let source = Source::read(file.as_ref()).unwrap();
-        let mut config: Config = source.parse().unwrap();
-        let geometries = Geometries::read(&mut config, source.folder(), u64::MAX).unwrap();
-        let scene = scene::build::scene(&config, geometries).unwrap();
+        let (config, scene) = mirrors(320, 320);
         let accel = Accel::new(&scene, config.acceleration);
         let tracer = Tracer::new(&scene, &accel);
         let plan = TilePlan::new(tracer, &Sensor::new(&scene, &config), Tiling::default());

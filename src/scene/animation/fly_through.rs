@@ -13,8 +13,8 @@ use world::values::{self, NonEmpty};
 /// Moves the camera along a smooth path through all eyes, at constant speed.
 ///
 /// ```
-/// # use scene::animation::FlyThrough;
-/// let path: FlyThrough = scene::yaml::from_str("
+/// # use raycost_scene::animation::FlyThrough;
+/// let path: FlyThrough = raycost_scene::yaml::from_str("
 /// { eyes: [[0, 1, 6], [3, 1, 3], [3, 1, -3]], targets: [[0, 0, 0]] }
 /// ").unwrap();
 /// ```

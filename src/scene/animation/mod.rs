@@ -31,8 +31,8 @@ use world::values::{self, Number};
 /// Values of the scene that change from frame to frame.
 ///
 /// ```
-/// # use scene::animation::Animation;
-/// let animation: Animation = scene::yaml::from_str(r#"
+/// # use raycost_scene::animation::Animation;
+/// let animation: Animation = raycost_scene::yaml::from_str(r#"
 /// frames: 48
 /// fps: 24
 /// interpolation: smooth

@@ -13,8 +13,8 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// Adaptive sampling: a pixel gets more samples while it is noisy.
 ///
 /// ```
-/// # use scene::config::Adaptive;
-/// let adaptive: Adaptive = scene::yaml::from_str("
+/// # use raycost_scene::config::Adaptive;
+/// let adaptive: Adaptive = raycost_scene::yaml::from_str("
 /// { noise: 0.01, min_samples: 16 }
 /// ").unwrap();
 /// # assert_eq!(adaptive.min_samples, 16);

@@ -100,8 +100,8 @@ impl fmt::Display for GeometryFile {
 /// Without a `material` next to it, it has the materials of the file.
 ///
 /// ```
-/// # use scene::config::MeshFile;
-/// let mesh: MeshFile = scene::yaml::from_str("
+/// # use raycost_scene::config::MeshFile;
+/// let mesh: MeshFile = raycost_scene::yaml::from_str("
 /// { file: meshes/spot.obj, normals: smooth }
 /// ").unwrap();
 /// ```
@@ -138,11 +138,11 @@ pub struct MeshFile {
 /// each of its points or vertices.
 ///
 /// ```
-/// # use scene::config::SpheresFile;
-/// let spheres: SpheresFile = scene::yaml::from_str("
+/// # use raycost_scene::config::SpheresFile;
+/// let spheres: SpheresFile = raycost_scene::yaml::from_str("
 /// { file: particles.csv, radius: 0.01 }
 /// ").unwrap();
-/// let grains: SpheresFile = scene::yaml::from_str("
+/// let grains: SpheresFile = raycost_scene::yaml::from_str("
 /// { file: grains.vtp, radius: { array: diameter, scale: 0.5 } }
 /// ").unwrap();
 /// ```
@@ -173,11 +173,11 @@ pub struct SpheresFile {
 /// begins) and others, which are arrays.
 ///
 /// ```
-/// # use scene::config::TubesFile;
-/// let bonds: TubesFile = scene::yaml::from_str("
+/// # use raycost_scene::config::TubesFile;
+/// let bonds: TubesFile = raycost_scene::yaml::from_str("
 /// { file: bonds.csv, radius: 0.01 }
 /// ").unwrap();
-/// let streamlines: TubesFile = scene::yaml::from_str("
+/// let streamlines: TubesFile = raycost_scene::yaml::from_str("
 /// { file: streamlines.vtp, radius: { array: speed, scale: 0.02 } }
 /// ").unwrap();
 /// ```

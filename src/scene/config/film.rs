@@ -11,9 +11,9 @@ use world::values::{self, Number};
 /// The conversion of a pixel's light to the numbers of the picture.
 ///
 /// ```
-/// # use scene::config::FilmSettings;
+/// # use raycost_scene::config::FilmSettings;
 /// # use world::color::ToneCurve;
-/// let film: FilmSettings = scene::yaml::from_str("
+/// let film: FilmSettings = raycost_scene::yaml::from_str("
 /// { exposure: 1.5, tone_curve: agx, bits: 16 }
 /// ").unwrap();
 /// # assert_eq!((film.exposure, film.tone_curve, film.bits), (1.5, ToneCurve::Agx, 16));

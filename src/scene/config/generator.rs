@@ -91,8 +91,8 @@ impl fmt::Display for Generator {
 /// materials, all uniformly distributed. The same seed gives the same spheres.
 ///
 /// ```
-/// # use scene::config::SphereCloud;
-/// let cloud: SphereCloud = scene::yaml::from_str("
+/// # use raycost_scene::config::SphereCloud;
+/// let cloud: SphereCloud = raycost_scene::yaml::from_str("
 /// { count: 10000, min: [-5, 0, -5], max: [5, 2, 5], radius: [0.02, 0.06], seed: 1 }
 /// ").unwrap();
 /// ```
@@ -140,8 +140,8 @@ impl SphereCloud {
 /// Spheres on a rectangular grid, x fastest; materials alternate.
 ///
 /// ```
-/// # use scene::config::SphereGrid;
-/// let grid: SphereGrid = scene::yaml::from_str("
+/// # use raycost_scene::config::SphereGrid;
+/// let grid: SphereGrid = raycost_scene::yaml::from_str("
 /// { counts: [10, 1, 10], min: [-5, 0, -5], max: [5, 0, 5], radius: 0.4 }
 /// ").unwrap();
 /// ```

@@ -15,8 +15,8 @@ pub const MAX_SIDE: u32 = 65_535;
 /// Size and sampling of the picture.
 ///
 /// ```
-/// # use scene::config::Image;
-/// let image: Image = scene::yaml::from_str("
+/// # use raycost_scene::config::Image;
+/// let image: Image = raycost_scene::yaml::from_str("
 /// { width: 640, height: 480, samples_per_pixel: 4, seed: 7, sampler: sobol }
 /// ").unwrap();
 /// # assert_eq!(image.samples_per_pixel, 4);

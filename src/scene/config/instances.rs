@@ -20,18 +20,18 @@ use world::values::{self, NonEmpty};
 /// placement. The object's `transform` applies to all of them.
 ///
 /// ```
-/// # use scene::config::InstancedMesh;
-/// let pair: InstancedMesh = scene::yaml::from_str("
+/// # use raycost_scene::config::InstancedMesh;
+/// let pair: InstancedMesh = raycost_scene::yaml::from_str("
 /// mesh: { file: meshes/spot.obj, normals: smooth }
 /// places:                                  # the steps of an instance each, as in `transform`
 ///   - [{ translate: [-1, 0, 0] }]
 ///   - [{ scale: 0.5 }, { rotate: { axis: [0, 1, 0], angle_deg: 90 } }, { translate: [1, 0, 0] }]
 /// ").unwrap();
-/// let arrows: InstancedMesh = scene::yaml::from_str("
+/// let arrows: InstancedMesh = raycost_scene::yaml::from_str("
 /// mesh: { file: meshes/spot.obj }
 /// points: { file: grains.vtp, scale: { array: diameter, factor: 0.5 }, orient: { array: velocity } }
 /// ").unwrap();
-/// let herd: InstancedMesh = scene::yaml::from_str("
+/// let herd: InstancedMesh = raycost_scene::yaml::from_str("
 /// mesh: { file: meshes/spot.obj }
 /// cloud: { count: 10000, min: [-50, 0, -50], max: [50, 0, 50], scale: [0.8, 1.2], turn: [0, 1, 0], seed: 1 }
 /// ").unwrap();

@@ -11,11 +11,11 @@ use world::values::{self, OneOrList, coordinate_or_list};
 /// The surfaces within a data set where an array of its points has a value.
 ///
 /// ```
-/// # use scene::config::Isosurface;
-/// let flame: Isosurface = scene::yaml::from_str("
+/// # use raycost_scene::config::Isosurface;
+/// let flame: Isosurface = raycost_scene::yaml::from_str("
 /// { array: temperature, value: 1200 }
 /// ").unwrap();
-/// let fronts: Isosurface = scene::yaml::from_str("
+/// let fronts: Isosurface = raycost_scene::yaml::from_str("
 /// { array: velocity, component: 2, value: [-0.5, 0.5] }
 /// ").unwrap();
 /// ```

@@ -66,7 +66,7 @@ pub use world::shading::{LightSampling, Shading, ShadingModel};
 /// A whole scene file.
 ///
 /// ```
-/// # use scene::{config::Config, yaml::Source};
+/// # use raycost_scene::{config::Config, yaml::Source};
 /// let config: Config = Source::new("scene.yaml", "
 /// image: { width: 320, height: 240 }
 /// camera:

@@ -13,9 +13,9 @@ use world::values::{Either, Number, expected};
 /// The shading normals of a mesh.
 ///
 /// ```
-/// # use scene::config::MeshNormals;
-/// let keyword: MeshNormals = scene::yaml::from_str("smooth").unwrap();
-/// let with_edges: MeshNormals = scene::yaml::from_str("
+/// # use raycost_scene::config::MeshNormals;
+/// let keyword: MeshNormals = raycost_scene::yaml::from_str("smooth").unwrap();
+/// let with_edges: MeshNormals = raycost_scene::yaml::from_str("
 /// smooth: { angle_deg: 30 }   # edges of more than this angle stay sharp
 /// ").unwrap();
 /// # assert!(keyword != with_edges);

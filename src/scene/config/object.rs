@@ -20,8 +20,8 @@ use world::values::{self, NonEmpty};
 /// and optionally a name and a transform.
 ///
 /// ```
-/// # use scene::config::Object;
-/// let object: Object = scene::yaml::from_str("
+/// # use raycost_scene::config::Object;
+/// let object: Object = raycost_scene::yaml::from_str("
 /// box: { min: [-1, -1, -1], max: [1, 1, 1] }
 /// material: red
 /// name: tilted box                       # for reports, optional

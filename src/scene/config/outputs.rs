@@ -15,13 +15,13 @@ use world::values;
 /// The optional outputs of a run, and the arrays of its VTK files.
 ///
 /// ```
-/// # use scene::config::{OptionalOutput, Outputs};
-/// let outputs: Outputs = scene::yaml::from_str("
+/// # use raycost_scene::config::{OptionalOutput, Outputs};
+/// let outputs: Outputs = raycost_scene::yaml::from_str("
 /// [objects, bvh: { max_depth: 10, min_visits: 100 }]
 /// ").unwrap();
 /// # assert!(outputs.has(OptionalOutput::Objects) && outputs.has(OptionalOutput::Bvh) && !outputs.has(OptionalOutput::Surface));
 /// # assert_eq!((outputs.bvh.max_depth, outputs.bvh.min_visits), (10, 100));
-/// let outputs: Outputs = scene::yaml::from_str("
+/// let outputs: Outputs = raycost_scene::yaml::from_str("
 /// { also: [objects], arrays: [RGB, time_ns] }
 /// ").unwrap();
 /// # assert!(outputs.has(OptionalOutput::Objects) && outputs.written_arrays().has("RGB"));

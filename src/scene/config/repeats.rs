@@ -13,10 +13,10 @@ use world::values::Count;
 /// How many times the picture is rendered to time its pixels.
 ///
 /// ```
-/// # use scene::config::Repeats;
-/// let repeats: Repeats = scene::yaml::from_str("10").unwrap();
+/// # use raycost_scene::config::Repeats;
+/// let repeats: Repeats = raycost_scene::yaml::from_str("10").unwrap();
 /// # assert_eq!(repeats, "10".parse().unwrap());
-/// let repeats: Repeats = scene::yaml::from_str("auto").unwrap();
+/// let repeats: Repeats = raycost_scene::yaml::from_str("auto").unwrap();
 /// # assert_eq!(repeats, Repeats::Auto);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema)]

@@ -9,8 +9,8 @@ use world::values;
 /// The division of the picture among threads. It changes neither the picture nor its counters.
 ///
 /// ```
-/// # use scene::config::{TileOrder, Tiling};
-/// let tiling: Tiling = scene::yaml::from_str("
+/// # use raycost_scene::config::{TileOrder, Tiling};
+/// let tiling: Tiling = raycost_scene::yaml::from_str("
 /// { size: 32, order: hilbert }
 /// ").unwrap();
 /// # assert_eq!(tiling, Tiling { size: 32, order: TileOrder::Hilbert });

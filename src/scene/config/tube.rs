@@ -12,11 +12,11 @@ use world::values::{self, OneOrList, positive_or_list};
 /// A tube along the line through points, with round joints and ends.
 ///
 /// ```
-/// # use scene::config::Tube;
-/// let pipe: Tube = scene::yaml::from_str("
+/// # use raycost_scene::config::Tube;
+/// let pipe: Tube = raycost_scene::yaml::from_str("
 /// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: 0.1 }
 /// ").unwrap();
-/// let horn: Tube = scene::yaml::from_str("
+/// let horn: Tube = raycost_scene::yaml::from_str("
 /// { points: [[0, 0, 2], [1, 0, 2], [1, 1, 2]], radius: [0.1, 0.2, 0.4] }
 /// ").unwrap();
 /// ```

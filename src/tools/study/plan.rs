@@ -19,7 +19,7 @@ use world::values::{self, NonEmpty};
 ///
 /// ```
 /// # use scene::yaml;
-/// # use tools::study::StudyPlan;
+/// # use raycost_tools::study::StudyPlan;
 /// let plan: StudyPlan = yaml::from_str("
 /// title: Threads
 /// scenes: [../seed_extended.yaml]

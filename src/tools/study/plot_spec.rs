@@ -16,7 +16,7 @@ use world::values::{Either, Text, expected};
 ///
 /// ```
 /// # use scene::yaml;
-/// # use tools::study::PlotSpec;
+/// # use raycost_tools::study::PlotSpec;
 /// let plot: PlotSpec = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]

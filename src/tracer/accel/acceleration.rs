@@ -11,7 +11,7 @@ use base::keywords;
 /// The structure that finds the nearest hit of a ray.
 ///
 /// ```
-/// # use tracer::accel::{Acceleration, Quality};
+/// # use raycost_tracer::accel::{Acceleration, Quality};
 /// let careful: Acceleration = scene::yaml::from_str("{ quality: high }").unwrap();
 /// let plain: Acceleration = scene::yaml::from_str("bvh").unwrap();
 /// # assert_eq!(careful, Acceleration::Bvh(Quality::High));

@@ -124,7 +124,6 @@ impl AccelIndex {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
 
     use super::*;
     use scene::build::Geometries;
@@ -138,12 +137,14 @@ mod tests {
             "image: {{ width: 1, height: 1 }}\n\
              camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}\n\
              materials: {{ m: {{ color: 1 }} }}\nlights: []\nobjects:\n\
-             - instances: {{ mesh: {{ file: meshes/trellis.obj }}, places: [[{{ scale: 1 }}], [{{ translate: [{x}, 9, 0] }}]] }}\n  \
+             - instances: {{ mesh: {{ file: mesh.obj }}, places: [[{{ scale: 1 }}], [{{ translate: [{x}, 9, 0] }}]] }}\n  \
                material: m\n"
         );
         let mut config: Config = yaml::from_str(&text).unwrap();
-        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../configs"));
-        let geometries = Geometries::read(&mut config, folder, u64::MAX).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n";
+        std::fs::write(folder.path().join("mesh.obj"), mesh).unwrap();
+        let geometries = Geometries::read(&mut config, folder.path(), u64::MAX).unwrap();
         scene::build::scene(&config, geometries).unwrap()
     }
 

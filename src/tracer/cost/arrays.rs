@@ -6,7 +6,7 @@ keywords! {
     /// An array of the cloud and the frame.
     ///
     /// ```
-    /// # use tracer::cost::PixelArray;
+    /// # use raycost_tracer::cost::PixelArray;
     /// let arrays: Vec<PixelArray> = scene::yaml::from_str("[RGB, node_visits, time_ns]").unwrap();
     /// # use PixelArray::*;
     /// # assert_eq!(arrays, [Rgb, NodeVisits, TimeNs]);

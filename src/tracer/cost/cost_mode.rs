@@ -7,7 +7,7 @@ keywords! {
     /// three modes with counters the same counters.
     ///
     /// ```
-    /// # use tracer::cost::CostMode;
+    /// # use raycost_tracer::cost::CostMode;
     /// let cost: CostMode = scene::yaml::from_str("counters").unwrap();
     /// # assert_eq!(cost, CostMode::Counters);
     /// ```

@@ -27,7 +27,7 @@ pub struct RatioMetric {
 /// All copies refer to one list, which is kept until the program ends: equal lists are kept once.
 ///
 /// ```
-/// # use tracer::cost::{PixelArray, RatioMetrics};
+/// # use raycost_tracer::cost::{PixelArray, RatioMetrics};
 /// let metrics: RatioMetrics = scene::yaml::from_str("
 /// { tests_per_ray: primitive_tests / rays }
 /// ").unwrap();

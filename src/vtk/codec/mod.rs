@@ -19,7 +19,7 @@ keywords! {
     /// The compression of the arrays in VTK files. All of them are lossless.
     ///
     /// ```
-    /// # use vtk::Codec;
+    /// # use raycost_vtk::Codec;
     /// let compress: Codec = serde_yaml::from_str("zlib").unwrap();
     /// # assert_eq!(compress, Codec::Zlib);
     /// ```

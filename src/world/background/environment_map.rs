@@ -15,7 +15,7 @@ use math::simd::{Arithmetic, LookupTable, Real, Vector, cos_sin, turns_of};
 /// at +y. Its middle column is at -z, and columns to its right turn toward +x.
 ///
 /// ```
-/// # use world::background::Background;
+/// # use raycost_world::background::Background;
 /// let sky: Background = scene::yaml::from_str("
 /// environment_map:
 ///   file: sky.hdr       # PNG, JPEG, Radiance HDR or OpenEXR, relative to the scene file

@@ -22,7 +22,7 @@ use math::simd::{Real, Vector};
 /// The `background` section.
 ///
 /// ```
-/// # use world::background::Background;
+/// # use raycost_world::background::Background;
 /// let sky: Background = scene::yaml::from_str("
 /// gradient: { bottom: [0.9, 0.9, 1], top: [0.3, 0.5, 0.9] }
 /// ").unwrap();

@@ -18,7 +18,7 @@ use crate::values::{self, Number};
 /// surface facing the sun above the atmosphere has radiance 1.
 ///
 /// ```
-/// # use world::background::Background;
+/// # use raycost_world::background::Background;
 /// let morning: Background = scene::yaml::from_str("
 /// sky:
 ///   sun: { elevation_deg: 20, azimuth_deg: 90 }   # above the horizon, from -z toward +x

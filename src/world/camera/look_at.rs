@@ -13,7 +13,7 @@ use crate::values::{self, Number};
 /// A perspective camera, a pinhole or with a lens.
 ///
 /// ```
-/// # use world::camera::Camera;
+/// # use raycost_world::camera::Camera;
 /// let camera: Camera = scene::yaml::from_str("
 /// look_at: { eye: [0, 1, -5], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 40 }
 /// ").unwrap();

@@ -11,7 +11,7 @@ use crate::values;
 /// An orthographic camera. It sees only what lies in front of the plane through `eye`.
 ///
 /// ```
-/// # use world::camera::Camera;
+/// # use raycost_world::camera::Camera;
 /// let camera: Camera = scene::yaml::from_str("
 /// orthographic: { eye: [0, 5, 0], target: [0, 0, 0], up: [0, 0, 1], height: 4 }
 /// ").unwrap();

@@ -14,7 +14,7 @@ use crate::values;
 /// column. The horizon is the middle row.
 ///
 /// ```
-/// # use world::camera::Camera;
+/// # use raycost_world::camera::Camera;
 /// let camera: Camera = scene::yaml::from_str("
 /// panorama: { eye: [0, 1.6, 0], target: [0, 1.6, -1] }
 /// ").unwrap();

@@ -11,7 +11,7 @@ use crate::values;
 /// with x to the right and y up.
 ///
 /// ```
-/// # use world::camera::Camera;
+/// # use raycost_world::camera::Camera;
 /// let camera: Camera = scene::yaml::from_str("
 /// window: { eye: [0, 0.35, -1], x: [-1, 1], y: [-0.5, 1], z: 0, samples: edges }
 /// ").unwrap();

@@ -15,7 +15,7 @@ const MAX_COLORS: usize = 1024;
 /// Colors for numbers, in sRGB.
 ///
 /// ```
-/// # use world::color::Palette;
+/// # use raycost_world::color::Palette;
 /// let named: Palette = scene::yaml::from_str("inferno").unwrap();
 /// let blue_to_red: Palette = scene::yaml::from_str(r##"
 /// colors: ["#0000ff", "#ffffff", [1, 0, 0]]   # evenly spread and interpolated

@@ -15,7 +15,7 @@ pub use sphere::FogSphere;
 /// The `fog` section: the same fog everywhere in a sphere around the objects.
 ///
 /// ```
-/// # use world::fog::Fog;
+/// # use raycost_world::fog::Fog;
 /// let fog: Fog = scene::yaml::from_str("
 /// mean_free_path: 12     # in world units: 37 % of the light gets as far
 /// color: [0.8, 0.85, 1]

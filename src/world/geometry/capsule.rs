@@ -16,7 +16,7 @@ use math::simd::{Real, Vector};
 /// The smallest convex surface around two spheres: a cylinder or a cone with round ends.
 ///
 /// ```
-/// # use world::geometry::{Located, Capsule};
+/// # use raycost_world::geometry::{Located, Capsule};
 /// let pill: Located<Capsule> = scene::yaml::from_str("
 /// { ends: [[-1, 0, 2], [1, 0, 2]], radius: 0.5 }
 /// ").unwrap();

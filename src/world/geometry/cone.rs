@@ -16,7 +16,7 @@ use math::simd::{Real, Vector};
 /// The closed surface of a cone between two ends, each a flat disk with its own radius.
 ///
 /// ```
-/// # use world::geometry::{Located, Cone};
+/// # use raycost_world::geometry::{Located, Cone};
 /// let tip: Located<Cone> = scene::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 1, 2]], radius: [0.5, 0] }
 /// ").unwrap();

@@ -13,7 +13,7 @@ use math::simd::{Real, Vector};
 /// The surface of an axis-aligned box. A `transform` makes a rotated one.
 ///
 /// ```
-/// # use world::geometry::{Located, Cuboid};
+/// # use raycost_world::geometry::{Located, Cuboid};
 /// let cuboid: Located<Cuboid> = scene::yaml::from_str("{ min: [-1, 0, 2], max: [1, 2, 3] }").unwrap();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,7 +14,7 @@ use math::simd::{Real, Vector};
 /// [`Cone`] with one radius.
 ///
 /// ```
-/// # use world::geometry::{Located, Cylinder};
+/// # use raycost_world::geometry::{Located, Cylinder};
 /// let pillar: Located<Cylinder> = scene::yaml::from_str("
 /// { ends: [[0, 0, 2], [0, 3, 2]], radius: 0.2 }
 /// ").unwrap();

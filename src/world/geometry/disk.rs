@@ -16,7 +16,7 @@ use math::simd::{Real, Vector};
 /// The points of a plane within a distance of a center.
 ///
 /// ```
-/// # use world::geometry::{Located, Disk};
+/// # use raycost_world::geometry::{Located, Disk};
 /// let disk: Located<Disk> = scene::yaml::from_str("
 /// { center: [0, 0, 2], normal: [0, 1, -1], radius: 0.5 }
 /// ").unwrap();

@@ -16,7 +16,7 @@ pub(super) const MIN_COS: f32 = 1e-6;
 /// The points of an infinite plane.
 ///
 /// ```
-/// # use world::geometry::{Located, Plane};
+/// # use raycost_world::geometry::{Located, Plane};
 /// let floor: Located<Plane> = scene::yaml::from_str("{ point: [0, -0.5, 0], normal: [0, 1, 0] }").unwrap();
 /// # assert_eq!(floor.geometry.normal.y, 1.0);
 /// ```

@@ -16,7 +16,7 @@ use math::simd::{Mask, Real, Vector};
 /// rectangle, or a parallelogram if the edges are not perpendicular.
 ///
 /// ```
-/// # use world::geometry::{Located, Rectangle};
+/// # use raycost_world::geometry::{Located, Rectangle};
 /// let wall: Located<Rectangle> = scene::yaml::from_str("
 /// { corner: [-1, 0, 2], edges: [[2, 0, 0], [0, 1, 0]] }
 /// ").unwrap();

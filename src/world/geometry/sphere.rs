@@ -16,7 +16,7 @@ use math::simd::{Mask, Real, Vector, cos_sin};
 /// The points at a distance from a center.
 ///
 /// ```
-/// # use world::geometry::{Located, Sphere};
+/// # use raycost_world::geometry::{Located, Sphere};
 /// let sphere: Located<Sphere> = scene::yaml::from_str("{ center: [0, 1, 3], radius: 1 }").unwrap();
 /// # assert_eq!(sphere.geometry.radius, 1.0);
 /// ```

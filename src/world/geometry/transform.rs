@@ -11,7 +11,7 @@ use crate::values;
 /// the list.
 ///
 /// ```
-/// # use world::geometry::TransformStep;
+/// # use raycost_world::geometry::TransformStep;
 /// let steps: Vec<TransformStep> = scene::yaml::from_str("
 /// - scale: [1, 2, 1]                           # or one number for all axes
 /// - rotate: { axis: [0, 1, 0], angle_deg: 30 } # right-handed, about the origin

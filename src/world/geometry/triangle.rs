@@ -13,7 +13,7 @@ use math::simd::{Real, Vector};
 /// The points between three vertices.
 ///
 /// ```
-/// # use world::geometry::{Located, Triangle};
+/// # use raycost_world::geometry::{Located, Triangle};
 /// let triangle: Located<Triangle> = scene::yaml::from_str("
 /// { vertices: [[-1, 0, 2], [1, 0, 2], [0, 1, 2]] }
 /// ").unwrap();

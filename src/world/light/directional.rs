@@ -11,7 +11,7 @@ use math::simd::{Real, Vector};
 /// A light infinitely far away, such as the sun.
 ///
 /// ```
-/// # use world::light::Light;
+/// # use raycost_world::light::Light;
 /// let sun: Light = scene::yaml::from_str("
 /// directional: { direction: [-1, -2, 1], color: [1, 1, 0.9], intensity: 0.8 }
 /// ").unwrap();

@@ -12,7 +12,7 @@ use math::simd::{Real, Vector};
 /// A light that shines from one point in all directions.
 ///
 /// ```
-/// # use world::light::Light;
+/// # use raycost_world::light::Light;
 /// let light: Light = scene::yaml::from_str("
 /// point: { position: [5, 5, -10], color: [1, 0.9, 0.8], intensity: 60, falloff: inverse_square }
 /// ").unwrap();

@@ -14,7 +14,7 @@ use math::simd::{Real, Vector};
 /// A light that shines from one point into a cone.
 ///
 /// ```
-/// # use world::light::Light;
+/// # use raycost_world::light::Light;
 /// let light: Light = scene::yaml::from_str("
 /// spot: { position: [0, 5, 0], target: [0, 0, 0], angle_deg: 40, soft_edge: 0.2, intensity: 60, falloff: inverse_square }
 /// ").unwrap();

@@ -19,7 +19,7 @@ use math::simd::{Real, Vector};
 /// The numbers of an array of a VTK file as colors.
 ///
 /// ```
-/// # use world::material::Texture;
+/// # use raycost_world::material::Texture;
 /// let hot: Texture = scene::yaml::from_str("
 /// array:
 ///   name: temperature

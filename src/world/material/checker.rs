@@ -11,7 +11,7 @@ use math::simd::{Real, Vector};
 /// Cubes of two colors that fill space; squares or stripes if `axes` names fewer axes.
 ///
 /// ```
-/// # use world::material::Texture;
+/// # use raycost_world::material::Texture;
 /// let floor: Texture = scene::yaml::from_str("
 /// checker: { even: [1, 1, 1], odd: [0, 0, 0], size: 0.5, axes: xz }
 /// ").unwrap();

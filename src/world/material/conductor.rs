@@ -13,7 +13,7 @@ use crate::values::{ColorForm, Number};
 /// A smooth metal, which reflects light by Fresnel's equations and transmits none.
 ///
 /// ```
-/// # use world::material::Conductor;
+/// # use raycost_world::material::Conductor;
 /// # let copper: Conductor = scene::yaml::from_str("copper").unwrap();
 /// let other: Conductor = scene::yaml::from_str("
 /// index: [0.2, 0.92, 1.1]         # of refraction, by channel

@@ -9,7 +9,7 @@ use crate::values::{self, Number};
 /// A smooth, clear medium inside a closed surface.
 ///
 /// ```
-/// # use world::material::Dielectric;
+/// # use raycost_world::material::Dielectric;
 /// let glass: Dielectric = scene::yaml::from_str("
 /// index: 1.5                    # of refraction
 /// absorption: [0.1, 0.02, 0.1]  # per world unit: green in thick glass

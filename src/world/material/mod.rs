@@ -47,7 +47,7 @@ use math::simd::{Real, Vector};
 /// One of the scene file's `materials`, for the Blinn-Phong model.
 ///
 /// ```
-/// # use world::material::Material;
+/// # use raycost_world::material::Material;
 /// let mirror: Material = scene::yaml::from_str("
 /// color: \"#c0c8d0\"   # or [r, g, b], one gray, { checker: … }, { image: … }
 /// ambient: 1          # fraction of the ambient light, 0 to 1

@@ -13,7 +13,7 @@ use math::simd::{Real, Vector};
 /// surface. They replace the surface's own normal in shading.
 ///
 /// ```
-/// # use world::material::NormalMap;
+/// # use raycost_world::material::NormalMap;
 /// let planks: NormalMap = scene::yaml::from_str("
 /// image: { file: planks_normals.png, mapping: planar }
 /// strength: 0.5   # of the bumps; 1 for those of the picture

@@ -14,7 +14,7 @@ use crate::values;
 /// The share of light that a surface meets; the rest passes as if nothing were there.
 ///
 /// ```
-/// # use world::material::Opacity;
+/// # use raycost_world::material::Opacity;
 /// # let veil: Opacity = scene::yaml::from_str("0.3").unwrap();
 /// let lace: Opacity = scene::yaml::from_str("
 /// image: { file: lace.png }   # its opacity, or its brightness if it is opaque
@@ -110,7 +110,7 @@ struct OpacityKeys {
 /// through the holes.
 ///
 /// ```
-/// # use world::material::Cutout;
+/// # use raycost_world::material::Cutout;
 /// let leaf: Cutout = scene::yaml::from_str("
 /// image: { file: leaf.png }   # its opacity, or its brightness if it is opaque
 /// threshold: 0.3              # 0.5 by default

@@ -11,7 +11,7 @@ use math::optics::{Ggx, Masking};
 /// a clear medium, or in between. For path tracing.
 ///
 /// ```
-/// # use world::material::Principled;
+/// # use raycost_world::material::Principled;
 /// let plastic: Principled = scene::yaml::from_str("{ roughness: 0.3 }").unwrap();
 /// let frosted: Principled = scene::yaml::from_str("
 /// metallic: 0        # 0, no metal, to 1

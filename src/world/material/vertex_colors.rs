@@ -14,7 +14,7 @@ use math::simd::{Real, Vector};
 /// painted colors.
 ///
 /// ```
-/// # use world::material::Texture;
+/// # use raycost_world::material::Texture;
 /// let scanned: Texture = scene::yaml::from_str("vertex_colors").unwrap();
 /// let seen: Texture = scene::yaml::from_str("
 /// vertex_colors: { array: RGB, of: cells }   # of a VTK file

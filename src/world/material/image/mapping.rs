@@ -14,7 +14,7 @@ use crate::values::{Either, expected};
 /// The mapping of a picture onto a surface.
 ///
 /// ```
-/// # use world::material::Mapping;
+/// # use raycost_world::material::Mapping;
 /// let wall: Mapping = scene::yaml::from_str("
 /// planar: { right: [1, 0, 0], up: [0, 1, 0], origin: [-2, 0, 0] }
 /// ").unwrap();

@@ -27,7 +27,7 @@ use math::simd::{LookupTable, Real, Vector};
 /// A picture on a surface.
 ///
 /// ```
-/// # use world::material::Texture;
+/// # use raycost_world::material::Texture;
 /// let planks: Texture = scene::yaml::from_str("
 /// image:
 ///   file: planks.png    # PNG, JPEG, Radiance HDR or OpenEXR, relative to the scene file
