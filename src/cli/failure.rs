@@ -53,7 +53,7 @@ impl From<RenderError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
-        Self::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+        RenderError::from(error).into()
     }
 }
 

@@ -171,9 +171,7 @@ impl Rendering<'_> {
         if checkpoint.has_failed() {
             return Err(unreadable());
         }
-        written.map_err(|error| {
-            RenderError::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
-        })
+        Ok(written?)
     }
 
     fn bands<'a>(&'a self, checkpoint: &'a Checkpoint, rows: BandRows) -> Bands<'a> {

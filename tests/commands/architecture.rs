@@ -129,20 +129,6 @@ fn a_crate_uses_only_those_above_it() {
     }
 }
 
-/// Otherwise flame graphs would leave out its functions.
-#[test]
-fn the_profiler_knows_every_crate() {
-    let profiler = in_repository("src/render/instruments/profile.rs");
-    let profiler = fs::read_to_string(profiler).unwrap();
-    for folder in crates() {
-        let name = match folder.file_name().and_then(|name| name.to_str()) {
-            Some("src") => "raycost",
-            other => other.unwrap(),
-        };
-        assert!(profiler.contains(&format!("\"{name}::\"")), "{name}");
-    }
-}
-
 #[test]
 fn a_module_uses_only_those_above_it() {
     for folder in crates() {
@@ -272,7 +258,7 @@ fn files_and_folders_belong_to_a_module() {
             let path = entry.unwrap().path();
             let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
             let known = modules.contains(&stem)
-                || ["lib", "main", "Cargo"].contains(&stem.as_str())
+                || ["lib", "main", "Cargo", "README"].contains(&stem.as_str())
                 || crates.contains(&path);
             assert!(known, "{} is not listed in lib.rs", path.display());
         }

@@ -42,6 +42,41 @@ fn it_has_the_pictures_of_the_readme_and_no_documents_in_pdf() {
     assert_eq!(of_docs(".pdf"), BTreeSet::new());
 }
 
+/// `cargo publish` of a crate needs this; that the packages build, `cargo package` itself checks.
+#[test]
+fn each_crate_can_be_packaged() {
+    let target = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO"))
+        .args(["package", "--workspace", "--no-verify", "--offline"])
+        .args(["--allow-dirty", "--target-dir"])
+        .arg(target.path())
+        .current_dir(in_repository(""))
+        .output()
+        .unwrap();
+    assert_success(&output);
+    let packages = fs::read_dir(target.path().join("package")).unwrap();
+    let packages = packages.map(|entry| entry.unwrap().path());
+    let n_packages = packages.filter(|path| path.extension().is_some_and(|it| it == "crate"));
+    let crates = fs::read_dir(in_repository("src")).unwrap();
+    let folders = crates.map(|entry| entry.unwrap().path());
+    let folders: Vec<_> = folders
+        .filter(|it| it.join("Cargo.toml").exists())
+        .collect();
+    assert_eq!(n_packages.count(), folders.len() + 1);
+    for folder in folders {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        for key in ["readme", "keywords", "categories", "description"] {
+            assert!(
+                manifest.contains(&format!("\n{key} = ")),
+                "{}",
+                folder.display()
+            );
+        }
+        let name = folder.file_name().unwrap().to_string_lossy();
+        assert!(manifest.contains(&format!("name = \"raycost_{name}\"")));
+    }
+}
+
 /// A crate's package has nothing from outside of its folder.
 #[test]
 fn no_crate_includes_files_of_others() {
