@@ -180,7 +180,7 @@ impl World<'_> {
                 .config
                 .image
                 .cropped([place[0], place[1], SIDE, SIDE])?;
-            let sensor = Sensor::of_image(self.tracer.scene, self.config, cropped);
+            let sensor = Sensor::with_image(self.tracer.scene, self.config, cropped);
             let plan = TilePlan::new(self.tracer, &sensor, self.config.tiles);
             Some(Window { place, plan })
         };

@@ -24,7 +24,7 @@ pub(super) fn tables(rendering: &RenderingView, attribution: &CostAttribution) -
     let whole = whole.fold(AttributedCost::default(), AttributedCost::with);
     let all = whole.all(AttributionRule::Hit);
     let has_some = |metric: &Metric| all.get(*metric) > 0.0;
-    let times = Metric::of_times(rendering.film.cost).into_iter();
+    let times = Metric::measured_by(rendering.film.cost).into_iter();
     let metric = times.chain(Work::COUNTED).find(has_some);
     let metric = metric.unwrap_or(Metric::RAYS);
     let groups = Group::all(rendering, attribution);

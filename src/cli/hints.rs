@@ -56,9 +56,9 @@ pub(super) fn lines(config: &Config, look: Option<Look>) -> String {
 fn hints(config: &Config, look: Option<Look>) -> impl Iterator<Item = Hint> {
     let of_look = look.into_iter().flat_map(|look| {
         [
-            of_view(config, look),
-            of_angle(look),
-            of_light(config, look),
+            view_hint(config, look),
+            angle_hint(look),
+            light_hint(config, look),
         ]
     });
     let of_config = [unused_materials(config), equal_names(config)];
@@ -74,7 +74,7 @@ impl HintKind {
 }
 
 /// Returns the problem with the picture as a whole, if any.
-fn of_view(config: &Config, look: Look) -> Option<Hint> {
+fn view_hint(config: &Config, look: Look) -> Option<Hint> {
     let named = |object: u32| {
         let geometry = &config.objects[object as usize].geometry;
         format!("`objects[{object}]`, a `{geometry}`,")
@@ -118,7 +118,7 @@ fn of_view(config: &Config, look: Look) -> Option<Hint> {
 
 /// Returns the hint on an angle of view that is likely in radians: so narrow that it shows one
 /// object or none.
-fn of_angle(look: Look) -> Option<Hint> {
+fn angle_hint(look: Look) -> Option<Hint> {
     let shows_little = !look.has_hit() || look.only_object().is_some();
     let radians = look
         .fov_y_deg
@@ -130,7 +130,7 @@ fn of_angle(look: Look) -> Option<Hint> {
 }
 
 /// Returns the hint on a light inside an object that light does not leave.
-fn of_light(config: &Config, look: Look) -> Option<Hint> {
+fn light_hint(config: &Config, look: Look) -> Option<Hint> {
     let (light, object) = look.light_inside?;
     let names = &config.objects[object as usize].material.0;
     let is_clear = |name: &String| {

@@ -42,7 +42,7 @@ pub(super) struct StageBar {
 
 impl StageBar {
     /// Creates a bar of `n_pixels` rendered for a purpose; never drawn if `quiet`.
-    pub(super) fn of_pixels(purpose: &'static str, n_pixels: u64, quiet: bool) -> Self {
+    pub(super) fn for_pixels(purpose: &'static str, n_pixels: u64, quiet: bool) -> Self {
         let bar = bar(MILLION, quiet).with_prefix(purpose);
         let template = "{bar:40.cyan} {percent:>3} %  {prefix}{msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -58,10 +58,10 @@ impl StageBar {
 
     /// Creates a bar for building the hierarchy, drawn only if that takes over a second; never if
     /// `quiet`.
-    pub(super) fn of_build(quiet: bool) -> Self {
+    pub(super) fn for_build(quiet: bool) -> Self {
         Self {
             delay: BUILD_DELAY,
-            ..Self::of_pixels("building  ", 1, quiet)
+            ..Self::for_pixels("building  ", 1, quiet)
         }
     }
 
@@ -144,10 +144,10 @@ impl Bars {
     pub(super) fn show(&self, event: Event) {
         match event {
             Event::Begin { stage: "build", .. } => {
-                self.replace(Some(StageBar::of_build(self.quiet)));
+                self.replace(Some(StageBar::for_build(self.quiet)));
             }
             Event::Begin { stage, n_pixels } => {
-                let bar = StageBar::of_pixels(purpose(stage), n_pixels, self.quiet);
+                let bar = StageBar::for_pixels(purpose(stage), n_pixels, self.quiet);
                 self.replace(Some(bar));
             }
             Event::Built { fraction } => self.with(|bar| bar.advance_build(fraction)),
@@ -173,7 +173,7 @@ impl Bars {
 
 /// Does `work` on `n_pixels` pixels, which reports its progress, with a bar.
 pub(super) fn with_bar<T>(n_pixels: u64, quiet: bool, work: impl FnOnce(OnProgress) -> T) -> T {
-    let bar = StageBar::of_pixels("", n_pixels, quiet);
+    let bar = StageBar::for_pixels("", n_pixels, quiet);
     let done = work(&|progress| bar.advance(progress));
     bar.clear();
     done
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn the_rate_is_that_of_this_run() {
-        let here = Progress::of_pixels(4, 12);
+        let here = Progress::from_pixels(4, 12);
         let before = Progress {
             is_restored: true,
             ..here

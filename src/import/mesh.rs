@@ -70,7 +70,7 @@ impl Mesh {
 
     /// Returns the smallest box around all vertices, relative to its origin.
     pub fn bounds(&self) -> Aabb {
-        Aabb::of_points(self.vertices.iter().copied())
+        Aabb::from_points(self.vertices.iter().copied())
     }
 
     /// Returns the memory in bytes.

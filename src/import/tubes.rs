@@ -95,7 +95,7 @@ impl Tubes {
 
     /// Returns the smallest box around all points.
     pub fn bounds(&self) -> Aabb {
-        Aabb::of_points(self.points.iter().map(|point| point.center))
+        Aabb::from_points(self.points.iter().map(|point| point.center))
     }
 
     /// Returns the segments.

@@ -41,12 +41,12 @@ fn follow(job: &Job, ranks: &Ranks) -> Result<(), RenderError> {
         let stages = Stages::start(HardwareCounters::none());
         match (ranks.receive_order(), &scene.frames) {
             (Some(Order::Still(frame)), _) => {
-                let input = scene.load(frame, Memory::of_part)?;
+                let input = scene.load(frame, Memory::estimate_part)?;
                 work_on(&Session::new(input, stages)?)?;
             }
             (Some(Order::Frame(number)), Some(frames)) => {
                 let input = FrameInput::new(&scene, frames, number, "")?;
-                let frame = hierarchies.open(input, Memory::of_part, stages, &job.options)?;
+                let frame = hierarchies.open(input, Memory::estimate_part, stages, &job.options)?;
                 work_on(&frame.session)?;
                 hierarchies.take_from(&frame)?;
             }
@@ -66,7 +66,8 @@ pub(super) struct Crew {
 impl Crew {
     /// Waits for the other ranks, and compares their programs and flags.
     pub(super) fn meet(job: &Job, ranks: Ranks) -> Result<Self, RenderError> {
-        let hellos = ranks.meet(hello(job, &ranks)?).map_err(of_rank)?;
+        let hellos = (ranks.meet(hello(job, &ranks)?))
+            .map_err(|(rank, failure)| RenderError::from_rank(&rank, &failure))?;
         Ok(Self { ranks, hellos })
     }
 
@@ -86,7 +87,8 @@ impl Crew {
     /// Waits until the ranks have read the files of the picture, and compares them with a session.
     pub(super) fn gather(&self, job: &Job, session: &Session) -> Result<Team<'_>, RenderError> {
         let header = session.header(job.scene.flags(), None)?;
-        Team::gather(&self.ranks, &self.hellos, &header).map_err(of_rank)
+        Team::gather(&self.ranks, &self.hellos, &header)
+            .map_err(|(rank, failure)| RenderError::from_rank(&rank, &failure))
     }
 
     /// Dismisses the ranks.
@@ -94,10 +96,6 @@ impl Crew {
         self.ranks.send_order(Order::Leave);
         self.ranks.leave();
     }
-}
-
-fn of_rank((rank, failure): (String, RankFailure)) -> RenderError {
-    RenderError::of_rank(&rank, &failure)
 }
 
 /// Returns the introduction of a rank before it renders.

@@ -61,7 +61,7 @@ impl OpenScene<'_> {
     /// # Errors
     /// The first fault of the scene, or if the hierarchy is too large.
     pub(crate) fn first_frame(&self, options: &Options) -> Result<FirstFrame, RenderError> {
-        let session = Session::new(self.load(None, Memory::of_scene)?, Stages::default())?;
+        let session = Session::new(self.load(None, Memory::estimate_scene)?, Stages::default())?;
         FirstFrame::new(&session, options, self.update())
     }
 }

@@ -132,7 +132,7 @@ impl FrameRun<'_> {
         let stages = Stages::start(job.counters());
         let profiler = job.profiler()?;
         let needed = match job.tiles {
-            Tiles::Part(_) => Memory::of_part,
+            Tiles::Part(_) => Memory::estimate_part,
             _ => Memory::estimate,
         };
         let frame = hierarchies.open(frame, needed, stages, &job.options)?;

@@ -145,7 +145,7 @@ impl<'a> FrameHierarchies<'a> {
             (None, Some((known, index))) if known == geometry => index,
             (None, Some((_, index))) => {
                 // Only the first base counts.
-                session.set_base(FrameBase::of_meshes(&index));
+                session.set_base(FrameBase::from_meshes(&index));
                 return Ok(false);
             }
             (None, None) => return Ok(false),

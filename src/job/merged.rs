@@ -35,7 +35,7 @@ pub(super) fn open(job: &Job, session: &Session, folder: &Path) -> Result<Checkp
     }
     let parts = found.checked(&expected);
     let parts = parts.map_err(|faults| job.refused(&faults, &expected, folder))?;
-    Ok(Checkpoint::of_parts(parts))
+    Ok(Checkpoint::from_parts(parts))
 }
 
 impl Job<'_> {

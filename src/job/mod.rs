@@ -295,8 +295,8 @@ fn still(
         crew.begin(Order::Still(frame));
     }
     let needed = match job.tiles {
-        Tiles::Part(_) => Memory::of_part,
-        _ => Memory::of_still,
+        Tiles::Part(_) => Memory::estimate_part,
+        _ => Memory::estimate_still,
     };
     let session = Session::new(scene.load(frame, needed)?, stages)?;
     job.check_bands(&session)?;

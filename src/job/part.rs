@@ -48,7 +48,7 @@ impl PictureRun<'_> {
             Some(file) if !file.is_complete => Checkpoint::resume(file)?,
             _ => Checkpoint::create(&unfinished, &header)?,
         };
-        let tiles = TileFiles::of_part(self, out, checkpoint);
+        let tiles = TileFiles::from_checkpoint(self, out, checkpoint);
         let on_event = |event| observer.event(event);
         let rendering = tiles.render(&self.job.options(&on_event))?;
         if let Some(partial) = rendering.partial() {

@@ -74,7 +74,11 @@ impl<'a> TileFiles<'a> {
     }
 
     /// Takes the tiles of a part of a picture from a checkpoint, which keeps new ones.
-    pub(super) fn of_part(picture: PictureRun<'a>, folder: &Path, checkpoint: Checkpoint) -> Self {
+    pub(super) fn from_checkpoint(
+        picture: PictureRun<'a>,
+        folder: &Path,
+        checkpoint: Checkpoint,
+    ) -> Self {
         Self {
             picture,
             folder: folder.to_owned(),

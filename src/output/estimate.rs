@@ -56,11 +56,14 @@ impl Memory {
     pub fn estimate(config: &Config, geometries: &Geometries) -> Self {
         let of_attribution =
             CostAttribution::bytes_per_primitive(&config.output, config.acceleration);
-        let bare = Self::of_primitives(config, geometries, of_attribution);
+        let bare = Self::estimate_primitives(config, geometries, of_attribution);
         let n_pixels = config.image.n_pixels() as u64;
         let of_layers = writers::LAYERS_MEMORY.min(4 * layer_bytes(config)) / 2;
         Self {
-            film: of_tiles(config) + n_pixels * pixel_bytes(config) + of_files(config) + of_layers,
+            film: tile_bytes(config)
+                + n_pixels * pixel_bytes(config)
+                + file_bytes(config)
+                + of_layers,
             ..bare
         }
     }
@@ -70,7 +73,7 @@ impl Memory {
     pub(crate) fn in_bands(self, config: &Config, limit: u64) -> Self {
         let Image { width, height, .. } = config.image;
         let of_map = MOST_OF_MAP.min(4 * config.image.n_pixels() as u64);
-        let fixed = of_tiles(config) + of_files(config) + SURVEY + of_map;
+        let fixed = tile_bytes(config) + file_bytes(config) + SURVEY + of_map;
         let unit = StoredPicture::row_unit(&grid(config));
         let of_unit = u64::from(width) * u64::from(unit) * pixel_bytes(config);
         // A band, and the rows above it that are read again.
@@ -90,20 +93,24 @@ impl Memory {
     }
 
     /// Estimates the memory of part of a picture, whose tiles are in files.
-    pub fn of_part(config: &Config, geometries: &Geometries) -> Self {
+    pub fn estimate_part(config: &Config, geometries: &Geometries) -> Self {
         Self {
-            film: of_tiles(config),
-            ..Self::of_scene(config, geometries)
+            film: tile_bytes(config),
+            ..Self::estimate_scene(config, geometries)
         }
     }
 
     /// Estimates the memory of the scene without a film.
-    pub fn of_scene(config: &Config, geometries: &Geometries) -> Self {
-        Self::of_primitives(config, geometries, 0)
+    pub fn estimate_scene(config: &Config, geometries: &Geometries) -> Self {
+        Self::estimate_primitives(config, geometries, 0)
     }
 
     /// Estimates the memory of the scene with this many bytes of costs per primitive.
-    fn of_primitives(config: &Config, geometries: &Geometries, of_attribution: usize) -> Self {
+    fn estimate_primitives(
+        config: &Config,
+        geometries: &Geometries,
+        of_attribution: usize,
+    ) -> Self {
         let n_primitives = geometries.n_primitives();
         Self {
             film: 0,
@@ -122,7 +129,7 @@ impl Memory {
     }
 
     /// Estimates the memory of an instance of a mesh.
-    pub fn of_instance(config: &Config) -> u64 {
+    pub fn instance_bytes(config: &Config) -> u64 {
         primitive_bytes(config, 0) + size_of::<Instance>() as u64
     }
 
@@ -189,14 +196,14 @@ fn primitive_bytes(config: &Config, of_attribution: usize) -> u64 {
 }
 
 /// Returns the bytes of all tiles without their pixels.
-fn of_tiles(config: &Config) -> u64 {
+fn tile_bytes(config: &Config) -> u64 {
     let per_tile = film::BYTES_PER_TILE + schedule::BYTES_PER_TILE;
     u64::from(grid(config).n_tiles()) * per_tile as u64
 }
 
 /// Returns the bytes to write files, apart from those per pixel of the film: the windows of two
 /// arrays that are compressed at a time, to about half, and a picture with color bars.
-fn of_files(config: &Config) -> u64 {
+fn file_bytes(config: &Config) -> u64 {
     let n_pixels = config.image.n_pixels() as u64;
     let of_codec = match config.compress {
         Codec::None => 0,

@@ -21,7 +21,7 @@ impl Memory {
     /// Estimates the memory of a still picture. If it may exceed the user's limit, by default three
     /// quarters of the available memory, the picture is rendered into files and written in bands of
     /// rows, if its outputs allow it and these need less.
-    pub fn of_still(config: &Config, geometries: &Geometries) -> Self {
+    pub fn estimate_still(config: &Config, geometries: &Geometries) -> Self {
         let whole = Self::estimate(config, geometries);
         let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
         let against_bands = against_bands(config);
@@ -45,7 +45,7 @@ impl Memory {
             let message = format!("the scene has {} primitives", self.n_primitives);
             let objects = FieldPath::default().key("objects");
             let expected = format!("expected at most {most}");
-            return Err(Fault::of_key(objects, message, expected).with_help(fewer));
+            return Err(Fault::at_key(objects, message, expected).with_help(fewer));
         }
         let needed = self.at_most();
         if needed <= available {
@@ -68,7 +68,7 @@ impl Memory {
         let message =
             format!("the {what} is too large: {needed} of memory are needed, {left} are {left_of}");
         let key = FieldPath::default().key(section);
-        Err(Fault::of_key(key, message, format!("needs {of_section}")).with_help(help))
+        Err(Fault::at_key(key, message, format!("needs {of_section}")).with_help(help))
     }
 
     fn image_advice(&self) -> String {
@@ -104,7 +104,7 @@ pub fn check_limit() -> Result<(), Diagnostic> {
 /// Returns the fault of a hierarchy that turned out too large.
 pub fn too_large(error: TooLarge) -> Fault {
     let objects = FieldPath::default().key("objects");
-    Fault::of_key(objects, error.to_string(), "their hierarchy is too large")
+    Fault::at_key(objects, error.to_string(), "their hierarchy is too large")
         .with_help("reduce the `count` of generators, or use `acceleration: { quality: fast }`")
 }
 

@@ -73,7 +73,7 @@ impl Prediction {
         let small_pixels = small.grid.width as usize * small.grid.height as usize;
         let hit_share = small.n_hits() as f64 / small_pixels as f64;
         let n_rows = height + n_pieces - 1;
-        let sizes = sample.of_arrays((hit_share * n_pixels as f64) as u64, n_rows);
+        let sizes = sample.array_bytes((hit_share * n_pixels as f64) as u64, n_rows);
         let names = match n_pieces {
             1 => ["hits.vtu", "frame.vti"],
             _ => ["hits.pvtu", "frame.pvti"],
@@ -91,16 +91,16 @@ impl Prediction {
         Ok(Self {
             peak_memory,
             look: Look::new(&small, config, tracer),
-            arrays: of_pixels.chain(of_attribution(config, tracer)).collect(),
+            arrays: of_pixels.chain(attribution_files(config, tracer)).collect(),
             texts,
-            pictures: sample.of_picture() + sample.of_map(side) + in_picture,
+            pictures: sample.picture_bytes() + sample.map_bytes(side) + in_picture,
             layers: estimate::layer_bytes(config),
             tiles: u64::from(least_repeats(config)) * n_pixels * estimate::film_bytes(config),
         })
     }
 
     /// Returns the sum of the arrays whose size on the disk is known.
-    pub fn of_known_arrays(&self) -> u64 {
+    pub fn known_array_bytes(&self) -> u64 {
         let known = self.arrays.iter().filter(|file| file.is_known);
         known.map(|file| file.n_bytes).sum()
     }
@@ -132,7 +132,7 @@ fn text_bytes(config: &Config, is_stored: bool) -> [u64; 2] {
 }
 
 /// Predicts the files of the costs of primitives and nodes.
-fn of_attribution(config: &Config, tracer: Tracer) -> Vec<ArrayFile> {
+fn attribution_files(config: &Config, tracer: Tracer) -> Vec<ArrayFile> {
     let (scene, cost, none) = (tracer.scene, config.cost, Codec::None);
     let mut files = Vec::new();
     let mut add = |name, n_bytes| {

@@ -31,7 +31,7 @@ pub(crate) fn small_picture(config: &Config, tracer: Tracer) -> Film {
     let share = config.image.n_pixels() as f64 / MOST_PIXELS as f64;
     let stride = (share.sqrt().ceil() as u32).max(1);
     let image = config.image.shrunk(|side| side.div_ceil(stride));
-    let sensor = Sensor::of_image(tracer.scene, config, image);
+    let sensor = Sensor::with_image(tracer.scene, config, image);
     let plan = TilePlan::new(tracer, &sensor, config.tiles);
     let (film, _) = render(tracer, &plan, &Meter::Off, &|_| {});
     film
@@ -56,8 +56,8 @@ impl<'a> RowSample<'a> {
             (Repeats::ONCE, 1)
         };
         let (image, n_rows) = rows(config, n);
-        let sensor = Sensor::of_image(tracer.scene, config, image);
-        let plan = TilePlan::of_some_rows(&sensor, config.tiles.size, n_rows);
+        let sensor = Sensor::with_image(tracer.scene, config, image);
+        let plan = TilePlan::with_rows(&sensor, config.tiles.size, n_rows);
         let meter = Meter::new(config.cost);
         let (film, ..) = repeat(repeats, tracer, &plan, &meter, &|_| {});
         Self { config, film }
@@ -65,7 +65,7 @@ impl<'a> RowSample<'a> {
 
     /// Returns the bytes of a cloud of this many hits, and of a frame of this many rows, without
     /// their headers.
-    pub(crate) fn of_arrays(&self, n_hits: u64, n_rows: u32) -> [u64; 2] {
+    pub(crate) fn array_bytes(&self, n_hits: u64, n_rows: u32) -> [u64; 2] {
         let empty = Film {
             strips: Vec::new(),
             tiles: Vec::new(),
@@ -86,7 +86,7 @@ impl<'a> RowSample<'a> {
     }
 
     /// Returns the bytes of the picture without its texts.
-    pub(crate) fn of_picture(&self) -> u64 {
+    pub(crate) fn picture_bytes(&self) -> u64 {
         let bits = self.config.film.bits;
         let of_rows = Length::measure(|out| writers::write_bare_picture(&self.film, bits, out));
         scaled(of_rows, self.share())
@@ -94,7 +94,7 @@ impl<'a> RowSample<'a> {
 
     /// Returns the bytes of the cost map, 0 without one, whose pixels are blocks of pixels with
     /// this side.
-    pub(crate) fn of_map(&self, side: u32) -> u64 {
+    pub(crate) fn map_bytes(&self, side: u32) -> u64 {
         if !self.config.cost.has_counters() {
             return 0;
         }

@@ -36,7 +36,7 @@ pub enum Kept {
 
 impl RenderError {
     /// Returns the reason why another rank cannot render.
-    pub(crate) fn of_rank(rank: &str, failure: &RankFailure) -> Self {
+    pub(crate) fn from_rank(rank: &str, failure: &RankFailure) -> Self {
         let diagnostic = Diagnostic::new(format!("{rank} cannot render with the others"))
             .with_note(&*failure.message);
         let help = "all ranks need the same program, scene, flags and files";

@@ -25,7 +25,7 @@ impl Session {
     /// If a file of the scene cannot be read.
     pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
         let (document, config) = (&self.document, &self.config);
-        of_pixels(config, (None, None), files(document, config))
+        hash_pixels(config, (None, None), files(document, config))
     }
 
     /// Returns the header that identifies finished tiles of this scene, rendered by this program.
@@ -55,7 +55,7 @@ impl Session {
             flags,
             folder: folder.to_string_lossy().into_owned(),
             frame: frame.map(|frame| frame.number),
-            fingerprint: of_pixels(config, (frame_time, base), files(document, config))?,
+            fingerprint: hash_pixels(config, (frame_time, base), files(document, config))?,
             part,
             layout: RecordLayout {
                 width: config.image.width,
@@ -106,7 +106,7 @@ pub(super) fn section_of(
 ///
 /// # Errors
 /// If a file cannot be read.
-fn of_pixels(
+fn hash_pixels(
     config: &Config,
     (frame, base): (Option<(u32, f64)>, Option<Checksum>),
     files: impl Iterator<Item = PathBuf>,
@@ -170,7 +170,7 @@ fn state_of(file: &Path) -> (&Path, u64, u128) {
 
 /// Returns a hash of all that determines the primitives of the scene and the acceleration structure
 /// over them.
-pub(super) fn of_geometry(document: &Document, config: &Config) -> Checksum {
+pub(super) fn hash_geometry(document: &Document, config: &Config) -> Checksum {
     let materials: Vec<&String> = config.materials.keys().collect();
     let mut hasher = Hasher::default();
     hasher.add_value(&(&config.objects, materials, config.acceleration));

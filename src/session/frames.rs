@@ -83,7 +83,7 @@ impl Frames {
     /// Returns a hash of all that determines the primitives of a frame and the acceleration
     /// structure over them.
     pub(crate) fn geometry(document: &Document, config: &Config) -> Checksum {
-        fingerprint::of_geometry(document, config)
+        fingerprint::hash_geometry(document, config)
     }
 
     /// Returns the scene at a frame: a still.

@@ -72,7 +72,7 @@ impl Session {
                 Some(RanksSection::new(team, &schedule, &work))
             }
             None if scope.is_only_rank => {
-                Some(RanksSection::of_one(affinity::of_threads(), &schedule))
+                Some(RanksSection::single(affinity::of_threads(), &schedule))
             }
             None => None,
         };
@@ -115,7 +115,7 @@ impl Session {
         let simd = options.simd.map(SimdSet::detect).transpose();
         let simd = simd.map_err(RenderError::Scene)?.unwrap_or_else(Simd::best);
         if let Some(index) = self.index.get() {
-            let accel = Accel::of_index(&self.scene, Arc::clone(index));
+            let accel = Accel::from_index(&self.scene, Arc::clone(index));
             return Ok(accel.with_simd(simd).with_traversal(options.traversal));
         }
         options.report(Event::Begin {
@@ -125,7 +125,7 @@ impl Session {
         let report = |fraction| options.report(Event::Built { fraction });
         let n_rays = self.config.image.n_camera_rays();
         let base = self.base.get().map(|base| (base, n_rays));
-        let accel = Accel::of_frame(&self.scene, self.config.acceleration, base, &report);
+        let accel = Accel::build_frame(&self.scene, self.config.acceleration, base, &report);
         options.report(Event::End);
         let accel = accel.map_err(|error| self.document.point_at(limits::too_large(error)))?;
         stages.end(if accel.is_refitted() {

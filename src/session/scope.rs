@@ -25,7 +25,7 @@ impl Scope<'_> {
     pub(super) fn plan(&self, tracer: Tracer, config: &Config) -> TilePlan {
         let plan = TilePlan::new(tracer, &Sensor::new(tracer.scene, config), config.tiles);
         match (self.part, self.limits.team) {
-            (Some(part), _) => plan.of_part(tracer, part),
+            (Some(part), _) => plan.into_part(tracer, part),
             (None, Some(_)) => plan.most_expensive_first(tracer),
             (None, None) => plan,
         }
@@ -37,7 +37,7 @@ impl Scope<'_> {
     /// The reason if they could not.
     pub(super) fn check(&self) -> Result<(), RenderError> {
         if let Some((rank, failure)) = self.limits.team.and_then(Team::failure) {
-            return Err(RenderError::of_rank(&rank, &failure));
+            return Err(RenderError::from_rank(&rank, &failure));
         }
         let failure = self.limits.checkpoint.and_then(|kept| kept.failure());
         Err(match failure {

@@ -55,7 +55,7 @@ fn costs_of_objects_and_materials_sum_to_the_film() {
                 assert_eq!(work.primitive_tests, film.totals.primitive_tests);
                 assert_eq!(work.time_ps, 0);
                 for kind in RayKind::ALL {
-                    let rays = accounts.iter().map(|a| a.of_kind(charge, kind).rays);
+                    let rays = accounts.iter().map(|a| a.work(charge, kind).rays);
                     assert_eq!(rays.sum::<u64>(), film.totals.rays_of(kind), "{name}");
                 }
             }
@@ -142,7 +142,7 @@ fn visible_objects_have_the_cost_of_their_pixels() {
                 assert_eq!(work.primitive_tests, sum(Counter::PrimitiveTests));
                 let n_pixels = film.values(array).filter(|seen| *seen == id).count();
                 assert_eq!(account.n_samples(), n_pixels as u64);
-                let shadow = account.of_kind(AttributionRule::Primary, RayKind::Shadow);
+                let shadow = account.work(AttributionRule::Primary, RayKind::Shadow);
                 assert_eq!(shadow.rays, sum(Counter::ShadowRays));
             }
         }
@@ -180,9 +180,7 @@ objects:
     assert_eq!(mirror.all(AttributionRule::Hit).rays, 1200);
     assert_eq!(sphere.all(AttributionRule::Primary), Work::default());
     assert_eq!(
-        sphere
-            .of_kind(AttributionRule::Hit, RayKind::Reflection)
-            .rays,
+        sphere.work(AttributionRule::Hit, RayKind::Reflection).rays,
         1200
     );
     assert_eq!(attribution.objects, attribution.materials);
@@ -307,7 +305,7 @@ fn the_steps_of_pixels_sum_to_the_visits_of_nodes() {
         let is_instance = |primitive: u32| {
             let instances = scene.instances.as_ref();
             let is_one = |all: &Instances| {
-                all.of_box(primitive).is_some() && primitive < all.first_triangle()
+                all.by_box(primitive).is_some() && primitive < all.first_triangle()
             };
             instances.is_some_and(is_one)
         };

@@ -165,7 +165,7 @@ fn irradiance_is_that_of_the_sky_and_of_the_sun() {
             let scene = scene_of(&parse(&text));
             let sun = scene.background.sun().unwrap();
             let center = sun.illuminate([0.5; 2]).direction;
-            let expected = integral(&scene) + sun.of_white() * center.z.max(0.0);
+            let expected = integral(&scene) + sun.white_radiance() * center.z.max(0.0);
             let found = seen(&text);
             assert!(
                 (found / expected - 1.0).abs().max_element() < 0.005,

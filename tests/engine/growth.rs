@@ -54,7 +54,7 @@ fn mesh(path: &Path) {
 }
 
 fn with_array(path: &Path) {
-    let array = ArrayChoice::of_points("a0", None);
+    let array = ArrayChoice::point_array("a0", None);
     read_mesh_with(path, Some(&array)).unwrap();
 }
 

@@ -364,7 +364,7 @@ fn points_of_a_vtk_file_scale_turn_and_color() {
     let scene = placed_by(&places, "speed");
     let path = crate::common::in_repository("tests/files/vtk/block_zlib.vtu");
     let numbers = |name: &str, component| {
-        let array = ArrayChoice::of_points(name, component);
+        let array = ArrayChoice::point_array(name, component);
         let points = import::read_points(&path, &RadiusChoice::Same(1.0), Some(&array)).unwrap();
         let numbers = points.scalars.unwrap().into_iter();
         (

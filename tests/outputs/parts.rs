@@ -272,7 +272,7 @@ fn the_whole_tiles_of_a_cut_file_are_read() {
     let path = folder.part("out", "part-2-of-2.tiles");
     let bytes = fs::read(&path).unwrap();
     let records = |path: &Path| -> Vec<_> {
-        let file = Checkpoint::of_parts(vec![CheckpointFile::open(path).unwrap()]);
+        let file = Checkpoint::from_parts(vec![CheckpointFile::open(path).unwrap()]);
         (0..9).filter_map(|tile| file.restore(0, tile)).collect()
     };
     let whole = records(&path);

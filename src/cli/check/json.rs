@@ -46,8 +46,8 @@ pub(super) fn report(checked: &CheckedScene) -> impl Serialize {
         "acceleration": { "kind": acceleration.kind(), "quality": acceleration.quality() },
         "cost": { "mode": config.cost },
         "tiles": { "tile_size": tiling.size, "order": tiling.order.name(), "n_tiles": n_tiles },
-        "memory": of_memory(checked),
-        "disk": of_disk(&checked.expected),
+        "memory": memory_json(checked),
+        "disk": disk_json(&checked.expected),
         "out": checked.folder().to_string_lossy(),
         "files": checked.files(),
     });
@@ -64,7 +64,7 @@ pub(super) fn report(checked: &CheckedScene) -> impl Serialize {
 }
 
 /// Returns the expected peak, the upper bound and the free memory, in bytes.
-fn of_memory(checked: &CheckedScene) -> Value {
+fn memory_json(checked: &CheckedScene) -> Value {
     let memory = &checked.memory;
     json!({
         "peak": checked.expected.peak_memory,
@@ -78,7 +78,7 @@ fn of_memory(checked: &CheckedScene) -> Value {
 
 /// Returns the lengths of the files in bytes; of arrays whose compressed length is not predicted,
 /// the length before compression.
-fn of_disk(disk: &Prediction) -> Value {
+fn disk_json(disk: &Prediction) -> Value {
     let array = |file: &ArrayFile| {
         json!({
             "file": file.name,

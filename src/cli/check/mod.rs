@@ -216,7 +216,7 @@ fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memor
         memory,
         ..
     } = match scene.frames {
-        None => scene.load(frame, Memory::of_still)?,
+        None => scene.load(frame, Memory::estimate_still)?,
         Some(_) => scene.load(frame, Memory::estimate)?,
     };
     let placed =

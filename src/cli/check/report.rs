@@ -113,7 +113,7 @@ fn disk(config: &Config, memory: &Memory, disk: &Prediction) -> String {
         }
         list.join(", ")
     };
-    let [arrays, pictures] = [disk.of_known_arrays() + disk.texts, disk.pictures].map(bytes);
+    let [arrays, pictures] = [disk.known_array_bytes() + disk.texts, disk.pictures].map(bytes);
     let codec = (config.compress.label()).map(|codec| format!(" compressed by {codec}"));
     let codec = codec.unwrap_or_default();
     let mut text = format!(
@@ -135,7 +135,7 @@ fn per_instance(config: &Config) -> String {
     if !config.has_instances() {
         return String::new();
     }
-    let n_bytes = Memory::of_instance(config);
+    let n_bytes = Memory::instance_bytes(config);
     format!(", {} for each instance", bytes(n_bytes))
 }
 

@@ -98,5 +98,5 @@ fn scene_of(arguments: &MergeArguments, header: &Header) -> Result<SceneArgument
         );
         return Err(Diagnostic::new(message).with_help(help));
     }
-    SceneArguments::of_flags(path, &header.flags, &arguments.folder)
+    SceneArguments::from_flags(path, &header.flags, &arguments.folder)
 }

@@ -43,7 +43,7 @@ impl SceneArguments {
     }
 
     /// Returns all flags except the output folder, each as one argument: with them,
-    /// [`of_flags`](Self::of_flags) gives the same settings.
+    /// [`from_flags`](Self::from_flags) gives the same settings.
     pub(in crate::cli) fn all_flags(&self) -> Vec<String> {
         let cost = if self.no_cost {
             Some(CostMode::None)
@@ -74,7 +74,7 @@ impl SceneArguments {
     ///
     /// # Errors
     /// If the flags do not belong to a scene.
-    pub(in crate::cli) fn of_flags(
+    pub(in crate::cli) fn from_flags(
         scene: &Path,
         flags: &[String],
         out: &Path,
@@ -155,7 +155,7 @@ mod tests {
             let given = given.unwrap_or_else(|error| panic!("{error}")).scene;
             let stored = given.all_flags();
             let again =
-                SceneArguments::of_flags(Path::new("scene.yaml"), &stored, Path::new("there"));
+                SceneArguments::from_flags(Path::new("scene.yaml"), &stored, Path::new("there"));
             let again = again.unwrap();
             assert_eq!(again.all_flags(), stored);
             // `--no-cost` is short for another flag.

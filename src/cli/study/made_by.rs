@@ -10,7 +10,7 @@ use output::summary::Machine;
 use render::instruments::HardwareCounters;
 
 /// Returns the provenance of tables: machine and build.
-pub(super) fn of_tables() -> Value {
+pub(super) fn describe_tables() -> Value {
     let hardware = HardwareCounters::start();
     json!({
         "machine": Machine::current(),
@@ -25,7 +25,7 @@ pub(super) fn of_tables() -> Value {
 ///
 /// # Errors
 /// If the program's file cannot be read.
-pub(super) fn of_measurements(of_tables: &Value) -> Result<Value, Failure> {
+pub(super) fn describe_measurements(of_tables: &Value) -> Result<Value, Failure> {
     let program = std::env::current_exe().and_then(|program| checksum_of(&program));
     let program = program.map_err(|error| {
         Failure::Machine(Diagnostic::new(format!(

@@ -115,8 +115,8 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         Study::parse(&source, out, quick, arguments.allow_commands)
     });
     let studies = read.collect::<Result<Vec<_>, Failure>>()?;
-    let made_by = made_by::of_tables();
-    let measured_by = made_by::of_measurements(&made_by)?;
+    let made_by = made_by::describe_tables();
+    let measured_by = made_by::describe_measurements(&made_by)?;
     // Open all studies before the first run: a foreign file in one of them stops all.
     let locks = studies.iter().map(|study| study.lock());
     let _locks = locks.collect::<Result<Vec<File>, Failure>>()?;

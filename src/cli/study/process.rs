@@ -69,7 +69,7 @@ pub(super) fn render(
     }
     if point.command.is_some() {
         let output = String::from_utf8_lossy(&output.stdout);
-        return Ok(RunMetrics::of_output(&output, process_ms));
+        return Ok(RunMetrics::parse(&output, process_ms));
     }
     let summary = Summary::read(&of_run.join(summary::FILE)).map_err(Failure::Machine)?;
     Ok(RunMetrics::from_summary(&summary, process_ms))

@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let needed = |config: &Config, geometries: &Geometries| match arguments.metric(config) {
         // The picture is rendered to find the pixels.
         Some(metric) => Memory::estimate(&hottest::searched(config, metric), geometries),
-        None => Memory::of_scene(config, geometries),
+        None => Memory::estimate_scene(config, geometries),
     };
     let Input {
         document,
@@ -122,19 +122,19 @@ pub(super) fn run(arguments: &TraceArguments) -> Result<(), Failure> {
     let folder = OutputFolder::create(&arguments.scene.out(), 0)?;
     refuse_foreign_traced(&folder)?;
     let pool = thread_pool(arguments.threads)?;
-    let bar = StageBar::of_build(arguments.quiet);
+    let bar = StageBar::for_build(arguments.quiet);
     let report = |part| bar.advance_build(part);
     let kind = config.acceleration;
     let base = base.as_ref().map(|base| (base, image.n_camera_rays()));
-    let accel = pool.install(|| Accel::of_frame(&scene, kind, base, &report));
+    let accel = pool.install(|| Accel::build_frame(&scene, kind, base, &report));
     bar.clear();
     let accel = accel.map_err(|error| document.point_at(limits::too_large(error)))?;
     let tracer = Tracer::new(&scene, &accel);
     let pixels = pool.install(|| TracedPixels::choose(arguments, &config, tracer))?;
 
     // The cloud is a small picture of the scene, sharp without a lens.
-    let mut small = Sensor::of_image(&scene, &config, small(&image));
-    small.plane = small.plane.of_pinhole();
+    let mut small = Sensor::with_image(&scene, &config, small(&image));
+    small.plane = small.plane.without_lens();
     // Its state needs arrays that `output.arrays` may leave out.
     small.extra_arrays.written = WrittenArrays::default();
     let (cloud, _) = pool.install(|| {
@@ -222,7 +222,7 @@ impl TraceArguments {
     /// Returns the metric of `--hottest`; `None` without it.
     fn metric(&self, config: &Config) -> Option<Metric> {
         self.hottest?;
-        let by_default = Metric::of_times(config.cost).unwrap_or(Metric::NODE_VISITS);
+        let by_default = Metric::measured_by(config.cost).unwrap_or(Metric::NODE_VISITS);
         Some(self.by.unwrap_or(by_default))
     }
 }
@@ -247,8 +247,8 @@ fn observe(
     quiet: bool,
 ) -> Result<Vec<ObservedPixel>, Failure> {
     let n_pixels = pixels.n();
-    let bar = StageBar::of_pixels("", n_pixels, quiet);
-    let report = |n_pixels| bar.advance(Progress::of_pixels(n_pixels, 0));
+    let bar = StageBar::for_pixels("", n_pixels, quiet);
+    let report = |n_pixels| bar.advance(Progress::from_pixels(n_pixels, 0));
     let observed = observer.observe_many(pixels.places(), limits::available() / 2, report);
     bar.clear();
     observed.map_err(|error| too_many(error, n_pixels))

@@ -94,7 +94,7 @@ impl<'a> Trees<'a> {
         while let Some((number, branches, below)) = next.pop() {
             if rows.len() == MAX_RAYS {
                 let n = counted((tree.rays.len() - rows.len()) as u64, "more ray");
-                rows.push(TreeRow::of_text(format!("and {n} in rays.vtp")));
+                rows.push(TreeRow::from_text(format!("and {n} in rays.vtp")));
                 break;
             }
             rows.push(self.ray(&tree.rays[number], branches, tree));
@@ -191,7 +191,7 @@ impl<'a> Trees<'a> {
         let sums = TreeRow {
             first: (n_rays, BOLD),
             cells,
-            ..TreeRow::of_text(String::new())
+            ..TreeRow::from_text(String::new())
         };
         let model = self.config.shading.model;
         let limit = self.config.film.sample_limit(model);
@@ -203,7 +203,7 @@ impl<'a> Trees<'a> {
         } else {
             format!("{shown}, each sample limited to {limit}")
         };
-        vec![sums, TreeRow::of_text(remark)]
+        vec![sums, TreeRow::from_text(remark)]
     }
 
     fn costs<N: Into<u64>>(&self, counts: [N; 2], time_ns: f32) -> Vec<String> {
@@ -216,7 +216,7 @@ impl<'a> Trees<'a> {
 
 impl TreeRow {
     /// Returns a remark below the table.
-    fn of_text(text: String) -> Self {
+    fn from_text(text: String) -> Self {
         Self {
             branches: String::new(),
             first: (text, DIMMED),

@@ -26,7 +26,8 @@ pub(super) fn add(
         array.map(|array| of_points(piece, array)).transpose()
     };
     let (scalars, scales) = (numbers(arrays.color)?, numbers(arrays.scale)?);
-    let component = |of, component| of_points(piece, &ArrayChoice::of_points(of, Some(component)));
+    let component =
+        |of, component| of_points(piece, &ArrayChoice::point_array(of, Some(component)));
     let directions = match arrays.orient {
         None => None,
         Some(of) => Some([component(of, 0)?, component(of, 1)?, component(of, 2)?]),

@@ -28,7 +28,7 @@ impl Albedo {
     /// Tabulates a mirror of facets: the albedo if they reflect all light, and if they reflect the
     /// share (1 - cos)⁵ of it (Schlick, "An Inexpensive BRDF Model for Physically-Based Rendering",
     /// 1994).
-    pub fn of_mirror(facets: Ggx) -> Self {
+    pub fn tabulate_mirror(facets: Ggx) -> Self {
         Self::new(facets, |to_viewer, facet| {
             let to_light = (-to_viewer).reflect(facet);
             if to_light.z <= 0.0 {
@@ -41,7 +41,7 @@ impl Albedo {
 
     /// Tabulates the surface of a clear medium with this index of refraction, reflection and
     /// refraction together: seen from outside and from inside.
-    pub fn of_medium(facets: Ggx, index: f32) -> Self {
+    pub fn tabulate_medium(facets: Ggx, index: f32) -> Self {
         Self::new(facets, |to_viewer, facet| {
             [1.0 / index, index].map(|eta| {
                 let Split {
@@ -107,7 +107,7 @@ impl Albedo {
     }
 }
 
-/// The functions of [`Albedo::of_mirror`] for facets of each roughness from 0 to 1, at equal steps;
+/// The functions of [`Albedo::tabulate_mirror`] for facets of each roughness from 0 to 1, at equal steps;
 /// looked up by cosine and roughness.
 #[derive(Debug, PartialEq)]
 pub struct AlbedoByRoughness([Albedo; N_ROUGHNESSES]);
@@ -117,7 +117,7 @@ const N_ROUGHNESSES: usize = 12;
 
 impl AlbedoByRoughness {
     /// Returns the table, computed once per masking.
-    pub fn of_mirrors(masking: Masking) -> &'static Self {
+    pub fn with_masking(masking: Masking) -> &'static Self {
         static CORRELATED: LazyLock<AlbedoByRoughness> =
             LazyLock::new(|| AlbedoByRoughness::new(Masking::HeightCorrelated));
         static SEPARABLE: LazyLock<AlbedoByRoughness> =
@@ -131,7 +131,7 @@ impl AlbedoByRoughness {
     fn new(masking: Masking) -> Self {
         Self(std::array::from_fn(|i| {
             let roughness = i as f32 / (N_ROUGHNESSES - 1) as f32;
-            Albedo::of_mirror(Ggx::never_smooth(roughness, masking))
+            Albedo::tabulate_mirror(Ggx::never_smooth(roughness, masking))
         }))
     }
 }
@@ -181,8 +181,8 @@ mod tests {
     fn smooth_surfaces_lose_nothing() {
         let facets = facets(0.01);
         for cos in [0.2_f32, 0.7, 1.0] {
-            let [all, _] = Albedo::of_mirror(facets).at(cos);
-            let [outside, inside] = Albedo::of_medium(facets, 1.5).at(cos);
+            let [all, _] = Albedo::tabulate_mirror(facets).at(cos);
+            let [outside, inside] = Albedo::tabulate_medium(facets, 1.5).at(cos);
             for found in [all, outside, inside] {
                 assert!((found - 1.0).abs() < 2e-3, "{cos}: {found}");
             }
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_mirror_of_roughness_1_has_a_closed_form_from_above() {
-        let [all, schlick] = Albedo::of_mirror(facets(1.0)).at(1.0_f32);
+        let [all, schlick] = Albedo::tabulate_mirror(facets(1.0)).at(1.0_f32);
         assert!((all - (1.0 - 2.0_f32.ln())).abs() < 5e-4, "{all}");
         assert!(schlick < 0.01 * all);
     }
@@ -200,7 +200,10 @@ mod tests {
     fn rows_are_dense_enough() {
         for alpha in [0.02, 0.1, 0.3, 1.0] {
             let facets = facets(alpha);
-            for albedo in [Albedo::of_mirror(facets), Albedo::of_medium(facets, 1.5)] {
+            for albedo in [
+                Albedo::tabulate_mirror(facets),
+                Albedo::tabulate_medium(facets, 1.5),
+            ] {
                 let half = albedo.rows.len() / 2;
                 let coarse = |i: usize| {
                     0.5 * (albedo.rows[2 * i][0] + albedo.rows[(2 * i + 2).min(2 * half - 1)][0])

@@ -49,7 +49,7 @@ impl Ggx {
     /// Returns the facets of a surface of this roughness, from 0 to 1, whose square is the width so
     /// that steps look even: Burley, "Physically Based Shading at Disney", SIGGRAPH 2012; `None`
     /// for a smooth surface.
-    pub fn of_roughness(roughness: f32, masking: Masking) -> Option<Self> {
+    pub fn from_roughness(roughness: f32, masking: Masking) -> Option<Self> {
         let alpha = roughness * roughness;
         (alpha >= Self::MIN_ALPHA).then_some(Self { alpha, masking })
     }

@@ -35,7 +35,7 @@ impl Colors {
     }
 
     /// Creates a color map for data.
-    pub fn of_map(range: &Range, map: &Palette) -> Self {
+    pub fn from_map(range: &Range, map: &Palette) -> Self {
         Self::sampled(range, |position| map.at(position))
     }
 
@@ -53,7 +53,7 @@ impl Colors {
     }
 
     /// Returns the colors of values; outside of the range, the color of the nearer end.
-    pub fn of_values(&self, values: &[f32]) -> impl Iterator<Item = Rgb<u8>> {
+    pub fn look_up(&self, values: &[f32]) -> impl Iterator<Item = Rgb<u8>> {
         let mut steps = vec![0; values.len()];
         // One loop per scale, which compiles to vector instructions.
         match self.scale {
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     fn color(colors: &Colors, value: f32) -> Rgb<u8> {
-        colors.of_values(&[value]).next().unwrap()
+        colors.look_up(&[value]).next().unwrap()
     }
 
     #[test]

@@ -107,7 +107,7 @@ fn laid_out(key: &LegendKey, [width, height]: [f32; 2], em_px: f32) -> ([f32; 2]
         LegendKey::Range { map, range } => {
             let size = [1.0, px(LENGTH * height)];
             let bar = Bar::beside(size, range, Unit::named(""), em_px);
-            let colors = Colors::of_map(range, map);
+            let colors = Colors::from_map(range, map);
             let size = bar.size();
             (
                 size,

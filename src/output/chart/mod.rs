@@ -131,10 +131,7 @@ fn paint_map(picture: &mut RgbImage, map: &CostMap, colors: &Colors, layout: &La
     rows.for_each(|(rows, values)| {
         let (first, copies) = rows.split_at_mut(picture_width);
         let first = &mut first[in_map.clone()];
-        for (square, color) in first
-            .chunks_exact_mut(n_copies)
-            .zip(colors.of_values(values))
-        {
+        for (square, color) in first.chunks_exact_mut(n_copies).zip(colors.look_up(values)) {
             square.fill(color.0);
         }
         for copy in copies.chunks_mut(picture_width) {

@@ -40,11 +40,11 @@ pub struct Range {
 impl Range {
     /// Returns the logarithmic range for `values`, in any order; a range around 1 if none is drawable.
     pub fn spanning<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        Self::of_histogram(&Histogram::count(values.into_iter().copied()))
+        Self::from_histogram(&Histogram::count(values.into_iter().copied()))
     }
 
     /// Returns the logarithmic range for the values of a histogram.
-    pub fn of_histogram(histogram: &Histogram) -> Self {
+    pub fn from_histogram(histogram: &Histogram) -> Self {
         let drawable = Drawable::new(histogram);
         let [min, max] = drawable.extremes;
         let (low, high) = at_least_one_percent(drawable.robust_ends());

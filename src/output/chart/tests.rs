@@ -133,7 +133,7 @@ fn the_bar_has_the_colors_of_the_values() {
             };
             let pixel = picture.get_pixel(x as u32, y as u32);
             assert!(
-                is_close(*pixel, colors.of_values(&[value as f32]).next().unwrap()),
+                is_close(*pixel, colors.look_up(&[value as f32]).next().unwrap()),
                 "{value}: {pixel:?}"
             );
         }

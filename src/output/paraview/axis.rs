@@ -93,7 +93,7 @@ impl Axis {
 
     /// Converts from nanoseconds to the largest unit in which the middle of the axis is at least
     /// 0.1, or to µs if there is none.
-    pub fn of_time(self) -> Self {
+    pub fn in_time_unit(self) -> Self {
         let middle = match self.scale {
             ColorScale::Logarithmic => (self.low * self.high).sqrt(),
             ColorScale::Linear | ColorScale::Diverging => 0.5 * self.high,
@@ -213,7 +213,11 @@ impl From<StoredAxis> for Axis {
             ..
         } = stored;
         let axis = Self::new(&array, &name, scale, ends).with_labels(stored.n_labels);
-        if stored.is_time { axis.of_time() } else { axis }
+        if stored.is_time {
+            axis.in_time_unit()
+        } else {
+            axis
+        }
     }
 }
 
@@ -280,7 +284,7 @@ mod tests {
             (3e6, "Time (ms)", "time_ns*0.000001"),
             (2e9, "Time (s)", "time_ns*0.000000001"),
         ] {
-            let axis = axis(ColorScale::Logarithmic, [0.1 * high, high]).of_time();
+            let axis = axis(ColorScale::Logarithmic, [0.1 * high, high]).in_time_unit();
             assert_eq!(
                 (axis.title().as_str(), axis.formula().as_str()),
                 (title, formula)
@@ -290,7 +294,7 @@ mod tests {
 
     #[test]
     fn labels_are_round() {
-        let log = axis(ColorScale::Logarithmic, [52.0, 1900.0]).of_time();
+        let log = axis(ColorScale::Logarithmic, [52.0, 1900.0]).in_time_unit();
         assert_eq!(texts(&log), ["0.1", "0.2", "0.5", "1"]);
         assert_eq!(
             texts(&axis(ColorScale::Linear, [0.0, 23.0])),
@@ -310,7 +314,7 @@ mod tests {
                 for ratio in [1.01, 1.3, 3.0, 17.0, 400.0, 1e7] {
                     for scale in [ColorScale::Logarithmic, ColorScale::Linear] {
                         let axis = axis(scale, [low, low * ratio])
-                            .of_time()
+                            .in_time_unit()
                             .with_labels(n_labels);
                         let [low, high] = [axis.low, axis.high];
                         let ticks = axis.ticks();

@@ -44,11 +44,11 @@ impl FrameFile {
                     pieces: vec![piece],
                 })
             }
-            Some(list) => Self::of_pieces(&list),
+            Some(list) => Self::open_pieces(&list),
         }
     }
 
-    fn of_pieces(list: &PieceList) -> Result<Self, Diagnostic> {
+    fn open_pieces(list: &PieceList) -> Result<Self, Diagnostic> {
         let Some([width, height]) = list.size else {
             return Err(list.foreign("it is not an image"));
         };

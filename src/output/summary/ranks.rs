@@ -55,7 +55,7 @@ impl RanksSection {
     }
 
     /// Describes a single rank, which has sent nothing, with the CPUs of its threads.
-    pub fn of_one(affinity: Vec<Option<String>>, schedule: &Schedule) -> Self {
+    pub fn single(affinity: Vec<Option<String>>, schedule: &Schedule) -> Self {
         let host = System::host_name().unwrap_or_default();
         let nothing = RankWork::default();
         Self::with(vec![RankEntry::new((0, host), affinity, schedule, nothing)])

@@ -27,7 +27,7 @@ impl Summary {
             .map_err(|error| Diagnostic::new(format!("cannot read `{name}`: {error}")))?;
         serde_json::from_str(&text).map_err(|error| {
             let message = format!("`{name}` is not a summary of a rendering: {error}");
-            let fault = Fault::of_bytes(place(&text, &error), message, "not as raycost writes it")
+            let fault = Fault::at_bytes(place(&text, &error), message, "not as raycost writes it")
                 .with_help("render the scene again");
             Source::new(name, text.as_str()).point_at(fault)
         })

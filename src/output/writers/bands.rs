@@ -244,6 +244,6 @@ impl<'a> Bands<'a> {
 
     fn progress(&self, rows: &Range<u32>) -> Progress {
         let width = u64::from(self.picture.film.grid.width);
-        Progress::of_pixels(width * rows.len() as u64, 0)
+        Progress::from_pixels(width * rows.len() as u64, 0)
     }
 }

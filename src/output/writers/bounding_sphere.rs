@@ -30,7 +30,7 @@ impl BoundingSphere {
                 [plane.point(0.0, 0.0), plane.point(right, bottom)]
             }
         };
-        let camera = Aabb::of_points(camera);
+        let camera = Aabb::from_points(camera);
         let bounded = scene
             .world()
             .upper_level()

@@ -24,11 +24,11 @@ pub(super) struct Distances {
 impl Distances {
     /// Returns the distances of a film.
     pub(super) fn collect(film: &Film) -> Self {
-        Self::of_histogram(&Histogram::count(film.values(|strip| &strip.distance)))
+        Self::from_histogram(&Histogram::count(film.values(|strip| &strip.distance)))
     }
 
     /// Returns the distances that a histogram counts; those without a hit are infinite.
-    pub(super) fn of_histogram(distances: &Histogram) -> Self {
+    pub(super) fn from_histogram(distances: &Histogram) -> Self {
         let last = distances.n.saturating_sub(1);
         let quantiles = PERCENT.map(|percent| distances.at(last * percent / 100));
         let [Some(near), Some(median), Some(far), Some(farthest)] = quantiles else {

@@ -15,7 +15,7 @@ const MAX_NAMES: usize = 1 << 17;
 const TIME: &str = "TimeValue";
 
 /// Returns the field data of a run: the scenes' names, raycost's version and the run's ID.
-pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
+pub fn run(scenes: &[&str], run: RunId) -> Vec<Field> {
     vec![
         Field::texts("scene", scenes.iter().copied()),
         Field::texts("raycost_version", [env!("CARGO_PKG_VERSION")]),
@@ -26,7 +26,7 @@ pub fn of_run(scenes: &[&str], run: RunId) -> Vec<Field> {
 /// Returns the camera: position, direction and upward direction, which are unit vectors, in world
 /// space; columns and rows of the picture; the horizontal and the vertical angle of view, in
 /// degrees, or the picture's width and height if the rays are parallel.
-pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
+pub(super) fn camera(plane: &ImagePlane) -> [Field; 5] {
     let camera = ViewCamera::new(plane, None);
     let [_, up, forward] = camera.axes();
     let vector = |name, v: glam::Vec3| Field::floats(name, v.to_array());
@@ -51,7 +51,7 @@ pub(super) fn of_camera(plane: &ImagePlane) -> [Field; 5] {
 
 /// Returns the names that the numbers in the arrays `object` and `material` stand for, where they
 /// take at most [`MAX_NAMES`].
-pub(super) fn of_names(config: &Config) -> impl Iterator<Item = Field> {
+pub(super) fn names(config: &Config) -> impl Iterator<Item = Field> {
     let objects: Vec<String> = config.object_labels().collect();
     let materials = config.materials.keys().cloned().collect();
     let lists = [("object_names", objects), ("material_names", materials)];
@@ -65,13 +65,13 @@ pub(super) fn of_names(config: &Config) -> impl Iterator<Item = Field> {
 }
 
 /// Returns the time of a frame, as VTK and ParaView know it.
-pub(super) fn of_time(time: f64) -> Field {
+pub(super) fn time(time: f64) -> Field {
     Field::floats(TIME, [time])
 }
 
 /// Returns the range of the colors of `cost.png`, which excludes outliers, as `time_ns_range`;
 /// `None` without cost, or if the files leave it out.
-pub(super) fn of_cost(survey: &Survey) -> Option<Field> {
+pub(super) fn cost_range(survey: &Survey) -> Option<Field> {
     let [metric, _] = survey.metrics?;
     let range = survey.range;
     (survey.shown[0] == Some(metric)).then(|| {

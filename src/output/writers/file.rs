@@ -127,11 +127,11 @@ impl WriterInput<'_> {
     /// Returns the encoding of VTK files.
     pub(super) fn encoding(&self) -> Encoding {
         let rendering = self.rendering;
-        let mut fields = fields::of_run(&[rendering.name], self.run);
-        fields.extend(fields::of_camera(&rendering.image_plane()));
+        let mut fields = fields::run(&[rendering.name], self.run);
+        fields.extend(fields::camera(&rendering.image_plane()));
         let partial = rendering.partial.map(|partial| partial.to_string());
         fields.extend(partial.map(|partial| Field::texts("partial", [partial])));
-        fields.extend(rendering.frame.map(|frame| fields::of_time(frame.time)));
+        fields.extend(rendering.frame.map(|frame| fields::time(frame.time)));
         Encoding {
             codec: rendering.config.compress,
             run: Some(self.run),
@@ -142,8 +142,8 @@ impl WriterInput<'_> {
     /// Returns the encoding of VTK files that hold the pixels.
     pub(super) fn encoding_of_pixels(&self) -> Encoding {
         let mut encoding = self.encoding();
-        (encoding.fields).extend(fields::of_names(self.rendering.config));
-        (encoding.fields).extend(fields::of_cost(self.rendering.survey));
+        (encoding.fields).extend(fields::names(self.rendering.config));
+        (encoding.fields).extend(fields::cost_range(self.rendering.survey));
         encoding
     }
 }

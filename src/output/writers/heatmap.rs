@@ -56,7 +56,7 @@ pub(crate) fn write_bare(
     let metrics = film.heatmap_metrics();
     let metric = metrics.map_or(Metric::RAYS, |[metric, _]| metric);
     let size = [film.grid.width, film.grid.height];
-    let mut map = ReducedMap::of_pixels(size, side, &film.metric(metric));
+    let mut map = ReducedMap::reduce(size, side, &film.metric(metric));
     let range = Range::spanning(&map.values);
     if !has_costs {
         map.values.fill(0.0);

@@ -37,7 +37,7 @@ use std::time::Duration;
 pub(crate) use bands::HITS as HITS_PVTU;
 pub use bands::{BandRows, Bands};
 pub use bands::{FRAME as FRAME_PVTI, is_piece};
-pub use fields::of_run as run_fields;
+pub use fields::run as run_fields;
 pub use file::{OutputFile, Request};
 pub use frame::FILE as FRAME_VTI;
 pub use frame::write as write_frame;

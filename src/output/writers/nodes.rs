@@ -99,7 +99,7 @@ fn cell_data<'a>(shown: &'a [Shown], has_meshes: bool, cost: CostMode) -> Vec<Ar
             shown.node.mesh.map_or(-1, |mesh| mesh as i32)
         }));
     }
-    if let Some(metric) = Metric::of_times(cost) {
+    if let Some(metric) = Metric::measured_by(cost) {
         let times = array(metric.name, shown, |shown| shown.visits.time_ns());
         arrays.push(times.in_unit(metric.unit_label()));
     }

@@ -70,7 +70,7 @@ fn write(
     attribution: &CostAttribution,
     out: &mut impl Write,
 ) -> io::Result<()> {
-    let times = Metric::of_times(rendering.film.cost);
+    let times = Metric::measured_by(rendering.film.cost);
     let mut table = Table {
         rows: csv::Writer::from_writer(out),
         metrics: COUNTED.into_iter().chain(times).collect(),
@@ -124,7 +124,7 @@ impl<W: Write> Table<W> {
                 let ray_kind = kind.map_or("all", RayKind::name);
                 let work = match kind {
                     None => account.all(charge),
-                    Some(kind) => account.of_kind(charge, kind),
+                    Some(kind) => account.work(charge, kind),
                 };
                 let numbers = self.numbers(account, work);
                 let words = words.into_iter().chain([charge.name(), ray_kind]);

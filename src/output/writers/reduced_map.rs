@@ -23,17 +23,17 @@ pub(crate) fn side(picture: [u32; 2]) -> u32 {
 impl ReducedMap {
     /// Creates the map of a picture of this size, with sums of zero.
     pub(super) fn new(picture: [u32; 2]) -> Self {
-        Self::of_blocks(picture, side(picture))
+        Self::with_side(picture, side(picture))
     }
 
     /// Returns the map of a picture's values for blocks with this side.
-    pub(super) fn of_pixels(picture: [u32; 2], side: u32, values: &[f32]) -> Self {
-        let mut map = Self::of_blocks(picture, side);
+    pub(super) fn reduce(picture: [u32; 2], side: u32, values: &[f32]) -> Self {
+        let mut map = Self::with_side(picture, side);
         map.add(0, values);
         map.means()
     }
 
-    fn of_blocks(picture: [u32; 2], side: u32) -> Self {
+    fn with_side(picture: [u32; 2], side: u32) -> Self {
         let block = picture.map(|n| side.min(n));
         let size = [0, 1].map(|axis| picture[axis] / block[axis]);
         Self {
@@ -77,7 +77,7 @@ mod tests {
     fn thin_pictures_have_the_means_of_thin_blocks() {
         let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
         for picture in [[1, 12], [12, 1]] {
-            let map = ReducedMap::of_pixels(picture, 4, &values);
+            let map = ReducedMap::reduce(picture, 4, &values);
             assert_eq!(map.size, picture.map(|n| n.div_ceil(4)));
             assert_eq!(map.values, [1.5, 5.5, 9.5]);
         }

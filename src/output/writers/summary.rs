@@ -130,7 +130,7 @@ fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
     for metric in Metric::ALL.into_iter().filter(has) {
         let total = match metric.source {
             MetricSource::Clock => {
-                let is_measured = Metric::of_times(film.cost) == Some(metric);
+                let is_measured = Metric::measured_by(film.cost) == Some(metric);
                 let time_ns = is_measured.then_some(survey.time_ns);
                 time_ns.and_then(Number::from_f64)
             }

@@ -98,7 +98,7 @@ impl<'a> Surface<'a> {
             let patch = primitive.patch()?;
             Some(match self.first_place(index) {
                 None => patch,
-                Some(transform) => patch.of_instance(transform),
+                Some(transform) => patch.placed(transform),
             })
         })
     }
@@ -122,7 +122,7 @@ impl<'a> Surface<'a> {
             Array::new(name, self.n_cells, move || self.cells().map(number))
         };
         let instance = |instances: &Instances, index: u32| {
-            let instance = instances.of_box(index);
+            let instance = instances.by_box(index);
             instance
                 .filter(|id| (id.0 as usize) < instances.n_instances())
                 .map(|id| id.0)
@@ -168,7 +168,7 @@ impl<'a> Surface<'a> {
             self.array("wasted_tests", |_, _, visits| visits.n_wasted()),
         ];
         arrays.extend(self.instance_arrays().into_iter().flatten());
-        if let Some(metric) = Metric::of_times(cost) {
+        if let Some(metric) = Metric::measured_by(cost) {
             let times = self.array(metric.name, |_, _, visits| visits.time_ns());
             arrays.push(times.in_unit(metric.unit_label()));
         }

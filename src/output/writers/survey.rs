@@ -131,13 +131,13 @@ impl Surveyor {
             counter,
             distances,
         } = self.histograms;
-        let of_distances = || Range::of_histogram(&distances);
+        let of_distances = || Range::from_histogram(&distances);
         let range = self
             .metrics
-            .map_or_else(of_distances, |_| Range::of_histogram(&cost));
+            .map_or_else(of_distances, |_| Range::from_histogram(&cost));
         let shown_range = match self.shown[0] {
             Some(first) if is_first(self.metrics, first) => range,
-            Some(_) => Range::of_histogram(&shown),
+            Some(_) => Range::from_histogram(&shown),
             None => of_distances(),
         };
         let quantile = |part: u64| counter.at(counter.n.saturating_sub(1) * part / 200);
@@ -155,7 +155,7 @@ impl Surveyor {
             shown: self.shown,
             shown_range,
             counter_ends: [1, 199].map(|part| quantile(part).unwrap_or_default().into()),
-            distances: Distances::of_histogram(&distances),
+            distances: Distances::from_histogram(&distances),
             map: self.map.map(ReducedMap::means),
         }
     }

@@ -30,9 +30,9 @@ pub fn write_traced(
 ) -> Result<Vec<Written>, WriteError> {
     let rays = Rays::new(traced);
     let run = run_id(traced);
-    let mut fields = fields::of_run(&[traced.name], run);
-    fields.extend(fields::of_camera(traced.plane));
-    fields.extend(traced.time.map(fields::of_time));
+    let mut fields = fields::run(&[traced.name], run);
+    fields.extend(fields::camera(traced.plane));
+    fields.extend(traced.time.map(fields::time));
     let encoding = Encoding {
         codec,
         run: Some(run),
@@ -45,7 +45,7 @@ pub fn write_traced(
             hits::write(traced.cloud, encoding.clone(), out)
         })?,
         staging.stage(STATE, |out| {
-            let state = stamped(&states::of_rays(&rays, folder), run);
+            let state = stamped(&states::ray_state(&rays, folder), run);
             out.write_all(state.as_bytes())
         })?,
     ];

@@ -84,7 +84,7 @@ pub struct AttributedCost {
 
 impl AttributedCost {
     /// Returns the work of rays of one kind.
-    pub fn of_kind(&self, charge: AttributionRule, kind: RayKind) -> Work {
+    pub fn work(&self, charge: AttributionRule, kind: RayKind) -> Work {
         self.work[charge as usize][kind as usize]
     }
 
@@ -105,15 +105,13 @@ impl AttributedCost {
 
     /// Returns the number of pixels covered, each of a pixel's samples counted as its share.
     pub fn n_pixels(&self) -> f64 {
-        let units = self
-            .of_kind(AttributionRule::Hit, RayKind::Camera)
-            .pixel_units;
+        let units = self.work(AttributionRule::Hit, RayKind::Camera).pixel_units;
         units as f64 / Work::PIXEL_UNIT as f64
     }
 
     /// Returns the number of camera rays that hit the object.
     pub fn n_samples(&self) -> u64 {
-        self.of_kind(AttributionRule::Hit, RayKind::Camera).rays
+        self.work(AttributionRule::Hit, RayKind::Camera).rays
     }
 }
 

@@ -156,7 +156,7 @@ impl<'a> Attributor<'a> {
         let mut primary = self.groups.background;
         // Attribute each ray to objects, by both rules, and its steps to nodes and primitives.
         for ray in rays {
-            let hit = self.groups.of_hit(ray.hit);
+            let hit = self.groups.object_and_material(ray.hit);
             // The camera ray is the first ray of a sample.
             if ray.kind == RayKind::Camera {
                 primary = hit;
@@ -187,7 +187,7 @@ struct ObjectTallies<'a> {
 
 impl ObjectTallies<'_> {
     /// Returns the object and the material of a hit.
-    fn of_hit(&self, hit: Option<Hit>) -> [u32; 2] {
+    fn object_and_material(&self, hit: Option<Hit>) -> [u32; 2] {
         hit.map_or(self.background, |hit| {
             let primitive = &self.primitives[hit.primitive as usize];
             [primitive.object.0, primitive.material.0]
@@ -284,7 +284,7 @@ impl Steps<'_> {
         };
         // Primitives of the upper level come first, with the instances at their end.
         let is_instance = |primitive| {
-            let is_box = |instances: &Instances| instances.of_box(primitive).is_some();
+            let is_box = |instances: &Instances| instances.by_box(primitive).is_some();
             primitive < self.first_lower && self.instances.is_some_and(is_box)
         };
         // A shadow ray that has found a hit skips the other instances of its leaf, and ends.

@@ -104,7 +104,7 @@ impl CostAttribution {
                         attributor.pixel((x, y), time_ns, counts.get_mut(x as usize))
                     })
                     .sum();
-                report(Progress::of_pixels(width.into(), n_rays));
+                report(Progress::from_pixels(width.into(), n_rays));
                 counts
             })
             .collect();

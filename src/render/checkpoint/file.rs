@@ -88,7 +88,7 @@ impl TileReader {
         let max_bytes = TileRecord::max_bytes(layout);
         let kind = block::read(&mut &block[..], stored.block, max_bytes, &mut content)?;
         let tile = kind.filter(|&kind| kind == BlockKind::Tile);
-        let record = tile.and_then(|_| TileRecord::of_bytes(&content, layout));
+        let record = tile.and_then(|_| TileRecord::parse(&content, layout));
         Ok(record.map(TileRecord::into_owned))
     }
 
@@ -209,7 +209,7 @@ impl CheckpointFile {
     }
 
     fn add_tile(&mut self, content: &[u8], layout: &RecordLayout) -> bool {
-        let Some(record) = TileRecord::of_bytes(content, layout) else {
+        let Some(record) = TileRecord::parse(content, layout) else {
             return false;
         };
         let n_threads = self.sessions.iter().map(|session| session.n_threads).max();
@@ -229,7 +229,7 @@ impl CheckpointFile {
 
     /// Adds a run, or its progress.
     fn add_session(&mut self, content: &[u8]) -> bool {
-        let Some((number, session)) = RunSpan::of_bytes(content) else {
+        let Some((number, session)) = RunSpan::parse(content) else {
             return false;
         };
         let number = number as usize;
@@ -243,7 +243,7 @@ impl CheckpointFile {
 }
 
 impl RunSpan {
-    fn of_bytes(bytes: &[u8]) -> Option<(u32, Self)> {
+    fn parse(bytes: &[u8]) -> Option<(u32, Self)> {
         let mut bytes = Bytes(bytes);
         let (number, n_threads) = (bytes.u32()?, bytes.u32()?);
         let session = Self {

@@ -39,7 +39,7 @@ impl RecordLayout {
     /// Returns the tiles of a rendering, given its number from 0.
     pub fn grid(&self, rendering: u8) -> TileGrid {
         let grid = TileGrid::new(self.width, self.height, self.tile_size);
-        grid.of_rendering(rendering, self.cost)
+        grid.for_rendering(rendering, self.cost)
     }
 
     /// Returns the numbers of all tiles, each after the number of its rendering.

@@ -61,7 +61,7 @@ impl<'a> TileRecord<'a> {
 
     /// Reads a record of a rendering with this layout from all of `bytes`. Returns `None` if they
     /// are not a record.
-    pub fn of_bytes(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
+    pub fn parse(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         let [rendering] = bytes.array()?;
         let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];

@@ -60,7 +60,7 @@ pub enum CheckpointFailure {
 impl Checkpoint {
     /// Opens the tiles of all parts of a picture. Their threads are numbered in the order of the
     /// parts.
-    pub fn of_parts(files: Vec<CheckpointFile>) -> Self {
+    pub fn from_parts(files: Vec<CheckpointFile>) -> Self {
         let mut this = Self::default();
         let mut n_threads = 0;
         for file in files {

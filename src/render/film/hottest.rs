@@ -57,7 +57,7 @@ impl Film {
         let mut counted = [Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS].into_iter();
         let count = || counted.find_map(by);
         [
-            Metric::of_times(self.cost).and_then(by),
+            Metric::measured_by(self.cost).and_then(by),
             self.cost.has_counters().then(count).flatten(),
         ]
     }

@@ -22,7 +22,7 @@ impl Film {
             }
             MetricSource::AllRays => {
                 counts.resize(strip.rgb.len(), self.n_samples);
-                for counter in RayKind::ALL.map(Counter::of_rays) {
+                for counter in RayKind::ALL.map(Counter::rays) {
                     self.add_counts(strip, counter, counts);
                 }
                 self.clear_missing(strip, counts);
@@ -114,7 +114,7 @@ impl Film {
     /// Returns true if a metric is not zero in the whole picture.
     fn has_any(&self, metric: Metric) -> bool {
         match metric.source {
-            MetricSource::Clock => Metric::of_times(self.cost) == Some(metric),
+            MetricSource::Clock => Metric::measured_by(self.cost) == Some(metric),
             MetricSource::Observed(counter) => self.total_steps(counter) > 0,
             MetricSource::Counter(_) | MetricSource::AllRays => metric.value(&self.totals) > 0,
             MetricSource::Ratio(_) => (metric.parts())

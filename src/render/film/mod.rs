@@ -136,7 +136,7 @@ impl Film {
     }
 
     /// Creates an empty film of one tile of the grid, at its top left.
-    pub(crate) fn of_one_tile(&self) -> Self {
+    pub(crate) fn empty_tile(&self) -> Self {
         let side = self.grid.tile_size;
         let grid = TileGrid::new(side, side, side);
         Self {

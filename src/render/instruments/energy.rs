@@ -33,8 +33,8 @@ impl EnergyMeters {
     /// Finds all meters below the mount point of sysfs: perf's, which count without an end, or
     /// else powercap's.
     pub(super) fn start(sysfs: &Path) -> Self {
-        let packages = of_perf(sysfs).or_else(|of_perf| {
-            of_powercap(sysfs).map_err(|of_powercap| reason(&of_perf, &of_powercap))
+        let packages = open_perf(sysfs).or_else(|of_perf| {
+            open_powercap(sysfs).map_err(|of_powercap| reason(&of_perf, &of_powercap))
         });
         Self { packages }
     }
@@ -97,7 +97,7 @@ impl EnergySource {
 
 /// Opens perf's counter `power/energy-pkg/` on the one CPU of each package that has it.
 #[cfg(target_os = "linux")]
-fn of_perf(sysfs: &Path) -> io::Result<Vec<Package>> {
+fn open_perf(sysfs: &Path) -> io::Result<Vec<Package>> {
     use perf_event::Builder;
     use perf_event::events::Dynamic;
     let pmu = sysfs.join("bus/event_source/devices/power");
@@ -118,7 +118,7 @@ fn of_perf(sysfs: &Path) -> io::Result<Vec<Package>> {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn of_perf(_: &Path) -> io::Result<Vec<Package>> {
+fn open_perf(_: &Path) -> io::Result<Vec<Package>> {
     Err(io::Error::other("it is supported on Linux only"))
 }
 
@@ -128,7 +128,7 @@ fn of_perf(_: &Path) -> io::Result<Vec<Package>> {
 ///
 /// # Errors
 /// `NotFound` if there are none, or the first file that cannot be read.
-fn of_powercap(sysfs: &Path) -> io::Result<Vec<Package>> {
+fn open_powercap(sysfs: &Path) -> io::Result<Vec<Package>> {
     let mut packages = Vec::new();
     for entry in sysfs.join("class/powercap").read_dir()? {
         let zone = entry?;

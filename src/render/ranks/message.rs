@@ -81,7 +81,7 @@ impl MessageKind {
         self as i32
     }
 
-    pub(super) fn of_tag(tag: i32) -> Option<Self> {
+    pub(super) fn from_tag(tag: i32) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.tag() == tag)
     }
 }

@@ -100,7 +100,7 @@ impl Ranks {
     /// Returns the next message, reusing the memory of this buffer, which is left empty.
     pub fn receive_into(&self, buffer: &mut Vec<u8>) -> Option<Message> {
         let (from, tag) = self.world.receive(buffer)?;
-        let kind = MessageKind::of_tag(tag)?;
+        let kind = MessageKind::from_tag(tag)?;
         let bytes = std::mem::take(buffer);
         Some(Message { from, kind, bytes })
     }

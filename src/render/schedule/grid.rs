@@ -68,7 +68,7 @@ impl TileGrid {
     /// Returns the grid for a later rendering of the image, given its number from 0. If groups of
     /// pixels are timed, its tiles, and the groups in them, have other edges: five grids are moved
     /// by a lattice in which no two share a column or a row.
-    pub fn of_rendering(self, number: u8, cost: CostMode) -> Self {
+    pub fn for_rendering(self, number: u8, cost: CostMode) -> Self {
         if cost != CostMode::Time {
             return self;
         }
@@ -243,8 +243,8 @@ mod tests {
             for tile_size in [2, 3, 16, 256] {
                 for number in 0..6 {
                     let grid = TileGrid::new(width, height, tile_size);
-                    check(grid.of_rendering(number, CostMode::Time));
-                    assert_eq!(grid.of_rendering(number, CostMode::SingleRayTime), grid);
+                    check(grid.for_rendering(number, CostMode::Time));
+                    assert_eq!(grid.for_rendering(number, CostMode::SingleRayTime), grid);
                 }
             }
         }
@@ -284,7 +284,7 @@ mod tests {
             let grid = TileGrid::new(100, 100, 32);
             for side in [0, 1] {
                 let edges = (0..5).map(|number| {
-                    let tile = grid.of_rendering(number, CostMode::Time).tile(4 + 1);
+                    let tile = grid.for_rendering(number, CostMode::Time).tile(4 + 1);
                     let edge = [tile.columns, tile.rows][side][0];
                     edge % group_sides(n_samples)[side]
                 });
@@ -293,7 +293,7 @@ mod tests {
             }
         }
         assert_eq!(
-            TileGrid::new(9, 9, 4).of_rendering(5, CostMode::Time),
+            TileGrid::new(9, 9, 4).for_rendering(5, CostMode::Time),
             TileGrid::new(9, 9, 4)
         );
     }

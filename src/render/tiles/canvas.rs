@@ -50,7 +50,7 @@ impl<'a> Canvas<'a> {
 
     /// Creates a canvas that writes one tile of the picture's grid after the other to a film of one
     /// tile.
-    pub(super) fn of_one_tile(film: &'a mut Film, grid: TileGrid) -> Self {
+    pub(super) fn one_tile(film: &'a mut Film, grid: TileGrid) -> Self {
         let of_film = film.grid;
         Self {
             one_of: Some(grid),

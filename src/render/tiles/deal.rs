@@ -130,7 +130,7 @@ impl Dealer<'_, '_> {
             let length = u32::from_le_bytes(*length) as usize;
             let record = rest.split_at_checked(length).and_then(|(record, rest)| {
                 bytes = rest;
-                TileRecord::of_bytes(record, &self.team.layout)
+                TileRecord::parse(record, &self.team.layout)
             });
             if record
                 .and_then(|record| self.accept(message.from, record, canvas))

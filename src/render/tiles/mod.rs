@@ -80,7 +80,7 @@ pub type OnProgress<'a> = &'a (dyn Fn(Progress) + Sync);
 
 impl Progress {
     /// Creates the progress of pixels of average cost, with `n_rays` rays.
-    pub fn of_pixels(n_pixels: u64, n_rays: u64) -> Self {
+    pub fn from_pixels(n_pixels: u64, n_rays: u64) -> Self {
         Self {
             n_pixels,
             n_rays,

@@ -24,7 +24,7 @@ const CHUNK_LEN: u32 = 512;
 /// one, extrapolated to all of them. It is counted, not timed, and so does not depend on the run or
 /// the number of threads.
 pub(super) fn work(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<u64> {
-    let view = View::new(tracer, &of_one_sample(sensor));
+    let view = View::new(tracer, &with_one_sample(sensor));
     let n_probed = grid.tile_size.div_ceil(STEP).pow(2);
     let renderer = || StreamRenderer::<Counters>::new(view);
     chunks(grid, n_probed, renderer, |renderer, tiles| {
@@ -40,7 +40,7 @@ pub(super) fn counts(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<Ra
     let (sensor, step, factor) = match image.adaptive {
         None => {
             let step = (f64::from(STEP) / n_samples.sqrt()).max(1.0) as u32;
-            (of_one_sample(sensor), step.next_power_of_two(), n_samples)
+            (with_one_sample(sensor), step.next_power_of_two(), n_samples)
         }
         Some(_) => (*sensor, WIDE_STEP, 1.0),
     };
@@ -68,7 +68,7 @@ pub(super) fn ray_counts(cost: &Cost) -> RayCounts {
     [camera, others, cost.node_visits, cost.primitive_tests].map(|count| count as f64)
 }
 
-fn of_one_sample(sensor: &Sensor) -> Sensor {
+fn with_one_sample(sensor: &Sensor) -> Sensor {
     let image = Image {
         samples_per_pixel: 1,
         adaptive: None,

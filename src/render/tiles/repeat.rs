@@ -118,7 +118,7 @@ pub fn repeat_within(
         let pass = Pass::new(done.len() as u8, tracer.scene, *limits);
         let has_groups = meter.mode() == CostMode::Time;
         let moved =
-            (has_groups && pass.number > 0).then(|| plan.of_rendering(pass.number, meter.mode()));
+            (has_groups && pass.number > 0).then(|| plan.for_rendering(pass.number, meter.mode()));
         let plan = moved.as_ref().unwrap_or(plan);
         let schedule;
         (film, schedule) = render_onto(film, view, plan, &pass, meter, report);

@@ -71,7 +71,7 @@ impl<'a> StoredPicture<'a> {
 
     /// Writes the tiles of some rows to the film; missing ones are black.
     fn read_tiles(&self, rendering: u8, rows: &Range<u32>, film: &mut Film) {
-        let grid = film.grid.of_rendering(rendering, film.cost);
+        let grid = film.grid.for_rendering(rendering, film.cost);
         let canvas = Canvas::new(film, &grid);
         let last = (grid.width - 1, rows.end - 1);
         let numbers = grid.number_at((0, rows.start))..grid.number_at(last) + 1;

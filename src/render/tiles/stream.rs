@@ -83,13 +83,13 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             pixels: PixelColumns::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
-            stopwatch: Stopwatch::of_this_thread(Clock::of_system()),
+            stopwatch: Stopwatch::start(Clock::system()),
             times: None,
             wave: PathWave::default(),
             next: PathWave::default(),
             hits: Vec::new(),
             points: Points::default(),
-            shader: view.shader.of_waves(simd),
+            shader: view.shader.wave_shader(simd),
             lights: ShadowLight::default(),
             eyes: Vec::new(),
             ids: SampleIds::default(),
@@ -103,7 +103,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Creates a renderer that times the stages of its waves.
     pub(super) fn timed(view: View<'a>, clock: &Clock) -> Self {
         Self {
-            stopwatch: Stopwatch::of_this_thread(*clock),
+            stopwatch: Stopwatch::start(*clock),
             times: Some(WaveTimes::new(view.rounds.n_uniform())),
             ..Self::new(view)
         }
@@ -305,7 +305,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;
             let (number, _) = self.places.get(i);
             let mut pixel = Pixel::default();
-            if let Some(point) = self.points.of_ray(ray) {
+            if let Some(point) = self.points.by_ray(ray) {
                 [pixel.position, pixel.normal] = self.points.position_and_normal(point);
                 let [object, material] = self.points.object_and_material(point);
                 (pixel.object, pixel.material) = (object as i32, material as i32);

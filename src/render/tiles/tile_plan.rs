@@ -60,7 +60,7 @@ impl TilePlan {
 
     /// Plans about `n_rows` rows of a picture, evenly spread and in whole tiles, as a separate
     /// picture; the whole picture if it has no more.
-    pub fn of_some_rows(sensor: &Sensor, tile_size: u32, n_rows: u32) -> Self {
+    pub fn with_rows(sensor: &Sensor, tile_size: u32, n_rows: u32) -> Self {
         let image = &sensor.image;
         let [n_all, n_rows_of_tiles] = [image.height, n_rows].map(|n| n / tile_size);
         let n_rows_of_tiles = n_rows_of_tiles.max(1);
@@ -90,8 +90,8 @@ impl TilePlan {
     /// Returns the plan for a later rendering of the picture or the part, given its number from 0:
     /// with the grid of that rendering, and about the same order. A tile belongs to the part that
     /// has its first pixel in the first rendering.
-    pub(super) fn of_rendering(&self, number: u8, cost: CostMode) -> Self {
-        let grid = self.grid.of_rendering(number, cost);
+    pub(super) fn for_rendering(&self, number: u8, cost: CostMode) -> Self {
+        let grid = self.grid.for_rendering(number, cost);
         let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
         let first_pixels = tiles.map(|tile| (tile.columns[0], tile.rows[0]));
         let here: Vec<usize> = first_pixels
@@ -132,7 +132,7 @@ impl TilePlan {
     /// Keeps only the tiles of one part of the picture, in order. All parts together have each tile
     /// once, and about the same work, whatever the machine and the order. Traces a few rays through
     /// each tile on the current rayon pool.
-    pub fn of_part(mut self, tracer: Tracer, part: PicturePart) -> Self {
+    pub fn into_part(mut self, tracer: Tracer, part: PicturePart) -> Self {
         let parts = dealt(self.estimated(tracer), part.of);
         (self.sequence).retain(|&number| parts[number as usize] == part.number - 1);
         self.scaled()

@@ -40,7 +40,7 @@ impl<'f> Target<'f> {
     fn with_canvas<T>(&self, work: impl FnOnce(&Canvas) -> T) -> T {
         match self {
             Self::Film(canvas) => work(canvas),
-            Self::Tiles(film, grid) => work(&Canvas::of_one_tile(&mut film.of_one_tile(), *grid)),
+            Self::Tiles(film, grid) => work(&Canvas::one_tile(&mut film.empty_tile(), *grid)),
         }
     }
 }

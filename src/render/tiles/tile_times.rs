@@ -150,8 +150,8 @@ fn measured<'a>(
     let n_taken = AtomicUsize::new(0);
     let measure_some = |_: rayon::BroadcastContext| {
         let mut renderer = renderer();
-        let mut film = film.of_one_tile();
-        let canvas = Canvas::of_one_tile(&mut film, plan.grid);
+        let mut film = film.empty_tile();
+        let canvas = Canvas::one_tile(&mut film, plan.grid);
         let mut measured = Vec::new();
         while let Some(tile) = tiles.get(n_taken.fetch_add(1, Ordering::Relaxed)) {
             // The first tile of a thread is rendered twice: its memory is new.

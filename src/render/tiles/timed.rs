@@ -78,7 +78,7 @@ impl<'a> SingleRayRenderer<'a> {
             ..Cost::default()
         };
         let mut renderer = Self {
-            stopwatch: Stopwatch::of_this_thread(*clock),
+            stopwatch: Stopwatch::start(*clock),
             overhead_ns: clock.overhead_ns() as f32,
             places: Vec::with_capacity(n_pixels),
             renderer: PixelRenderer {

@@ -51,7 +51,7 @@ pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) -> io
         start_in_scope(scope, || post.carry(to_threads))?;
         rayon::broadcast(|context| {
             let thread = context.index() as u32;
-            let film = film.of_one_tile();
+            let film = film.empty_tile();
             let renderer = &mut *renderer(view, meter, plan);
             render_some(thread, renderer, (ranks, plan, film), &dealt, &to_rank_0);
         });
@@ -68,9 +68,9 @@ fn render_some(
     to_rank_0: &Sender<TileRecord<'static>>,
 ) {
     while let Some((rendering, number)) = dealt.next() {
-        let grid = plan.grid.of_rendering(rendering, film.cost);
+        let grid = plan.grid.for_rendering(rendering, film.cost);
         let tile = grid.tile(number);
-        let canvas = &Canvas::of_one_tile(&mut film, grid);
+        let canvas = &Canvas::one_tile(&mut film, grid);
         let run = render_tile(renderer, (plan, &tile), canvas, ranks.epoch);
         let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);

@@ -118,7 +118,7 @@ impl Animation {
         };
         if self.orbit.is_some() {
             let message = "the camera cannot have an `orbit` and a `fly_through`";
-            return Err(Fault::of_key(
+            return Err(Fault::at_key(
                 section().key("orbit"),
                 message,
                 "expected one of both",
@@ -130,7 +130,7 @@ impl Animation {
     /// Returns the fault of an animation whose number of frames is not given.
     pub fn without_frames(&self) -> Fault {
         let message = "the animation has no number of frames";
-        let fault = Fault::of_key(section(), message, "expected `frames` in it");
+        let fault = Fault::at_key(section(), message, "expected `frames` in it");
         fault.with_help("write `frames: 48`, or show a data series, whose time steps are frames")
     }
 
@@ -180,7 +180,7 @@ fn fixed(path: &str, key: &FieldPath) -> Option<Fault> {
     let section = sections.into_iter().find(is_in)?;
     let message = format!("`{section}` is the same in all frames");
     let expected = "expected the path of another value";
-    Some(Fault::of_key(key.clone(), message, expected))
+    Some(Fault::at_key(key.clone(), message, expected))
 }
 
 fn section() -> FieldPath {
@@ -212,7 +212,7 @@ impl PosedCamera {
         let kinds = ["look_at", "orthographic", "panorama"];
         kinds.into_iter().find_map(find).ok_or_else(|| {
             let expected = "expected a camera with `eye` and `target`";
-            let fault = Fault::of_key(key.clone(), "this camera cannot move", expected);
+            let fault = Fault::at_key(key.clone(), "this camera cannot move", expected);
             scene.point_at(fault.with_help("use `look_at`, `orthographic` or `panorama`"))
         })
     }

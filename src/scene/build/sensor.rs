@@ -26,11 +26,11 @@ pub struct Sensor {
 impl Sensor {
     /// Creates the sensor of a scene's config.
     pub fn new(scene: &Scene, config: &Config) -> Self {
-        Self::of_image(scene, config, config.image)
+        Self::with_image(scene, config, config.image)
     }
 
     /// Creates the sensor of a scene's config for another image.
-    pub fn of_image(scene: &Scene, config: &Config, image: Image) -> Self {
+    pub fn with_image(scene: &Scene, config: &Config, image: Image) -> Self {
         let model = scene.shading.model;
         Self {
             development: config.film.development(model),

@@ -38,7 +38,7 @@ fn corners(geometry: &ObjectGeometry, world_from_object: &DAffine3) -> Option<Co
         ObjectGeometry::Shape(shape) => (shape.origin, shape.geometry.bounds()),
         ObjectGeometry::Generator(generator) => {
             let corners = generator.corners();
-            let bounds = Aabb::of_points(corners.geometry);
+            let bounds = Aabb::from_points(corners.geometry);
             (corners.origin, grown(bounds, generator.max_radius()))
         }
         ObjectGeometry::Mesh(mesh) => (mesh.origin, mesh.bounds()),

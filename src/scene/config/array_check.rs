@@ -54,8 +54,8 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
         PixelArray::Object | PixelArray::Material => None,
         PixelArray::Instance if config.has_instances() => None,
         PixelArray::Instance => lacks("instances", "only scenes with `instances` have it"),
-        PixelArray::TimeNs => (!cost.has_time()).then(|| of_mode(CostMode::Time, cost)),
-        PixelArray::TimeMadNs if !cost.has_time() => Some(of_mode(CostMode::Time, cost)),
+        PixelArray::TimeNs => (!cost.has_time()).then(|| missing_mode(CostMode::Time, cost)),
+        PixelArray::TimeMadNs if !cost.has_time() => Some(missing_mode(CostMode::Time, cost)),
         PixelArray::TimeMadNs if config.repeats.has_spread() => None,
         PixelArray::TimeMadNs => lacks("repeats", "use `repeats: auto` or `--repeats 10`"),
         PixelArray::Samples if cost.has_counters() && config.image.adaptive.is_none() => lacks(
@@ -70,13 +70,13 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
         | PixelArray::PrimitiveHits
         | PixelArray::InstanceVisits => asks_for(OptionalOutput::Tests),
         _ if cost.has_counters() => None,
-        _ => Some(of_mode(CostMode::Counters, cost)),
+        _ => Some(missing_mode(CostMode::Counters, cost)),
     }
 }
 
 /// Returns the missing condition for an array of this mode in another mode of `cost`, and the
 /// setting that fulfills it.
-fn of_mode(mode: CostMode, found: CostMode) -> [String; 2] {
+fn missing_mode(mode: CostMode, found: CostMode) -> [String; 2] {
     let [mode, found] = [mode, found].map(CostMode::name);
     [
         format!("`cost: {mode}`, and `cost` is `{found}`"),

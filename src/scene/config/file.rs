@@ -285,7 +285,7 @@ impl PointRadius {
         match self {
             Self::Same(radius) => RadiusChoice::Same(*radius),
             Self::Array(RadiusArray { array, scale }) => RadiusChoice::Array {
-                array: ArrayChoice::of_points(array, None),
+                array: ArrayChoice::point_array(array, None),
                 factor: *scale,
             },
         }

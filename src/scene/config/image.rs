@@ -169,7 +169,7 @@ impl Image {
         let message = "`adaptive` needs samples whose first ones are evenly spread";
         let image = FieldPath::default().key("image");
         Err(
-            Fault::of_key(image.key("adaptive"), message, "requires `sampler: sobol`")
+            Fault::at_key(image.key("adaptive"), message, "requires `sampler: sobol`")
                 .with_help("add `sampler: sobol` to `image`"),
         )
     }

@@ -14,7 +14,7 @@ impl Config {
         for metric in self.metrics.list() {
             let path = || FieldPath::default().key("metrics").key(&metric.name);
             if let Some([message, expected]) = metric.name_fault() {
-                return Err(Fault::of_key(path(), message, expected));
+                return Err(Fault::at_key(path(), message, expected));
             }
             for part in metric.parts {
                 if let Some([what, help]) = lacks(part, self) {

@@ -163,7 +163,7 @@ impl Outputs {
             let name = requested.name();
             let fault = |message: String, help: &str| {
                 let output = FieldPath::default().key("output");
-                let fault = Fault::of_key(output, message, format!("requests `{name}`"));
+                let fault = Fault::at_key(output, message, format!("requests `{name}`"));
                 Err((requested, fault.with_help(help)))
             };
             if requested.needs_attribution() && !cost.has_counters() {

@@ -46,7 +46,7 @@ impl PlaceScale {
             Self::Same(_) => None,
             Self::Array(ScaleArray {
                 array, component, ..
-            }) => Some(ArrayChoice::of_points(
+            }) => Some(ArrayChoice::point_array(
                 array,
                 component.map(|component| component as usize),
             )),

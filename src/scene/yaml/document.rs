@@ -286,7 +286,7 @@ impl Composition {
         if path.0[0] == Step::Key(include::KEY.to_owned()) {
             let message = "a setting cannot include files";
             let expected = "expected the key of another section";
-            return Err(Fault::of_bytes(setting.steps(1), message, expected));
+            return Err(Fault::at_bytes(setting.steps(1), message, expected));
         }
         // Walk down the path, and create missing keys.
         let mut tree = &mut self.tree;
@@ -339,7 +339,7 @@ fn no_such_key<'k>(
 ) -> Fault {
     let path = FieldPath(setting.path.0[..n_steps].to_vec());
     let message = format!("the scene has no `{path}`");
-    let fault = Fault::of_bytes(setting.steps(n_steps), message, "no such key in the scene");
+    let fault = Fault::at_bytes(setting.steps(n_steps), message, "no such key in the scene");
     let keys: Vec<&str> = keys.map(String::as_str).collect();
     let Some(Step::Key(key)) = path.0.last() else {
         return fault;
@@ -360,7 +360,7 @@ fn no_such_value(setting: &SettingText, depth: usize, above: &Tree) -> Fault {
     let [above_path, path] = [depth, depth + 1].map(|n| FieldPath(setting.path.0[..n].to_vec()));
     let step = setting.steps(depth + 1);
     let fault =
-        |message: String, expected: String| Fault::of_bytes(step.clone(), message, expected);
+        |message: String, expected: String| Fault::at_bytes(step.clone(), message, expected);
     match (above, &setting.path.0[depth]) {
         (Tree::List(list), Step::Index(_)) if list.is_empty() => {
             let message = format!("the scene has no `{path}`");

@@ -36,7 +36,7 @@ impl Fault {
     }
 
     /// Creates a fault at the key at the end of `path`.
-    pub fn of_key(
+    pub fn at_key(
         path: FieldPath,
         message: impl Into<String>,
         expected: impl Into<String>,
@@ -45,7 +45,7 @@ impl Fault {
     }
 
     /// Creates a fault at a range of bytes of the text.
-    pub fn of_bytes(
+    pub fn at_bytes(
         bytes: Range<usize>,
         message: impl Into<String>,
         expected: impl Into<String>,

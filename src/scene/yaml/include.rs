@@ -138,7 +138,7 @@ impl Files<'_> {
     fn conflict(&self, [first, second]: [ValuePlace; 2]) -> Diagnostic {
         let name = self.sources[first.source].name();
         let message = format!("`{}` is given twice", second.path);
-        let fault = Fault::of_key(second.path, message, "the second one");
+        let fault = Fault::at_key(second.path, message, "the second one");
         let help = format!("`{name}` gives it, too: remove one of them");
         self.sources[second.source].point_at(fault.with_help(help))
     }

@@ -138,12 +138,12 @@ impl MisplacedKeys {
                 let key = by_word
                     .as_ref()
                     .map_or(String::new(), |key| format!(" without `{key}`"));
-                Fault::of_key(path, message, "belongs below that key")
+                Fault::at_key(path, message, "belongs below that key")
                     .with_help(format!("write {}{key}", written.join(" or ")))
             }
             Self::Beside { key } => {
                 let message = format!("`{word}` belongs beside `{key}`, not into it");
-                Fault::of_key(path, message, "one level too deep").with_help(format!(
+                Fault::at_key(path, message, "one level too deep").with_help(format!(
                     "indent `{word}` as far as `{key}`, or close the `}}` before it"
                 ))
             }

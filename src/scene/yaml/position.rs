@@ -22,7 +22,7 @@ pub(super) struct Location {
 
 impl Location {
     /// Creates the position of a step of a path that is not itself a value.
-    pub fn of_step(step: Range<usize>) -> Self {
+    pub fn from_step(step: Range<usize>) -> Self {
         Self {
             is_exact: true,
             is_empty: false,
@@ -89,7 +89,7 @@ pub(super) fn check(text: &str, n_levels_above: usize) -> Result<(), Fault> {
     })?;
     if is_empty {
         // At the end of the text: the comments before it are not the mistake.
-        Err(Fault::of_bytes(
+        Err(Fault::at_bytes(
             text.len()..text.len(),
             "the scene is empty",
             "expected sections such as `image: …`",

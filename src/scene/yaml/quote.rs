@@ -19,7 +19,7 @@ pub(super) fn unclosed(text: &str, at: usize) -> Option<Fault> {
     };
     let QuotedText { start, .. } = quoted_texts(text).into_iter().find(is_open)?;
     let quote = &text[start..=start];
-    let fault = Fault::of_bytes(
+    let fault = Fault::at_bytes(
         start..start + 1,
         "a quote is not closed",
         "no closing quote on this line",

@@ -57,7 +57,7 @@ impl SettingText {
         let value = equals + 1;
         if text[value..].trim().is_empty() {
             let message = "the setting has no value";
-            return Err(Fault::of_bytes(
+            return Err(Fault::at_bytes(
                 equals..value,
                 message,
                 "expected a value behind it",
@@ -89,7 +89,7 @@ impl SettingText {
             .filter(|_| path.0.starts_with(&self.path.0))
         else {
             let common = path.0.iter().zip(&self.path.0).take_while(|(a, b)| a == b);
-            return Some(Location::of_step(self.steps(common.count())));
+            return Some(Location::from_step(self.steps(common.count())));
         };
         let inside = position::locate(&text[self.value..], &FieldPath(below.to_vec()))?;
         let inside = inside.moved(self.value);
@@ -123,13 +123,13 @@ fn steps_of(text: &str) -> Result<(Vec<StepInText>, usize), Fault> {
             Some(c) => {
                 let message = "a quoted key goes on after its quote";
                 let found = at..at + c.len_utf8();
-                return Err(Fault::of_bytes(found, message, "expected `.`, `[` or `=`"));
+                return Err(Fault::at_bytes(found, message, "expected `.`, `[` or `=`"));
             }
             None => {
                 let message = "the setting has no `=`";
                 let end = text.len();
                 return Err(
-                    Fault::of_bytes(0..end, message, "expected `key=value`").with_help(ADVICE)
+                    Fault::at_bytes(0..end, message, "expected `key=value`").with_help(ADVICE)
                 );
             }
         }
@@ -140,7 +140,7 @@ fn steps_of(text: &str) -> Result<(Vec<StepInText>, usize), Fault> {
 fn key(text: &str, at: usize) -> Result<(Step, usize), Fault> {
     let rest = &text[at..];
     let fault = |message: &str, n: usize, expected: &str| {
-        Err(Fault::of_bytes(at..at + n, message, expected).with_help(ADVICE))
+        Err(Fault::at_bytes(at..at + n, message, expected).with_help(ADVICE))
     };
     let (key, n) = match rest.strip_prefix('"') {
         Some(quoted) => match quoted.split_once('"') {
@@ -170,7 +170,7 @@ fn index(text: &str, at: usize) -> Result<(Step, usize), Fault> {
         Some(Ok(index)) => Ok((Step::Index(index), n)),
         _ => {
             let message = "an item of a list is named by its number";
-            Err(Fault::of_bytes(
+            Err(Fault::at_bytes(
                 at..at + n,
                 message,
                 "expected `[0]` for the first",

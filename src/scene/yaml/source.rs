@@ -244,7 +244,7 @@ impl Source {
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Diagnostic {
     let at = error.utf8_error().valid_up_to();
     let message = "the file is not UTF-8 text";
-    let fault = Fault::of_bytes(at..at, message, "not a UTF-8 character");
+    let fault = Fault::at_bytes(at..at, message, "not a UTF-8 character");
     let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
     // Not through `new`, which may shift the byte.
     let source = Source {

@@ -162,7 +162,7 @@ pub(super) fn fault(
     }
     if error.info().contains(AFTER_QUOTE) {
         let expected = "expected nothing after the closing quote";
-        let fault = Fault::of_bytes(at..at, SUBJECT, expected);
+        let fault = Fault::at_bytes(at..at, SUBJECT, expected);
         return fault.with_help(quote::how_to_quote(text, at));
     }
     let bracket = opened
@@ -197,7 +197,7 @@ pub(super) fn fault(
 /// Returns the fault of a value that lies within too many others.
 pub(super) fn too_deep(bytes: Range<usize>) -> Fault {
     let expected = format!("expected at most {MAX_LEVELS} levels");
-    Fault::of_bytes(bytes, "lists and mappings are nested too deeply", expected)
+    Fault::at_bytes(bytes, "lists and mappings are nested too deeply", expected)
         .with_help("use fewer levels of brackets and indentation")
 }
 
@@ -214,7 +214,7 @@ fn without_space(text: &str, line: usize) -> Option<Fault> {
         return None;
     }
     let colon = above.len() - value.len();
-    let fault = Fault::of_bytes(colon - 1..colon, SUBJECT, AFTER_COLON);
+    let fault = Fault::at_bytes(colon - 1..colon, SUBJECT, AFTER_COLON);
     Some(fault.with_help(format!("write `{key}: {}`", value.trim_start())))
 }
 
@@ -231,7 +231,7 @@ fn still_open(text: &str, bracket: usize) -> String {
 }
 
 /// Translates an error that only libyaml found.
-pub(super) fn of_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
+pub(super) fn translate_libyaml(text: &str, error: &serde_yaml::Error) -> Fault {
     let message = error.to_string();
     let info = message.split(" at ").next().unwrap_or(&message);
     // libyaml's "index" counts characters.
@@ -264,7 +264,7 @@ pub(super) fn check_characters(text: &str) -> Result<(), Fault> {
 fn broken(span: Range<usize>, info: &str, help: &str) -> Fault {
     let words = REWORDED.iter().find(|(part, ..)| info.contains(part));
     let (expected, help) = words.map_or((info, help), |&(_, expected, help)| (expected, help));
-    Fault::of_bytes(span, SUBJECT, expected).with_help(help)
+    Fault::at_bytes(span, SUBJECT, expected).with_help(help)
 }
 
 /// Returns the bytes to underline: the parser reports only where it stopped.

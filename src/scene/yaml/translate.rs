@@ -45,7 +45,7 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
             "begins here",
         )
         .with_help("write some of the values in full, or use a generator such as `sphere_cloud`"),
-        _ => syntax::of_libyaml(text.text, error),
+        _ => syntax::translate_libyaml(text.text, error),
     }
 }
 
@@ -100,14 +100,14 @@ fn unknown_key(path: FieldPath, word: &str, expected: &str) -> Fault {
     let list = format!("the choices are {}", listed(expected));
     let is_known = |key: &str| quoted(expected).any(|known| known == key);
     if let Some((key, value)) = word.split_once(':').filter(|(key, _)| is_known(key)) {
-        let fault = Fault::of_key(path, format!("`{word}` lacks a space"), AFTER_COLON);
+        let fault = Fault::at_key(path, format!("`{word}` lacks a space"), AFTER_COLON);
         return fault.with_help(format!("write `{key}: {value}`"));
     }
     let help = match did_you_mean(word, quoted(expected)) {
         Some(suggestion) => format!("{suggestion} ({list})"),
         None => list,
     };
-    Fault::of_key(path, format!("unknown key `{word}`"), "no such key here").with_help(help)
+    Fault::at_key(path, format!("unknown key `{word}`"), "no such key here").with_help(help)
 }
 
 /// Returns the fault of an unknown variant: a string, or the only key of a mapping.
@@ -116,7 +116,7 @@ fn unknown_choice(text: &LocatedText, path: FieldPath, word: &str, expected: &st
         && location_of(text, &path).is_none_or(|location| location.written(text.text) != word);
     let label = format!("expected {}", listed(expected));
     let fault = if is_key {
-        Fault::of_key(path, format!("unknown key `{word}`"), label)
+        Fault::at_key(path, format!("unknown key `{word}`"), label)
     } else {
         let message = format!("{} cannot be `{word}`", subject(&path));
         Fault::new(path, message, label)
@@ -138,7 +138,7 @@ fn missing_key(text: &LocatedText, path: FieldPath, word: &str) -> Fault {
         format!("add `{word}: …`")
     };
     let message = format!("{} needs the key `{word}`", subject(&path));
-    Fault::of_key(path, message, "it is missing here").with_help(help)
+    Fault::at_key(path, message, "it is missing here").with_help(help)
 }
 
 /// Returns the fault of a value of the wrong type or out of its range.

@@ -67,7 +67,7 @@ pub(super) fn walk(
 fn too_many_values(alias: Range<usize>) -> Fault {
     let message = "the aliases (`*name`) expand to too many values";
     let help = "write some of the values in full, or use a generator such as `sphere_cloud`";
-    Fault::of_bytes(alias, message, "with this one").with_help(help)
+    Fault::at_bytes(alias, message, "with this one").with_help(help)
 }
 
 struct Walk<'t, V> {
@@ -103,7 +103,7 @@ enum Kind {
 impl<V: FnMut(Node)> Walk<'_, V> {
     fn check(&self, event: &Event, span: Span) -> Result<(), Fault> {
         let fault = |message: &str, expected: &str| {
-            Err(Fault::of_bytes(bytes(self.text, span), message, expected))
+            Err(Fault::at_bytes(bytes(self.text, span), message, expected))
         };
         if let Some(tag) = tag(event) {
             let message = format!("the tag `{tag}` has no meaning in a scene");
@@ -136,7 +136,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
                 let path = FieldPath(self.path.clone()).key(&**word);
                 let message = format!("`{path}` is given twice");
                 let label = format!("the second one: the first is in line {}", seen[&**word]);
-                let fault = Fault::of_bytes(bytes(self.text, span), message, label);
+                let fault = Fault::at_bytes(bytes(self.text, span), message, label);
                 Err(match self.path.last() {
                     Some(Step::Index(_)) => {
                         fault.with_help("begin each item of the list with `- `")
@@ -171,7 +171,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             "a space other than that of the keyboard: U+{:04X}",
             space as u32
         );
-        let fault = Fault::of_bytes(place, message, "expected a plain space");
+        let fault = Fault::at_bytes(place, message, "expected a plain space");
         Err(fault.with_help("type it again: text that is copied from web pages has such spaces"))
     }
 
@@ -189,7 +189,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
         }
         let message = "a decimal number has a point, not a comma";
         let expected = format!("expected `{}.{digits}`", &number[whole.len()..]);
-        Err(Fault::of_bytes(whole.len()..key.end, message, expected))
+        Err(Fault::at_bytes(whole.len()..key.end, message, expected))
     }
 
     /// Returns the keys of the innermost mapping so far if a key comes next.

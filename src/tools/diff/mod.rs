@@ -204,8 +204,8 @@ impl Diff {
             picture: PictureDifference::measure(sides)?,
             light: LightDifference::measure(sides)?,
             n_other_objects: groups.n_other_objects,
-            settings: settings::of_run(&values),
-            machine: settings::of_machine(&values),
+            settings: settings::compare_runs(&values),
+            machine: settings::compare_machines(&values),
         })
     }
 }

@@ -46,12 +46,12 @@ pub(super) fn values(summary: &Summary) -> Value {
 }
 
 /// Returns the differences of machine and program.
-pub(super) fn of_machine(sides: &[Value; 2]) -> Vec<Setting> {
+pub(super) fn compare_machines(sides: &[Value; 2]) -> Vec<Setting> {
     differences(&MACHINE, sides)
 }
 
 /// Returns the differences of the settings.
-pub(super) fn of_run(sides: &[Value; 2]) -> Vec<Setting> {
+pub(super) fn compare_runs(sides: &[Value; 2]) -> Vec<Setting> {
     differences(&SETTINGS, sides)
 }
 
@@ -113,13 +113,16 @@ mod tests {
             settings.into_iter().map(line).collect()
         };
         assert_eq!(
-            named(of_run(&sides)),
+            named(compare_runs(&sides)),
             [
                 "image.seed 1 2",
                 "acceleration.kind \"bvh\" \"brute_force\"",
                 "acceleration.quality \"fast\" null"
             ]
         );
-        assert_eq!(named(of_machine(&sides)), ["machine.cpu \"one\" \"two\""]);
+        assert_eq!(
+            named(compare_machines(&sides)),
+            ["machine.cpu \"one\" \"two\""]
+        );
     }
 }

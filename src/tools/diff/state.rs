@@ -33,7 +33,7 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
         let name = format!("{sign}: {} per pixel", metric.label);
         let axis = Axis::new(&array, &name, scale, ends).with_labels(n_labels);
         if metric.is_timed() && what == "difference" {
-            axis.of_time()
+            axis.in_time_unit()
         } else {
             axis
         }

@@ -268,7 +268,7 @@ impl FrameSeries {
         // Absolute, because ParaView may be started in any folder.
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
         let path_of = |file: &str| folder.join(pvd::name_of(file));
-        states::of_files(&first.files, values, [first.time, end], path_of, run)
+        states::from_files(&first.files, values, [first.time, end], path_of, run)
     }
 
     /// Returns the command that shows the frames in ParaView; `None` without states.

@@ -16,7 +16,7 @@ const COLLECTION_READER: &str = "type=\"PVDReader\"";
 
 /// Returns the states among the files of a frame, for all frames, which span `times`: their names
 /// and texts. `path_of` returns the path of the `.pvd` of a VTK file.
-pub(super) fn of_files(
+pub(super) fn from_files(
     files: &[String],
     values: &StateValues,
     times: [f64; 2],

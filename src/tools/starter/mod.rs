@@ -223,7 +223,7 @@ enum SubjectColors {
 impl Subject {
     fn surface(mesh: Mesh, file: &Path) -> Self {
         let corners = mesh.triangles.iter().flatten();
-        let bounds = Aabb::of_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
+        let bounds = Aabb::from_points(corners.map(|&vertex| mesh.vertices[vertex as usize]));
         let normals = if mesh.normals.is_none() {
             SMOOTH
         } else {
@@ -266,7 +266,7 @@ impl Subject {
         let corners = [self.bounds.min, self.bounds.max].map(|corner| turned(corner.to_array()));
         Self {
             origin: DVec3::new(self.origin.x, self.origin.z, -self.origin.y),
-            bounds: Aabb::of_points(corners),
+            bounds: Aabb::from_points(corners),
             transform: STANDING,
             ..self
         }
@@ -292,7 +292,7 @@ impl Subject {
     }
 
     fn points(points: Spheres, file: &Path, radii: RadiusSource) -> Self {
-        let of_points = Aabb::of_points(points.spheres.iter().map(|sphere| sphere.center));
+        let of_points = Aabb::from_points(points.spheres.iter().map(|sphere| sphere.center));
         let size = (of_points.max - of_points.min).length();
         // Neighbors on a surface of this size nearly touch.
         let spacing = 0.5 * size / (points.spheres.len() as f32).sqrt();
@@ -314,7 +314,7 @@ impl Subject {
         let (file, radius) = (quoted(&file.to_string_lossy()), radii.key(radius));
         Self {
             origin: points.origin,
-            bounds: Aabb::of_points(points.spheres.iter().flat_map(corners)),
+            bounds: Aabb::from_points(points.spheres.iter().flat_map(corners)),
             has_lights: false,
             transform: "",
             colors: array.map_or(SubjectColors::One, SubjectColors::Array),
@@ -332,7 +332,7 @@ impl Subject {
         let moved = (other.origin - self.origin).as_vec3();
         let others = [other.bounds.min + moved, other.bounds.max + moved];
         let own = [self.bounds.min, self.bounds.max];
-        self.bounds = Aabb::of_points(own.into_iter().chain(others));
+        self.bounds = Aabb::from_points(own.into_iter().chain(others));
     }
 
     /// Returns the greatest magnitude of a coordinate in its box.

@@ -121,11 +121,11 @@ impl StudyMetric {
     /// Lists all metrics.
     pub fn all() -> Vec<Self> {
         let stages = STAGES.iter().flat_map(|(stage, _)| {
-            let of_stage = Self::of_stages().into_iter();
+            let of_stage = Self::stages().into_iter();
             of_stage.map(move |metric| metric.after(stage))
         });
         let files = file_names().flat_map(|file| {
-            let of_file = OF_FILES.map(Self::of_row).into_iter();
+            let of_file = OF_FILES.map(Self::from_row).into_iter();
             of_file.map(move |metric| metric.after(&file))
         });
         Self::without_families()
@@ -155,11 +155,11 @@ impl StudyMetric {
             format!("{name:<26}{unit:<8}{about}{need}\n")
         };
         let lines = |metrics: &[Self]| metrics.iter().map(line).collect::<String>();
-        let of_stages: Vec<Self> = (Self::of_stages().into_iter())
+        let of_stages: Vec<Self> = (Self::stages().into_iter())
             .map(|metric| metric.after("STAGE"))
             .collect();
         let of_files = OF_FILES
-            .map(Self::of_row)
+            .map(Self::from_row)
             .map(|metric| metric.after("FILE"));
         format!(
             "{}\nof each STAGE:\n{}\nSTAGE is one of:\n{}\nof each FILE:\n{}\nFILE is one \
@@ -177,12 +177,12 @@ impl StudyMetric {
         let with = |need| {
             move |row| Self {
                 need,
-                ..Self::of_row(row)
+                ..Self::from_row(row)
             }
         };
-        let runs = OF_RUNS.map(Self::of_row).into_iter();
-        let costs = Metric::ALL.into_iter().map(Self::of_cost);
-        let bvh = OF_BVH.map(Self::of_row).map(|metric| metric.after("bvh"));
+        let runs = OF_RUNS.map(Self::from_row).into_iter();
+        let costs = Metric::ALL.into_iter().map(Self::from_metric);
+        let bvh = OF_BVH.map(Self::from_row).map(|metric| metric.after("bvh"));
         let scaling = OF_SCALING.map(with(MetricNeed::ThreadsOrRanks));
         let steps = OF_STEPS.map(with(MetricNeed::Steps));
         let ranks = OF_RANKS.map(with(MetricNeed::RanksOnly));
@@ -195,20 +195,20 @@ impl StudyMetric {
     }
 
     /// Returns the metrics of a stage without its name.
-    fn of_stages() -> Vec<Self> {
+    fn stages() -> Vec<Self> {
         let event = |name: &&'static str| {
             let counted = name.replace('_', " ");
             let about = format!("{counted} in hardware, where the machine counts them");
             Self {
                 about,
-                ..Self::of_row((*name, "count", ""))
+                ..Self::from_row((*name, "count", ""))
             }
         };
-        let of_system = OF_STAGES.map(Self::of_row).into_iter();
+        let of_system = OF_STAGES.map(Self::from_row).into_iter();
         of_system.chain(EVENTS.iter().map(event)).collect()
     }
 
-    fn of_cost(metric: Metric) -> Self {
+    fn from_metric(metric: Metric) -> Self {
         let unit = if metric.is_timed() { "ns" } else { "count" };
         let over = match metric.aggregation {
             Aggregation::Sum => "sum over all pixels",
@@ -218,11 +218,12 @@ impl StudyMetric {
         let about = format!("{over}: {}", metric.about);
         Self {
             about,
-            ..Self::of_row((metric.name, unit, ""))
+            ..Self::from_row((metric.name, unit, ""))
         }
     }
 
-    fn of_row((name, unit, about): Row) -> Self {
+    fn from_row(row: Row) -> Self {
+        let (name, unit, about) = row;
         Self {
             name: name.to_owned(),
             unit,

@@ -154,7 +154,7 @@ impl StudyPlan {
     /// Returns all points: scene by scene, then step by step, or case by case, then level by level.
     pub fn points(&self) -> Vec<StudyPoint> {
         let scenes = self.scenes.iter().zip(scene_names(&self.scenes));
-        let scenes = scenes.map(|(scene, name)| StudyPoint::of_scene(scene, name));
+        let scenes = scenes.map(|(scene, name)| StudyPoint::from_scene(scene, name));
         let cases = scenes.flat_map(|point| {
             if !self.steps.is_empty() {
                 points_of_steps(&self.steps, &point)

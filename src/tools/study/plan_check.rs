@@ -88,7 +88,7 @@ impl StudyPlan {
             if in_cases().any(|(other, _)| other == factor) {
                 let name = factor.name();
                 let message = format!("`{name}` is in `cases`, too");
-                let fault = Fault::of_key(key("vary").key(name), message, "has two values");
+                let fault = Fault::at_key(key("vary").key(name), message, "has two values");
                 return Err(fault.with_help("leave it in one of the two"));
             }
         }
@@ -105,7 +105,7 @@ impl StudyPlan {
         if has_cases || !self.vary.0.is_empty() {
             let other = if has_cases { "cases" } else { "vary" };
             let message = format!("a study with `steps` has no `{other}`");
-            let fault = Fault::of_key(key(other), message, "would multiply the steps");
+            let fault = Fault::at_key(key(other), message, "would multiply the steps");
             return Err(fault.with_help("leave one of the two out"));
         }
         let names: Vec<&str> = self.steps.iter().map(|step| &*step.name).collect();

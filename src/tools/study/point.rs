@@ -29,7 +29,7 @@ pub(super) const SETTINGS: &str = "settings";
 
 impl StudyPoint {
     /// Creates the point of a scene, with the values of its file.
-    pub(super) fn of_scene(scene: &Path, name: String) -> Self {
+    pub(super) fn from_scene(scene: &Path, name: String) -> Self {
         let values = [("scene".to_owned(), Value::from(name))];
         Self {
             scene: scene.to_owned(),

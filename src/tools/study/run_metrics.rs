@@ -52,7 +52,7 @@ impl RunMetrics {
     /// Takes the metrics of another program: the lines of its output that are the name of a metric
     /// and a number. Without `render_wall_ms` among them, that is the wall time of the whole
     /// process, `process_ms`.
-    pub fn of_output(output: &str, process_ms: f64) -> Self {
+    pub fn parse(output: &str, process_ms: f64) -> Self {
         let known = StudyMetric::all();
         let mut metrics = Self::default();
         metrics.add("process_ms", Some(process_ms));

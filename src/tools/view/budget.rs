@@ -22,7 +22,7 @@ impl Page {
     pub fn within(max_bytes: u64, results: &Results) -> Result<Self, Diagnostic> {
         let mut n_pixels = MAX_PIXELS;
         loop {
-            let page = Self::of_at_most(n_pixels, results)?;
+            let page = Self::read_at_most(n_pixels, results)?;
             let n_bytes = page.n_bytes();
             if n_bytes <= max_bytes {
                 return Ok(page);

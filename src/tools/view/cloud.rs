@@ -66,8 +66,8 @@ impl Cloud {
     /// Returns the positions and the pixels as payloads of the page.
     pub(super) fn payloads(self) -> [Payload; 2] {
         [
-            Payload::of_numbers("cloud-positions", &ArrayValues::F32(self.positions)),
-            Payload::of_numbers("cloud-pixels", &ArrayValues::U32(self.pixels)),
+            Payload::encode_numbers("cloud-positions", &ArrayValues::F32(self.positions)),
+            Payload::encode_numbers("cloud-pixels", &ArrayValues::U32(self.pixels)),
         ]
     }
 

@@ -27,7 +27,7 @@ pub(super) fn json(
     pixels: &ShownPixels,
 ) -> Result<Value, Diagnostic> {
     let mut found = Vec::new();
-    if let Some(Metric { name, .. }) = Metric::of_times(summary.cost.mode) {
+    if let Some(Metric { name, .. }) = Metric::measured_by(summary.cost.mode) {
         found.push((name, by_time(name, summary, frame)?));
     }
     found.push(("node_visits", by_count(frame, "node_visits")?));

@@ -51,11 +51,11 @@ impl Page {
     /// # Errors
     /// If a file of the folder is missing or damaged.
     pub fn new(results: &Results) -> Result<Self, Diagnostic> {
-        Self::of_at_most(MAX_PIXELS, results)
+        Self::read_at_most(MAX_PIXELS, results)
     }
 
     /// Reads the content of a page with at most `n_pixels` pixels.
-    fn of_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
+    fn read_at_most(n_pixels: u64, results: &Results) -> Result<Self, Diagnostic> {
         let frame = results.frame()?;
         let pixels = ShownPixels::at_most(n_pixels, [frame.width(), frame.height()]);
         // The page cannot be drawn without these arrays: report the missing ones.
@@ -81,7 +81,7 @@ impl Page {
         let mut payloads: Vec<Payload> = arrays
             .par_iter()
             .enumerate()
-            .map(|(i, array)| Payload::of_numbers(&about::array_id(i), &array.values))
+            .map(|(i, array)| Payload::encode_numbers(&about::array_id(i), &array.values))
             .collect();
         payloads.extend(cloud.payloads());
         let n_pixel_bytes = payloads.iter().map(Payload::n_bytes).sum();

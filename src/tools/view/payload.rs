@@ -20,12 +20,12 @@ pub(super) struct Payload {
 impl Payload {
     /// Encodes numbers as byte planes, the least significant first: the high bytes of counters are
     /// zeros, and runs of zeros compress well.
-    pub(super) fn of_numbers(id: &str, values: &ArrayValues) -> Self {
-        Self::of_bytes(id, &planes(values.bytes(), width(values)))
+    pub(super) fn encode_numbers(id: &str, values: &ArrayValues) -> Self {
+        Self::encode(id, &planes(values.bytes(), width(values)))
     }
 
     /// Encodes bytes.
-    fn of_bytes(id: &str, bytes: &[u8]) -> Self {
+    fn encode(id: &str, bytes: &[u8]) -> Self {
         let mut encoder = PayloadEncoder::new(id);
         encoder.encode(bytes);
         encoder.finish()
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_payload_is_zlib_in_base64() {
-        let payload = Payload::of_bytes("a", b"all of it");
+        let payload = Payload::encode("a", b"all of it");
         let compressed = STANDARD.decode(&payload.base64).unwrap();
         let mut text = String::new();
         let mut zlib = flate2::read::ZlibDecoder::new(&compressed[..]);

@@ -90,7 +90,7 @@ impl Arena {
         Leaf {
             numbers,
             n: node_ref.leaf_size(),
-            kind: LeafKind::of_leaf(node_ref, numbers[0]),
+            kind: LeafKind::from_leaf(node_ref, numbers[0]),
         }
     }
 

@@ -124,7 +124,7 @@ impl<S: PlacedSearch> Search for Instanced<'_, S> {
     }
 
     fn test(&mut self, ray: &Ray, primitive: u32) {
-        match self.lower.instances.of_box(primitive) {
+        match self.lower.instances.by_box(primitive) {
             None => self.search.test(ray, primitive),
             Some(instance) => {
                 self.search.enter(primitive);

@@ -121,7 +121,7 @@ impl LeafKind {
 
     /// Returns the kind of a leaf, given its reference and its first number.
     #[inline(always)]
-    pub(super) fn of_leaf(node_ref: NodeRef, first: f32) -> Self {
+    pub(super) fn from_leaf(node_ref: NodeRef, first: f32) -> Self {
         match node_ref.0 & 3 {
             1 => Self::Triangles,
             2 => Self::Spheres,
@@ -208,7 +208,7 @@ impl NodeRef {
 /// Returns the kind of the leaf of a reference, with bounds checks.
 pub(super) fn leaf_kind(lines: &[CacheLine], node_ref: NodeRef) -> LeafKind {
     let CacheLine([first, ..]) = lines[node_ref.line()];
-    LeafKind::of_leaf(node_ref, first)
+    LeafKind::from_leaf(node_ref, first)
 }
 
 /// Returns the node of a reference, with bounds checks.

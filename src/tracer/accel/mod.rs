@@ -93,11 +93,11 @@ impl<'a> Accel<'a> {
         kind: Acceleration,
         report: BuildReport,
     ) -> Result<Self, TooLarge> {
-        Self::of_frame(world, kind, None, report)
+        Self::build_frame(world, kind, None, report)
     }
 
     /// Returns the structure with an index that was built over the same primitives.
-    pub fn of_index(world: impl Into<World<'a>>, index: Arc<AccelIndex>) -> Self {
+    pub fn from_index(world: impl Into<World<'a>>, index: Arc<AccelIndex>) -> Self {
         Self {
             world: world.into(),
             index,
@@ -212,7 +212,7 @@ impl<'a> Accel<'a> {
         let lower = self.index.lower.iter().zip(&self.index.first_ids);
         for (mesh, (level, &first_id)) in (0..).zip(lower) {
             let of_mesh = list(level).into_iter();
-            nodes.extend(of_mesh.map(|node| node.of_mesh(mesh, first_id)));
+            nodes.extend(of_mesh.map(|node| node.in_mesh(mesh, first_id)));
         }
         nodes
     }

@@ -31,7 +31,7 @@ pub struct BvhNode {
 
 impl BvhNode {
     /// Returns the node as a node of an instanced mesh, whose root has the ID `first_id`.
-    pub(super) fn of_mesh(self, mesh: u32, first_id: u32) -> Self {
+    pub(super) fn in_mesh(self, mesh: u32, first_id: u32) -> Self {
         Self {
             id: first_id + self.id,
             parent: self.parent.map(|parent| first_id + parent),

@@ -36,12 +36,12 @@ impl FrameBase {
         };
         Self {
             first: Some(first),
-            ..Self::of_meshes(&accel.index)
+            ..Self::from_meshes(&accel.index)
         }
     }
 
     /// Starts from only the structures of the meshes of another frame.
-    pub fn of_meshes(index: &AccelIndex) -> Self {
+    pub fn from_meshes(index: &AccelIndex) -> Self {
         Self {
             meshes: index.lower.clone(),
             first: None,
@@ -87,7 +87,7 @@ impl<'a> Accel<'a> {
     ///
     /// # Errors
     /// The errors of [`build`](Self::build).
-    pub fn of_frame(
+    pub fn build_frame(
         world: impl Into<World<'a>>,
         kind: Acceleration,
         base: Option<(&FrameBase, u64)>,
@@ -105,7 +105,7 @@ impl<'a> Accel<'a> {
                 AccelIndex::build(world, kind, meshes, report)?
             }
         };
-        Ok(Self::of_index(world, Arc::new(index)))
+        Ok(Self::from_index(world, Arc::new(index)))
     }
 
     /// Returns true if the structure was refitted from another frame.
@@ -118,7 +118,7 @@ impl<'a> Accel<'a> {
     pub fn refitted<'b>(&self, world: impl Into<World<'b>>) -> Option<Accel<'b>> {
         let world = world.into();
         let index = self.index.refitted(world)?;
-        let accel = Accel::of_index(world, Arc::new(index));
+        let accel = Accel::from_index(world, Arc::new(index));
         Some(accel.with_simd(self.simd).with_traversal(self.traversal))
     }
 }

@@ -49,14 +49,14 @@ impl Clock {
     pub fn calibrated() -> Self {
         let mut clock = Self {
             source: ClockSource::best(),
-            ..Self::of_system()
+            ..Self::system()
         };
         clock.overhead_ns = clock.measured_overhead_ns();
         clock
     }
 
     /// Returns the operating system's clock, which needs no calibration.
-    pub fn of_system() -> Self {
+    pub fn system() -> Self {
         Self {
             source: ClockSource::Os {
                 start: OsInstant::now(),

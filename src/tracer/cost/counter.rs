@@ -57,7 +57,7 @@ counters! {
 impl Counter {
     /// Returns the counter of rays of one kind.
     #[inline]
-    pub fn of_rays(kind: RayKind) -> Self {
+    pub fn rays(kind: RayKind) -> Self {
         match kind {
             RayKind::Camera => Self::Samples,
             RayKind::Shadow => Self::ShadowRays,

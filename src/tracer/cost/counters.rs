@@ -81,13 +81,13 @@ impl Counters {
 
     /// Adds `n` camera rays, if they are counted.
     pub(super) fn add_camera_rays(&mut self, pixel: usize, n: u64) {
-        self.allocated(Counter::of_rays(RayKind::Camera))[pixel] += n;
+        self.allocated(Counter::rays(RayKind::Camera))[pixel] += n;
     }
 
     /// Adds a ray of this kind, which is not a camera ray, to each of these pixels.
     pub(super) fn add_rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]) {
         if !pixels.is_empty() {
-            let counts = self.allocated(Counter::of_rays(kind));
+            let counts = self.allocated(Counter::rays(kind));
             for &pixel in pixels {
                 counts[pixel as usize] += 1;
             }

@@ -248,7 +248,7 @@ impl Metric {
     }
 
     /// Returns the metric of the times that a mode measures, if any.
-    pub fn of_times(mode: CostMode) -> Option<Self> {
+    pub fn measured_by(mode: CostMode) -> Option<Self> {
         match mode {
             CostMode::None | CostMode::Counters => None,
             CostMode::SingleRayTime | CostMode::Time => Some(Self::TIME),

@@ -32,7 +32,7 @@ pub struct Stopwatch {
 
 impl Stopwatch {
     /// Starts on the calling thread.
-    pub fn of_this_thread(clock: Clock) -> Self {
+    pub fn start(clock: Clock) -> Self {
         let cpu = ThreadTime::now();
         let now = clock.now();
         Self {
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_sleeping_thread_takes_no_cpu_time() {
-        let mut stopwatch = Stopwatch::of_this_thread(Clock::of_system());
+        let mut stopwatch = Stopwatch::start(Clock::system());
         if !stopwatch.clock.has_cpu_time() {
             return;
         }

@@ -91,7 +91,7 @@ impl<M: Model> SimdKernel for AddLight<'_, M> {
                     Interfaces::met(self.scene, self.wave, group.material, rays, flipped)
                         .boundary(set)
                 } else {
-                    Boundary::of_no_medium(point.side)
+                    Boundary::without_medium(point.side)
                 };
                 // Add the reflected light where it arrives.
                 let reflected = self

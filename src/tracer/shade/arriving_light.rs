@@ -104,7 +104,9 @@ impl SimdKernel for SampleLights<'_> {
         for (group, at) in lit.flat_map(|group| group.lanes().map(move |at| (group, at))) {
             // Sample a light by the random numbers of each point.
             let point = self.points.shading(set, at);
-            let numbers = self.numbers.of_rays(set, self.wave, self.points.rays(at));
+            let numbers = self
+                .numbers
+                .point_numbers(set, self.wave, self.points.rays(at));
             let numbers = numbers.light(lights, self.sample);
             let (mut light, _) = lights.illuminate(self.sample, &point.lit(), &numbers);
             // Weaken it by the media on the way.

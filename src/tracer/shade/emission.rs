@@ -54,7 +54,7 @@ pub(super) fn weight<R: Real>(
 /// Returns the radiance of the background that a ray finds, from a point in a direction that was
 /// chosen with a density, weighted for its combination with light samples.
 #[inline(always)]
-pub(super) fn of_background<R: Real>(
+pub(super) fn weighted_background<R: Real>(
     scene: &Scene,
     [from, direction]: [Vector<R>; 2],
     density: R,

@@ -1,6 +1,6 @@
 //! The radiance of surface points and of the background → the colors of paths.
 
-use super::emission::of_background;
+use super::emission::weighted_background;
 use super::fresnel::{mirrored_share, split_at};
 use super::interfaces::Interfaces;
 use super::model::{Bounce, Model};
@@ -67,7 +67,7 @@ impl<M: Model> EndPoints<'_, M> {
         let radiance = self.radiance.load(set, at.first);
         let (slots, weights) =
             self.wave
-                .of_rays(set, self.points.rays(at), self.scene.splits_paths());
+                .slots_and_weights(set, self.points.rays(at), self.scene.splits_paths());
         let met = weights * self.points.opacities(set, at);
         let added = self
             .wave
@@ -208,8 +208,10 @@ impl SimdKernel for AddBackground<'_> {
             }
             // Add the background that they see.
             let ray = self.wave.rays.gather(set, &rays);
-            let radiance = of_background(self.scene, ray, set.load(&densities));
-            let (slots, weights) = self.wave.of_rays(set, &rays, self.scene.splits_paths());
+            let radiance = weighted_background(self.scene, ray, set.load(&densities));
+            let (slots, weights) =
+                self.wave
+                    .slots_and_weights(set, &rays, self.scene.splits_paths());
             let lanes = u8::MAX >> (N_LANES - missed.len());
             let added = self.wave.with_gained(set, &rays, radiance.times(weights));
             self.colors.add_to(set, &slots, added, lanes);

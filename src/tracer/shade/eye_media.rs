@@ -130,7 +130,7 @@ fn has_media_in(tracer: &Tracer, region: Aabb) -> bool {
                 scene
                     .instances
                     .as_ref()
-                    .is_some_and(|of| of.of_box(i).is_some())
+                    .is_some_and(|of| of.by_box(i).is_some())
             };
             (is_instance() || is_medium(primitive.material))
                 && (primitive.is_unbounded() || primitive.bounds().overlaps(region))

@@ -15,7 +15,7 @@ impl Shader<'_> {
         };
         let distance = hit.as_ref().map_or(f32::INFINITY, |point| point.distance);
         match fog.flight(&path.ray, distance, self.numbers(path).flight()) {
-            Some(t) => Some(SurfacePoint::of_particle(self.scene, &path.ray, t)),
+            Some(t) => Some(SurfacePoint::fog_particle(self.scene, &path.ray, t)),
             None => hit,
         }
     }
@@ -45,7 +45,7 @@ impl WaveShader<'_> {
             // Sample the distance to the next particle.
             let numbers = PointNumbers {
                 sampler: self.sampler,
-                id: ids.of_slot(wave.slots()[i]),
+                id: ids.sample_id(wave.slots()[i]),
                 depth: wave.depth,
             };
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);

@@ -86,7 +86,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Creates a shader of waves for this instruction set.
-    pub fn of_waves(&self, simd: Simd) -> WaveShader<'a> {
+    pub fn wave_shader(&self, simd: Simd) -> WaveShader<'a> {
         WaveShader::new(self.scene, self.sampler, simd)
     }
 
@@ -385,7 +385,7 @@ impl<'a> Shader<'a> {
     /// Returns the radiance of the background that a ray that hit nothing adds to its path.
     pub fn miss(&self, path: &PathRay) -> Vec3 {
         let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
-        let color = emission::of_background(self.scene, ray, path.density);
+        let color = emission::weighted_background(self.scene, ray, path.density);
         let (arriving, gained) = self.weakened(path, f32::INFINITY);
         arriving.weight * Vec3::from(color) + gained
     }
@@ -401,7 +401,7 @@ fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) 
 
 /// Returns the boundary that scattering needs: the surface of a medium, or any other surface.
 fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
-    interface.map_or(Boundary::of_no_medium(1.0), |of| Boundary {
+    interface.map_or(Boundary::without_medium(1.0), |of| Boundary {
         eta: of.eta,
         is_visible: of.is_visible,
     })

@@ -46,7 +46,7 @@ impl SampleIds {
     }
 
     /// Returns the sample of the path in this slot.
-    pub(super) fn of_slot(&self, slot: u32) -> SampleId<u32> {
+    pub(super) fn sample_id(&self, slot: u32) -> SampleId<u32> {
         SampleId {
             pixel: self.pixels[slot as usize],
             sample: self.samples[slot as usize],
@@ -55,7 +55,7 @@ impl SampleIds {
 
     /// Returns the samples of the paths of eight rays of a wave.
     #[inline(always)]
-    fn of_rays<I: InstructionSet>(
+    fn sample_ids<I: InstructionSet>(
         &self,
         set: I,
         wave: &PathWave,
@@ -83,7 +83,7 @@ pub(super) struct WaveNumbers<'a> {
 impl WaveNumbers<'_> {
     /// Returns the numbers of the points that eight rays have hit.
     #[inline(always)]
-    pub(super) fn of_rays<I: InstructionSet>(
+    pub(super) fn point_numbers<I: InstructionSet>(
         &self,
         set: I,
         wave: &PathWave,
@@ -91,7 +91,7 @@ impl WaveNumbers<'_> {
     ) -> PointNumbers<<I::Lanes as Real>::Integer> {
         PointNumbers {
             sampler: self.sampler,
-            id: self.ids.of_rays(set, wave, rays),
+            id: self.ids.sample_ids(set, wave, rays),
             depth: wave.depth,
         }
     }

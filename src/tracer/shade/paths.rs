@@ -289,7 +289,7 @@ impl PathWave {
     /// Returns the indices under which these rays add to colors, and their weights: indices of
     /// paths, or of rays if paths may be split.
     #[inline(always)]
-    pub(super) fn of_rays<I: InstructionSet>(
+    pub(super) fn slots_and_weights<I: InstructionSet>(
         &self,
         set: I,
         rays: &[u32; N_LANES],

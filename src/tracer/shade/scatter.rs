@@ -53,12 +53,12 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             None
         };
         let boundary = match &interfaces {
-            None => Boundary::of_no_medium(set.splat(1.0)),
+            None => Boundary::without_medium(set.splat(1.0)),
             Some(interfaces) => interfaces.boundary(set),
         };
         // Sample a direction for each point.
         let at_point = Leaving::new(point, -self.points.directions(set, at));
-        let numbers = self.numbers.of_rays(set, self.wave, rays);
+        let numbers = self.numbers.point_numbers(set, self.wave, rays);
         let [lobe, roulette] = numbers.lobe();
         let scattered = sample(
             self.scatter,

@@ -122,7 +122,7 @@ impl FindPoints<'_> {
         // Interpolate the shading normals.
         let normal = if group.attributes.has_normals() {
             let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
-            let normals = of_vertices(set, normals);
+            let normals = vertex_lanes(set, normals);
             let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
             on_side_of(geometric_normal, normal)
         } else {
@@ -136,7 +136,7 @@ impl FindPoints<'_> {
         }
         if group.attributes.has_corner_colors() {
             let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
-            let colors = of_vertices(set, colors);
+            let colors = vertex_lanes(set, colors);
             at_point.color = interpolated_color(&parameters, colors, position);
         }
         if let Some(scalar) = self.scalars(set, group, &hits, &parameters, position) {
@@ -198,7 +198,7 @@ impl FindPoints<'_> {
         }
     }
 
-    /// Computes eight particles of fog, as [`SurfacePoint::of_particle`](super::SurfacePoint) does.
+    /// Computes eight particles of fog, as [`SurfacePoint::fog_particle`](super::SurfacePoint) does.
     #[inline(always)]
     fn find_particles<I: InstructionSet>(&mut self, set: I, group: &PointGroup, at: PointLanes) {
         let [origin, direction] = self.rays.gather(set, self.points.rays(at));
@@ -378,7 +378,7 @@ impl FindPoints<'_> {
 
 /// Returns the normals or the colors at the vertices of eight triangles, by lane.
 #[inline(always)]
-fn of_vertices<I: InstructionSet>(
+fn vertex_lanes<I: InstructionSet>(
     set: I,
     vectors_of: impl Fn(usize) -> Option<[Vec3; 3]>,
 ) -> [Vector<I::Lanes>; 3] {

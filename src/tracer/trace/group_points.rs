@@ -91,7 +91,7 @@ impl Points {
         }
         self.grow(n_points);
         // Give each ray the next place of its group, eight at a time where they agree.
-        self.of_ray.clear();
+        self.by_ray.clear();
         let group_of_ray = std::mem::take(&mut self.group_of_ray);
         let (blocks, rest) = group_of_ray.as_chunks::<N_LANES>();
         for (first, block) in (0..).step_by(N_LANES).zip(blocks) {
@@ -101,7 +101,7 @@ impl Points {
                 let point = group.first + group.n;
                 group.n += N_LANES;
                 *lanes_mut(&mut self.rays, point) = ascending(first);
-                self.of_ray.extend_from_slice(&ascending(point as u32));
+                self.by_ray.extend_from_slice(&ascending(point as u32));
             } else {
                 self.place_one_by_one(first, block);
             }
@@ -123,13 +123,13 @@ impl Points {
     fn place_one_by_one(&mut self, first: u32, groups: &[u32]) {
         for (ray, &group) in (first..).zip(groups) {
             let Some(group) = self.groups.get_mut(group as usize) else {
-                self.of_ray.push(NO_POINT);
+                self.by_ray.push(NO_POINT);
                 continue;
             };
             let point = group.first + group.n;
             group.n += 1;
             self.rays[point] = ray;
-            self.of_ray.push(point as u32);
+            self.by_ray.push(point as u32);
         }
     }
 }

@@ -46,12 +46,12 @@ impl Passage {
 type Passing = fn(&Tracer, &Ray, f32) -> f32;
 
 /// Returns the share of light that passes.
-fn of_light(_: &Tracer, _: &Ray, opacity: f32) -> f32 {
+fn light_share(_: &Tracer, _: &Ray, opacity: f32) -> f32 {
     1.0 - opacity
 }
 
 /// Returns 1 if the whole ray passes, or else 0.
-fn of_ray(tracer: &Tracer, ray: &Ray, opacity: f32) -> f32 {
+fn all_or_nothing(tracer: &Tracer, ray: &Ray, opacity: f32) -> f32 {
     let threshold = if tracer.scene.scatters_paths() {
         chance(ray)
     } else {
@@ -79,7 +79,7 @@ impl Tracer<'_> {
         ray: &Ray,
         nearest: impl FnMut(&Ray) -> Option<Hit>,
     ) -> Option<Hit> {
-        self.follow(ray, f32::INFINITY, of_ray, nearest).0
+        self.follow(ray, f32::INFINITY, all_or_nothing, nearest).0
     }
 
     /// Returns the share of light that passes along a shadow ray.
@@ -88,7 +88,7 @@ impl Tracer<'_> {
         shadow: &ShadowRay,
         nearest: impl FnMut(&Ray) -> Option<Hit>,
     ) -> f32 {
-        let (hit, share) = self.follow(&shadow.ray, shadow.t_max, of_light, nearest);
+        let (hit, share) = self.follow(&shadow.ray, shadow.t_max, light_share, nearest);
         hit.map_or(share, |_| 0.0)
     }
 
@@ -98,7 +98,7 @@ impl Tracer<'_> {
         shadow: &ShadowRay,
         nearest: impl FnMut(&Ray) -> Option<Hit>,
     ) -> Option<Hit> {
-        let (hit, _) = self.follow(&shadow.ray, shadow.t_max, of_light, nearest);
+        let (hit, _) = self.follow(&shadow.ray, shadow.t_max, light_share, nearest);
         hit
     }
 
@@ -134,7 +134,7 @@ impl Tracer<'_> {
         probes: ByPixel<P>,
     ) {
         let limit = |_| f32::INFINITY;
-        self.follow_all(rays, limit, of_ray, hits, probes, |_, _| {});
+        self.follow_all(rays, limit, all_or_nothing, hits, probes, |_, _| {});
     }
 
     /// Finds the light along shadow rays, as [`shadow_stream`](Tracer::shadow_stream) does, by
@@ -150,7 +150,7 @@ impl Tracer<'_> {
         self.accel.nearest_stream(rays, &mut hits, &mut probes);
         shares.resize(rays.len(), 1.0);
         let keep = |i: usize, share| shares[i] = share;
-        self.follow_all(rays, limit, of_light, &mut hits, probes, keep);
+        self.follow_all(rays, limit, light_share, &mut hits, probes, keep);
         for (i, (share, hit)) in shares.iter_mut().zip(&hits).enumerate() {
             if hit.is_some_and(|hit| hit.t < limit(i)) {
                 *share = 0.0;

@@ -22,7 +22,7 @@ pub struct Points {
     /// The index of each point's ray.
     pub(super) rays: Vec<u32>,
     /// The index of each ray's point; [`NO_POINT`] without a hit.
-    pub(super) of_ray: Vec<u32>,
+    pub(super) by_ray: Vec<u32>,
     /// Indices of the rays that hit nothing.
     pub(super) missed: Vec<u32>,
     pub(super) position: VectorColumn,
@@ -185,8 +185,8 @@ impl Points {
 
     /// Returns the point of a ray, if it hit something.
     #[inline(always)]
-    pub fn of_ray(&self, ray: usize) -> Option<usize> {
-        let point = self.of_ray[ray];
+    pub fn by_ray(&self, ray: usize) -> Option<usize> {
+        let point = self.by_ray[ray];
         (point != NO_POINT).then_some(point as usize)
     }
 

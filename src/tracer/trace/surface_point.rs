@@ -63,7 +63,7 @@ pub struct ShadingPoint<R> {
 
 impl SurfacePoint {
     /// Returns the particle of the scene's fog that a ray meets at a distance. It has no normals.
-    pub fn of_particle(scene: &Scene, ray: &Ray, distance: f32) -> Self {
+    pub fn fog_particle(scene: &Scene, ray: &Ray, distance: f32) -> Self {
         let color = scene.fog.map_or(Vec3::ZERO, |fog| fog.color);
         Self {
             position: ray.at(distance),

@@ -293,8 +293,8 @@ mod tests {
         let noon = sky(60.0, 2.5);
         let [r, g, b] = above(&noon, Vec3::new(-0.2, 1.0, 0.1)).to_array();
         assert!(r < g && g < b && b > 2.0 * r, "{r} {g} {b}");
-        let high = noon.sun.of_white();
-        let low = sky(3.0, 2.5).sun.of_white();
+        let high = noon.sun.white_radiance();
+        let low = sky(3.0, 2.5).sun.white_radiance();
         assert!(
             high.z > 0.75 * high.x && low.z < 0.2 * low.x,
             "{high} {low}"
@@ -332,7 +332,7 @@ mod tests {
         }
         let klx = 127.5 * illuminance;
         assert!((10.0..30.0).contains(&klx), "{klx}");
-        let klx = 127.5 * sky.sun.of_white().y;
+        let klx = 127.5 * sky.sun.white_radiance().y;
         assert!((80.0..110.0).contains(&klx), "{klx}");
     }
 
@@ -351,7 +351,7 @@ mod tests {
                         "{elevation} {turbidity}"
                     );
                 }
-                assert!(sky.sun.of_white().is_finite() && sky.sun.of_white().x > 0.0);
+                assert!(sky.sun.white_radiance().is_finite() && sky.sun.white_radiance().x > 0.0);
             }
         }
     }

@@ -31,7 +31,7 @@ impl Sun {
     }
 
     /// Returns the radiance of a white surface that faces it.
-    pub fn of_white(&self) -> Vec3 {
+    pub fn white_radiance(&self) -> Vec3 {
         self.radiance * (SINE * SINE)
     }
 
@@ -102,7 +102,10 @@ mod tests {
             assert!((found / light.density - 1.0).abs() < 1e-5, "{found}");
             assert_eq!(Vec3::from(sun.radiance(light.direction)), sun.radiance);
         }
-        assert!(of_white.abs_diff_eq(sun.of_white(), 1e-4), "{of_white}");
+        assert!(
+            of_white.abs_diff_eq(sun.white_radiance(), 1e-4),
+            "{of_white}"
+        );
         let beside = Vec3::new(0.6, 0.65, -0.48).normalize();
         assert_eq!(Vec3::from(sun.radiance(beside.into())), Vec3::ZERO);
         assert_eq!(sun.density(Vector::from(-sun.direction)), 0.0);

@@ -93,7 +93,7 @@ impl ImagePlane {
     }
 
     /// Returns the plane without its lens.
-    pub fn of_pinhole(self) -> Self {
+    pub fn without_lens(self) -> Self {
         Self { lens: None, ..self }
     }
 
@@ -113,7 +113,7 @@ impl ImagePlane {
     pub fn origins(&self, margin: f32) -> Aabb {
         if let Projection::Parallel { .. } = self.projection {
             let ends = self.size.map(|n| [-margin, (n - 1) as f32 + margin]);
-            return Aabb::of_points(
+            return Aabb::from_points(
                 ends[0]
                     .into_iter()
                     .flat_map(|x| ends[1].map(|y| self.point(x, y))),

@@ -18,7 +18,7 @@ const WHITE: [f64; 3] = [0.9505, 1.0, 1.089];
 
 /// Returns the color at a position from 0 to 1, as sRGB.
 pub(super) fn cool_to_warm(position: f64) -> [f64; 3] {
-    let end = of_srgb((if position < 0.5 { COOL } else { WARM }).map(|x| x / 255.0));
+    let end = from_srgb((if position < 0.5 { COOL } else { WARM }).map(|x| x / 255.0));
     let gray = [GRAY, 0.0, hue_beside(end)];
     let share = (2.0 * position - 1.0).abs().min(1.0);
     to_srgb([0, 1, 2].map(|i| gray[i] + share * (end[i] - gray[i])))
@@ -40,7 +40,7 @@ fn hue_beside([magnitude, saturation, hue]: Msh) -> f64 {
     }
 }
 
-fn of_srgb(color: [f64; 3]) -> Msh {
+fn from_srgb(color: [f64; 3]) -> Msh {
     let [r, g, b] = color.map(decoded);
     let xyz = [
         0.4124 * r + 0.3576 * g + 0.1805 * b,

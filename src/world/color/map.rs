@@ -29,7 +29,7 @@ macro_rules! maps {
             pub fn at(self, position: f64) -> [f64; 3] {
                 match self {
                     Self::CoolToWarm => diverging::cool_to_warm(position),
-                    $(Self::$kind => of_numbers(tables::$gradient, position),)*
+                    $(Self::$kind => step_color(tables::$gradient, position),)*
                     $(Self::$list => channels(nearest(tables::$colors, position)),)*
                 }
             }
@@ -92,7 +92,7 @@ pub fn rgb8(color: [f64; 3]) -> [u8; 3] {
 }
 
 /// Returns the color of the step that contains the position.
-fn of_numbers(colors: &[u32], position: f64) -> [f64; 3] {
+fn step_color(colors: &[u32], position: f64) -> [f64; 3] {
     let step = (position * N_STEPS).floor().clamp(0.0, N_STEPS - 1.0);
     let color = |i: usize| channels(&colors[i]);
     interpolated(colors.len(), color, step / (N_STEPS - 1.0))

@@ -81,11 +81,11 @@ impl Development {
             (_, Transfer::Linear) => fill(radiance, numbers, |of| linear8(developed(of))),
             (ToneCurve::None, Transfer::Srgb) => {
                 let levels = srgb::levels();
-                fill(radiance, numbers, |of| levels.of_color(exposed(of)));
+                fill(radiance, numbers, |of| levels.encode(exposed(of)));
             }
             (_, Transfer::Srgb) => {
                 let levels = srgb::levels();
-                fill(radiance, numbers, |of| levels.of_color(developed(of)));
+                fill(radiance, numbers, |of| levels.encode(developed(of)));
             }
         }
     }
@@ -116,7 +116,7 @@ impl Transfer {
     /// Converts linear light, clamped to 0..1, to 8-bit numbers, rounded.
     pub fn bytes(self, light: Vec3) -> [u8; 3] {
         match self {
-            Self::Srgb => srgb::levels().of_color(light),
+            Self::Srgb => srgb::levels().encode(light),
             Self::Linear => linear8(light),
         }
     }

@@ -69,7 +69,7 @@ impl Levels {
 
     /// Returns the levels of the channels.
     #[inline(always)]
-    pub(super) fn of_color(&self, light: Vec3) -> [u8; 3] {
+    pub(super) fn encode(&self, light: Vec3) -> [u8; 3] {
         [
             self.level(light.x),
             self.level(light.y),

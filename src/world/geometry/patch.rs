@@ -75,7 +75,7 @@ impl Patch {
     }
 
     /// Transforms a triangle to the placement of an instance.
-    pub fn of_instance(self, place: &InstanceTransform) -> Self {
+    pub fn placed(self, place: &InstanceTransform) -> Self {
         let Self::Triangle(corners) = self else {
             return self;
         };
@@ -176,7 +176,7 @@ mod tests {
             radius: 2.0,
         };
         let patch = disk.patch().unwrap();
-        let found = Aabb::of_points(patch.corners().iter().copied());
+        let found = Aabb::from_points(patch.corners().iter().copied());
         let bounds = disk.bounds();
         assert!(found.min.abs_diff_eq(bounds.min, 0.02));
         assert!(found.max.abs_diff_eq(bounds.max, 0.02));

@@ -106,7 +106,7 @@ impl Intersectable for Rectangle {
     }
 
     fn bounds(&self) -> Aabb {
-        Aabb::of_points(self.corners())
+        Aabb::from_points(self.corners())
     }
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {

@@ -118,7 +118,7 @@ impl Transform {
 
     /// Returns the smallest box in world space around a box of object space.
     pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
-        Aabb::of_points(bounds.corners().map(|corner| self.world_point(corner)))
+        Aabb::from_points(bounds.corners().map(|corner| self.world_point(corner)))
     }
 
     /// Returns true if it mirrors, which reverses the orientation of triangles.

@@ -123,7 +123,7 @@ impl Intersectable for Triangle {
     }
 
     fn bounds(&self) -> Aabb {
-        Aabb::of_points(self.vertices)
+        Aabb::from_points(self.vertices)
     }
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {

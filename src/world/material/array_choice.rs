@@ -15,7 +15,7 @@ pub struct ArrayChoice {
 
 impl ArrayChoice {
     /// Chooses the numbers of a point array: a component of its tuples, or their magnitude.
-    pub fn of_points(name: &str, component: Option<usize>) -> Self {
+    pub fn point_array(name: &str, component: Option<usize>) -> Self {
         Self {
             name: name.to_owned(),
             component,

@@ -97,7 +97,7 @@ pub struct Material {
 
 impl Material {
     /// Creates the particles of fog with these colors.
-    pub fn of_particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
+    pub fn particles(color: Vec3, phase: HenyeyGreenstein) -> Self {
         Self {
             ambient: 0.0,
             exponent: 0.0,
@@ -164,7 +164,9 @@ impl Material {
         let facets = match &self.kind {
             MaterialKind::Principled { surface, .. } => surface.facets(masking),
             MaterialKind::Dielectric { roughness, .. }
-            | MaterialKind::Conductor { roughness, .. } => Ggx::of_roughness(*roughness, masking)?,
+            | MaterialKind::Conductor { roughness, .. } => {
+                Ggx::from_roughness(*roughness, masking)?
+            }
             MaterialKind::Opaque { .. } | MaterialKind::Particles(_) => {
                 // As wide as the highlight: Walter et al., EGSR 2007.
                 let alpha = (2.0 / (2.0 + self.exponent)).sqrt();

@@ -32,7 +32,7 @@ impl RoughSurface {
     /// between facets; `facets` are the roughest ones.
     pub(super) fn varying(facets: Ggx) -> Self {
         Self {
-            by_roughness: Some(AlbedoByRoughness::of_mirrors(facets.masking)),
+            by_roughness: Some(AlbedoByRoughness::with_masking(facets.masking)),
             ..Self::losing(facets)
         }
     }
@@ -51,8 +51,8 @@ impl RoughSurface {
     pub(super) fn new(facets: Ggx, index: Option<f32>) -> Self {
         Self {
             facets,
-            of_mirror: Some(Albedo::of_mirror(facets)),
-            of_medium: index.map(|index| Albedo::of_medium(facets, index)),
+            of_mirror: Some(Albedo::tabulate_mirror(facets)),
+            of_medium: index.map(|index| Albedo::tabulate_medium(facets, index)),
             by_roughness: None,
         }
     }

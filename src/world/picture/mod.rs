@@ -68,10 +68,10 @@ impl Picture {
     pub fn new(size: [u32; 2], texels: Texels) -> Option<Self> {
         let n_texels = size[0] as usize * size[1] as usize;
         let is_usable = size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side));
-        (is_usable && texels.len() == n_texels).then(|| Self::of_usable(size, texels))
+        (is_usable && texels.len() == n_texels).then(|| Self::with_levels(size, texels))
     }
 
-    fn of_usable(size: [u32; 2], texels: Texels) -> Self {
+    fn with_levels(size: [u32; 2], texels: Texels) -> Self {
         let (levels, smaller) = levels::build(size, &texels);
         Self {
             is_opaque: texels.are_opaque(),
@@ -124,7 +124,7 @@ impl Picture {
         let last = self.levels[self.levels.len() - 1];
         let level = *self.levels.iter().find(is_small).unwrap_or(&last);
         let texels = level.first..level.first + level.n_texels();
-        (level.size, texels.map(|i| self.of_all(i)))
+        (level.size, texels.map(|i| self.get(i)))
     }
 
     fn nearest(&self, [x, y]: [f32; 2]) -> [f32; 4] {
@@ -167,12 +167,12 @@ impl Picture {
     #[inline(always)]
     fn texel(&self, level: MipLevel, column: u32, row: u32) -> [f32; 4] {
         let [width, _] = level.size;
-        self.of_all(level.first + row as usize * width as usize + column as usize)
+        self.get(level.first + row as usize * width as usize + column as usize)
     }
 
     /// Returns linear light and opacity of texel `i` of all levels.
     #[inline(always)]
-    fn of_all(&self, i: usize) -> [f32; 4] {
+    fn get(&self, i: usize) -> [f32; 4] {
         match i.checked_sub(self.levels[0].n_texels()) {
             None => self.texels.get(i),
             Some(i) => self.smaller.get(i),
@@ -183,7 +183,7 @@ impl Picture {
 /// One white texel.
 impl Default for Picture {
     fn default() -> Self {
-        Self::of_usable([1, 1], Texels::Floats(vec![[1.0; 4]]))
+        Self::with_levels([1, 1], Texels::Floats(vec![[1.0; 4]]))
     }
 }
 

@@ -109,7 +109,7 @@ proptest! {
     fn each_level_has_the_means_of_the_one_before(picture in pictures()) {
         for pair in picture.levels.windows(2) {
             let before: Vec<_> = (0..pair[0].size[0] * pair[0].size[1])
-                .map(|i| picture.of_all(pair[0].first + i as usize))
+                .map(|i| picture.get(pair[0].first + i as usize))
                 .collect();
             let before = Picture::new(pair[0].size, Texels::Floats(before)).unwrap();
             let [columns, rows] = pair[1].size;
@@ -117,7 +117,7 @@ proptest! {
                 let at = |i: u32, n: u32| [i, i + 1].map(|i| f64::from(i) / f64::from(n));
                 let ([left, right], [top, bottom]) = (at(i % columns, columns), at(i / columns, rows));
                 let expected = mean(&before, [left, top], [right, bottom]);
-                let found = picture.of_all(pair[1].first + i as usize);
+                let found = picture.get(pair[1].first + i as usize);
                 for (found, expected) in found.into_iter().zip(expected) {
                     prop_assert!((f64::from(found) - expected).abs() < 0.02, "{found} {expected}");
                 }

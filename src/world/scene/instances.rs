@@ -52,7 +52,7 @@ pub struct Instances {
 impl Instances {
     /// Returns the instance whose box has this index among the primitives of the upper level.
     #[inline]
-    pub fn of_box(&self, primitive: u32) -> Option<InstanceId> {
+    pub fn by_box(&self, primitive: u32) -> Option<InstanceId> {
         primitive.checked_sub(self.first_box).map(InstanceId)
     }
 

@@ -64,7 +64,7 @@ impl LightSource {
             Self::Light(light) => of_lanes(light.illuminate(point).radiance),
             Self::Emitter(emitter) => emitter.arrival(point),
             Self::Environment(environment) => like.splat(environment.mean_luminance()),
-            Self::Sun(sun) => like.splat(luminance(sun.of_white())),
+            Self::Sun(sun) => like.splat(luminance(sun.white_radiance())),
         };
         estimate.max(like.splat(LEAST_ARRIVAL))
     }
@@ -77,7 +77,7 @@ impl LightSource {
             Self::Surroundings(_) => return 0.0,
             Self::Emitter(emitter) => return emitter.power(),
             Self::Environment(environment) => return environment.power(radius),
-            Self::Sun(sun) => 0.25 * luminance(sun.of_white()),
+            Self::Sun(sun) => 0.25 * luminance(sun.white_radiance()),
             Self::Light(light) => luminance(light.mean_radiance(radius)),
         };
         let pi = std::f64::consts::PI;

@@ -172,7 +172,7 @@ impl Lights {
             point: [number, v],
             ..*numbers
         };
-        let light = self.of_sources(index, at, &numbers);
+        let light = self.sample_sources(index, at, &numbers);
         let mut light = Illumination {
             radiance: light.radiance / probability,
             density: light.density * probability,
@@ -187,7 +187,7 @@ impl Lights {
 
     /// Samples the light of these sources.
     #[inline(always)]
-    fn of_sources<R: Real>(
+    fn sample_sources<R: Real>(
         &self,
         sources: R,
         at: &LitPoint<R>,
@@ -294,7 +294,7 @@ fn emitting_shapes(materials: &[Material], world: World) -> BTreeMap<usize, Shap
     for (instance, mesh) in world.placed_meshes() {
         for primitive in mesh.iter().filter(emits) {
             let triangle = instance.transform.outward_triangle(&primitive.parameters());
-            let bounds = Aabb::of_points(corners(&triangle).map(Vec3::from));
+            let bounds = Aabb::from_points(corners(&triangle).map(Vec3::from));
             add(primitive, triangle, bounds);
         }
     }

@@ -180,9 +180,8 @@ impl Scene {
             phase,
         });
         let material = MaterialId(self.materials.len() as u32);
-        self.materials
-            .push(Material::of_particles(fog.color, phase));
-        let class = SurfaceClass::of_particles(material);
+        self.materials.push(Material::particles(fog.color, phase));
+        let class = SurfaceClass::particles(material);
         self.classes.push(class);
     }
 

@@ -23,7 +23,7 @@ impl SurfaceClass {
     }
 
     /// Creates the class of particles of a material, without shape and attributes.
-    pub(super) fn of_particles(material: MaterialId) -> Self {
+    pub(super) fn particles(material: MaterialId) -> Self {
         Self(material.0 * N_ATTRIBUTES * N_SHAPES)
     }
 

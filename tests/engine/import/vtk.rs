@@ -563,7 +563,7 @@ fn numbers_keep_their_64_bits() {
             read_spheres(
                 path,
                 Some(&RadiusChoice::Same(1.0)),
-                Some(&ArrayChoice::of_points("a", None)),
+                Some(&ArrayChoice::point_array("a", None)),
             )
         };
         let spheres = reading("a.csv", table.as_bytes(), read_table).unwrap();

@@ -226,7 +226,7 @@ impl Level {
 
 /// Returns the axis of the time of each node or primitive, or of the number of visits.
 fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axis {
-    if let Some(metric) = Metric::of_times(cost) {
+    if let Some(metric) = Metric::measured_by(cost) {
         let times = visits.iter().map(|of| (f64::from(of.time_ns()), of.n_hits));
         return Axis::new(
             metric.name,
@@ -234,7 +234,7 @@ fn cost_axis(visits: &[Visits], cost: CostMode, thing: &str, count: &str) -> Axi
             ColorScale::Logarithmic,
             most(times),
         )
-        .of_time();
+        .in_time_unit();
     }
     let counts = visits.iter().map(|of| (of.n as f64, of.n_hits));
     let mut name = format!("{count} per {thing}");

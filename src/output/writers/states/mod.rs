@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use attribution::AttributionValues;
-pub(super) use rays::of_rays;
+pub(super) use rays::ray_state;
 use tiles::TileValues;
 
 use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files, time_notes};
@@ -79,7 +79,7 @@ impl<'a> States<'a> {
 
     fn with_paths(&self, template: &str, path_of: impl Fn(&str) -> PathBuf) -> String {
         if self.is_in_pieces {
-            self.values.filled(&of_pieces(template), path_of)
+            self.values.filled(&with_pieces(template), path_of)
         } else {
             self.values.filled(template, path_of)
         }
@@ -183,7 +183,7 @@ impl StateValues {
 }
 
 /// Returns a template that reads the pieces of cloud and frame.
-fn of_pieces(template: &str) -> String {
+fn with_pieces(template: &str) -> String {
     const READERS: [(&str, &str, &str, &str); 2] = [
         (
             FRAME_VTI.name,
@@ -203,8 +203,8 @@ fn of_pieces(template: &str) -> String {
         let reads = |name: &str| proxy.contains(&format!("fill=\"{name}\""));
         match READERS.iter().find(|(one, ..)| reads(one)) {
             None => proxy.to_owned(),
-            Some((one, pieces, reader, of_pieces)) => {
-                proxy.replace(reader, of_pieces).replace(one, pieces)
+            Some((one, pieces, reader, with_pieces)) => {
+                proxy.replace(reader, with_pieces).replace(one, pieces)
             }
         }
     });
@@ -219,7 +219,7 @@ fn cost_axis(survey: &Survey) -> Axis {
     match survey.shown[0] {
         None => axis("distance", "Distance from the camera"),
         Some(metric) if metric.is_timed() => {
-            axis(metric.name, &capitalized(metric.title)).of_time()
+            axis(metric.name, &capitalized(metric.title)).in_time_unit()
         }
         Some(metric) => axis(metric.name, &capitalized(metric.title)),
     }

@@ -34,7 +34,7 @@ const KIND_COLORS: [[f32; 3]; RayKind::ALL.len()] = [
 ];
 
 /// Returns the state for these rays.
-pub(in crate::writers) fn of_rays(rays: &Rays, folder: &OutputFolder) -> String {
+pub(in crate::writers) fn ray_state(rays: &Rays, folder: &OutputFolder) -> String {
     let path_of = |file| folder.path_of(file).to_string_lossy().into_owned();
     let size = rays.plane().size.map(f64::from);
     let camera = ViewCamera::new(rays.plane(), None);
@@ -85,7 +85,7 @@ fn cost_axis(rays: &Rays) -> Axis {
     let axis =
         |array, name, high: f32| Axis::new(array, name, ColorScale::Linear, [0.0, high.into()]);
     if let Some(high) = high(|ray| ray.time_ns) {
-        return axis(Metric::TIME.name, "Time of each ray", high).of_time();
+        return axis(Metric::TIME.name, "Time of each ray", high).in_time_unit();
     }
     if let Some(high) = high(|ray| ray.node_visits as f32) {
         return axis(

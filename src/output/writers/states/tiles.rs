@@ -34,7 +34,7 @@ impl TileValues {
                 ColorScale::Logarithmic,
                 [low, high],
             )
-            .of_time(),
+            .in_time_unit(),
             thread: axis("thread", "Thread", ColorScale::Linear, [0.0, last_thread]),
             start: axis(
                 "start_ns",
@@ -42,7 +42,7 @@ impl TileValues {
                 ColorScale::Linear,
                 [0.0, last_start],
             )
-            .of_time(),
+            .in_time_unit(),
         }
     }
 

@@ -17,7 +17,7 @@ pub(super) fn write<I: InstructionSet>(
     bounds: LaneBounds,
 ) -> Option<Forests> {
     Some(match references {
-        [one] => Forests::of_reference(one),
+        [one] => Forests::from_reference(one),
         [a, b] => write_two(set, [a, b], &mut nodes[0], bounds),
         [a, b, c] => write_three(set, [a, b, c], nodes.first_chunk_mut()?, bounds),
         [a, b, c, d] => write_four(set, [a, b, c, d], nodes.first_chunk_mut()?, bounds),
@@ -49,9 +49,13 @@ fn write_two<I: InstructionSet>(
     // One leaf, or two.
     if let Some(kind) = common_kind([a, b]) {
         let half_areas = [a.half_area(), b.half_area()];
-        return open.write(Forests::of_pair(kind, half_areas, bounds.half_area()));
+        return open.write(Forests::from_pair(kind, half_areas, bounds.half_area()));
     }
-    open.close(set, &Forests::of_reference(a), &Forests::of_reference(b))
+    open.close(
+        set,
+        &Forests::from_reference(a),
+        &Forests::from_reference(b),
+    )
 }
 
 /// Writes a pair and a single reference, or one leaf.
@@ -84,7 +88,7 @@ fn write_three<I: InstructionSet>(
             .min(of_pair[1] + of_one[1])
             .min(of_pair[2] + of_one[0]);
         if bounds.half_area() <= least.min(apart) {
-            return open.write(Forests::of_leaf(kind, 3, bounds.half_area()));
+            return open.write(Forests::from_leaf(kind, 3, bounds.half_area()));
         }
     }
     // Choose the cheapest pair by the cost of its node; move it to the front.
@@ -103,7 +107,7 @@ fn write_three<I: InstructionSet>(
         bc
     };
     let pair = write_two(set, [a, b], node, pair);
-    open.close(set, &pair, &Forests::of_reference(c))
+    open.close(set, &pair, &Forests::from_reference(c))
 }
 
 /// Writes two pairs, three references and a single one, or one leaf.
@@ -165,7 +169,7 @@ fn write_four<I: InstructionSet>(
     if let Some(kind) = common_kind([a, b, c, d])
         && bounds.half_area() <= smallest
     {
-        return open.write(Forests::of_leaf(kind, 4, bounds.half_area()));
+        return open.write(Forests::from_leaf(kind, 4, bounds.half_area()));
     }
     // Sort the references: the first side of the division to the front.
     match cheapest {
@@ -185,5 +189,5 @@ fn write_four<I: InstructionSet>(
     }
     (open.second, open.is_leaf) = (3, [false, true]);
     let three = write_three(set, [a, b, c], below, of_three[(cheapest - 3) % 4]);
-    open.close(set, &three, &Forests::of_reference(d))
+    open.close(set, &three, &Forests::from_reference(d))
 }

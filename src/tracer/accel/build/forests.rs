@@ -87,7 +87,7 @@ fn leaf_time(kind: LeafKind, n: usize) -> f32 {
 impl Forests {
     /// Returns the forests of a single reference: a leaf.
     #[inline(always)]
-    pub(super) fn of_reference(reference: &Reference) -> Self {
+    pub(super) fn from_reference(reference: &Reference) -> Self {
         let kind = reference.kind();
         let mut costs = [reference.half_area() * leaf_time(kind, 1); N_LANES];
         costs[MAX_ROOTS] = f32::INFINITY;
@@ -102,7 +102,7 @@ impl Forests {
     /// Returns the forests of references of one kind, where no division costs less than one leaf,
     /// and the choices that lead to them.
     #[inline(always)]
-    pub(super) fn of_leaf(kind: LeafKind, n: usize, half_area: f32) -> (Self, ForestChoices) {
+    pub(super) fn from_leaf(kind: LeafKind, n: usize, half_area: f32) -> (Self, ForestChoices) {
         let mut costs = [half_area * leaf_time(kind, n); N_LANES];
         costs[MAX_ROOTS] = f32::INFINITY;
         let forests = Self {
@@ -119,12 +119,12 @@ impl Forests {
     /// Returns the forests of two references that are tested at once in a leaf, given the half
     /// areas of both and of their box, and the choices that lead to them.
     #[inline(always)]
-    pub(super) fn of_pair(
+    pub(super) fn from_pair(
         kind: LeafKind,
         half_areas: [f32; 2],
         half_area: f32,
     ) -> (Self, ForestChoices) {
-        let (mut forests, mut choices) = Self::of_leaf(kind, 2, half_area);
+        let (mut forests, mut choices) = Self::from_leaf(kind, 2, half_area);
         let [first, second] = half_areas;
         let apart = TEST_TIME * first + TEST_TIME * second;
         if apart < forests.costs[0] {

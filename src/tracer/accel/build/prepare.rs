@@ -33,7 +33,7 @@ pub(super) fn references(
     unbounded: &[u32],
     quality: Quality,
 ) -> (Vec<Reference>, Subset) {
-    let (mut references, mut whole) = of_bounded(simd, primitives, unbounded);
+    let (mut references, mut whole) = bounded_references(simd, primitives, unbounded);
     match quality {
         Quality::Fast => {}
         Quality::Balanced => {
@@ -50,7 +50,11 @@ pub(super) fn references(
 }
 
 /// Returns the references to all primitives except the `unbounded`, whose indices ascend.
-fn of_bounded(simd: Simd, primitives: &[Primitive], unbounded: &[u32]) -> (Vec<Reference>, Subset) {
+fn bounded_references(
+    simd: Simd,
+    primitives: &[Primitive],
+    unbounded: &[u32],
+) -> (Vec<Reference>, Subset) {
     // Number of bounded primitives before each unbounded one.
     let n_before: Vec<usize> = (0..).zip(unbounded).map(|(i, &u)| u as usize - i).collect();
     let mut references = bytemuck::zeroed_vec(primitives.len() - unbounded.len());

@@ -67,7 +67,7 @@ fn are_in_leaves(lines: &[CacheLine], node_ref: NodeRef, primitives: &[Primitive
 
 /// Returns the kind and the indices of the primitives of a leaf that starts with these numbers.
 fn contents(leaf: NodeRef, numbers: &[f32]) -> (LeafKind, ArrayVec<u32, MAX_LEAF>) {
-    let kind = LeafKind::of_leaf(leaf, numbers[0]);
+    let kind = LeafKind::from_leaf(leaf, numbers[0]);
     let n = leaf.leaf_size();
     let ids = &numbers[kind.n_rows() * n..][..n];
     let index = |id: &f32| id.to_bits() & !(ID_BIT | CAPSULE_BIT);

@@ -90,7 +90,7 @@ impl RayBlock {
             origin_of_near: lane_of(&self.origin_of_near, lane).into(),
             origin_of_far: lane_of(&self.origin_of_far, lane).into(),
         };
-        Slabs::of_octant(octant.into(), setup)
+        Slabs::from_octant(octant.into(), setup)
     }
 
     /// Returns the leaf intersector of the ray in this lane.

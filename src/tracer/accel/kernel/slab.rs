@@ -120,12 +120,12 @@ impl Slabs {
     #[inline(always)]
     pub(in crate::accel) fn new(ray: &Ray, largest: f32) -> Self {
         let setup = SlabSetup::new(ray.origin.into(), ray.direction.into(), largest);
-        Self::of_octant(ray.direction.is_negative_bitmask(), setup)
+        Self::from_octant(ray.direction.is_negative_bitmask(), setup)
     }
 
     /// Prepares a ray that points to this octant: bit `i` is set if it points down axis `i`.
     #[inline(always)]
-    pub(super) fn of_octant(octant: u32, setup: SlabSetup<f32>) -> Self {
+    pub(super) fn from_octant(octant: u32, setup: SlabSetup<f32>) -> Self {
         let [near_rows, far_rows] = rows(octant);
         Self {
             setup,

@@ -152,7 +152,7 @@ impl<'a> Bsdf<'a> {
 impl<R: Real> Boundary<R> {
     /// Returns the boundary of a surface without a medium.
     #[inline(always)]
-    pub(super) fn of_no_medium(like: R) -> Self {
+    pub(super) fn without_medium(like: R) -> Self {
         let one = like.splat(1.0);
         Self {
             eta: one,
