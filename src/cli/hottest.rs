@@ -20,7 +20,8 @@ pub(super) fn lines(found: [Option<Hottest>; 2]) -> String {
     let texts: Vec<String> = match found {
         [Some(time), Some(count)] if time.1.place == count.1.place => {
             let by = format!("time and {}", count.0.label);
-            vec![line(time.1.place, &by, &[time, count].map(value))]
+            let values = [time, count].map(|(metric, pixel)| shown(metric, pixel.value));
+            vec![line(time.1, &by, &values)]
         }
         found => found.into_iter().flatten().map(alone).collect(),
     };
@@ -102,15 +103,12 @@ pub(super) fn pixels(film: &Film, metric: Metric, n: usize) -> Result<Vec<HotPix
 
 fn alone(hottest: Hottest) -> String {
     let (metric, pixel) = hottest;
-    line(pixel.place, metric.label, &[value(hottest)])
+    line(pixel, metric.label, &[shown(metric, pixel.value)])
 }
 
-fn line((x, y): (u32, u32), by: &str, values: &[String]) -> String {
+fn line(pixel: HotPixel, by: &str, values: &[String]) -> String {
+    let (x, y) = pixel.place;
     format!("pixel {x},{y} by {by}: {}", values.join(", "))
-}
-
-fn value((metric, pixel): Hottest) -> String {
-    shown(metric, pixel.value)
 }
 
 /// Formats a value of a metric with its unit.

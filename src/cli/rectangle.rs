@@ -46,11 +46,11 @@ impl PixelRectangle {
             .flat_map(move |(i, rectangle)| {
                 let Self { columns, rows } = rectangle.clone();
                 let all = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
-                all.filter(move |&pixel| !rectangles[..i].iter().any(|other| other.has(pixel)))
+                all.filter(move |&(x, y)| !rectangles[..i].iter().any(|other| other.has(x, y)))
             })
     }
 
-    fn has(&self, (x, y): (u32, u32)) -> bool {
+    fn has(&self, x: u32, y: u32) -> bool {
         self.columns.contains(&x) && self.rows.contains(&y)
     }
 }

@@ -77,7 +77,7 @@ impl FrameRun<'_> {
                 continue;
             }
             let n_complete = report.n_kept + report.n_rendered;
-            self.frame(&folder, frame, &mut hierarchies, (&mut report, observer))
+            self.frame(&folder, frame, &mut hierarchies, &mut report, observer)
                 .map_err(|error| error.or_kept(|| Kept::Frames(n_complete)))?;
             if report.is_partial {
                 break;
@@ -123,7 +123,8 @@ impl FrameRun<'_> {
         folder: &Path,
         frame: FrameInput,
         hierarchies: &mut FrameHierarchies,
-        (report, observer): (&mut Report, &mut dyn Observer),
+        report: &mut Report,
+        observer: &mut dyn Observer,
     ) -> Result<(), RenderError> {
         let job = self.job;
         if let Some(crew) = self.crew {

@@ -39,7 +39,7 @@ impl FrameInput {
         flags: &str,
     ) -> Result<Self, RenderError> {
         let (document, config) = scene.at(number)?;
-        let section = frames.section(number, (&document, &config), flags);
+        let section = frames.section(number, &document, &config, flags);
         Ok(Self {
             document,
             config,

@@ -58,8 +58,8 @@ impl<'a> PictureRun<'a> {
         let mut rendering = tiles.render(&options)?;
         let written = match tiles.stored().zip(session.bands()) {
             None => rendering.write_to(&folder, self.profiler)?,
-            Some(stored) => rendering
-                .write_stored(&folder, self.profiler, stored, &options)
+            Some((checkpoint, rows)) => rendering
+                .write_stored(&folder, self.profiler, checkpoint, rows, &options)
                 .map_err(|error| error.or_kept(|| tiles.kept()))?,
         };
         let partial = rendering.partial();

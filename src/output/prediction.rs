@@ -151,9 +151,11 @@ fn attribution_files(config: &Config, tracer: Tracer) -> Vec<ArrayFile> {
         let nodes = tracer.accel.nodes();
         let visits = vec![Visits::default(); nodes.len()];
         let hierarchy = &Hierarchy { nodes, visits };
-        let hierarchy = (hierarchy, scene.instances.as_ref(), scene.space);
+        let (instances, space) = (scene.instances.as_ref(), scene.space);
         let limits = config.output.bvh;
-        let write = |out: &mut _| writers::write_nodes(hierarchy, limits, cost, none, out);
+        let write = |out: &mut _| {
+            writers::write_nodes(hierarchy, instances, space, limits, cost, none, out)
+        };
         add("bvh.vtu", Length::measure(write));
     }
     files

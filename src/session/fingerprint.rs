@@ -25,7 +25,7 @@ impl Session {
     /// If a file of the scene cannot be read.
     pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
         let (document, config) = (&self.document, &self.config);
-        hash_pixels(config, (None, None), files(document, config))
+        hash_pixels(config, None, None, files(document, config))
     }
 
     /// Returns the header that identifies finished tiles of this scene, rendered by this program.
@@ -55,7 +55,7 @@ impl Session {
             flags,
             folder: folder.to_string_lossy().into_owned(),
             frame: frame.map(|frame| frame.number),
-            fingerprint: hash_pixels(config, (frame_time, base), files(document, config))?,
+            fingerprint: hash_pixels(config, frame_time, base, files(document, config))?,
             part,
             layout: RecordLayout {
                 width: config.image.width,
@@ -108,7 +108,8 @@ pub(super) fn section_of(
 /// If a file cannot be read.
 fn hash_pixels(
     config: &Config,
-    (frame, base): (Option<(u32, f64)>, Option<Checksum>),
+    frame: Option<(u32, f64)>,
+    base: Option<Checksum>,
     files: impl Iterator<Item = PathBuf>,
 ) -> Result<Checksum, Diagnostic> {
     let mut hasher = Hasher::default();

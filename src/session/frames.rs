@@ -74,7 +74,8 @@ impl Frames {
     pub(crate) fn section(
         &self,
         number: u32,
-        (document, config): (&Document, &Config),
+        document: &Document,
+        config: &Config,
         flags: &str,
     ) -> FrameSection {
         fingerprint::section_of(document, config, self.frame(number), flags)

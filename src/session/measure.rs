@@ -81,9 +81,9 @@ impl Session {
         // Attribute the cost to objects and nodes.
         let is_attributed = CostAttribution::is_requested(&config.output) && scope.part.is_none();
         let attribution = is_attributed.then(|| {
-            let (sensor, measured) = (&plan.sensor, (&film, &meter));
+            let sensor = &plan.sensor;
             let mut attribution = options.reported("observe", n_pixels, |report: OnProgress| {
-                CostAttribution::measure(tracer, sensor, measured, &config.output, report)
+                CostAttribution::measure(tracer, sensor, &film, &meter, &config.output, report)
             });
             film.keep_step_counts(std::mem::take(&mut attribution.step_counts));
             stages.end("observe");

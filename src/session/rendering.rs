@@ -138,7 +138,8 @@ impl Rendering<'_> {
         &mut self,
         folder: &OutputFolder,
         profiler: Option<&Profiler>,
-        (checkpoint, rows): (&Checkpoint, BandRows),
+        checkpoint: &Checkpoint,
+        rows: BandRows,
         options: &Options,
     ) -> Result<Vec<Written>, RenderError> {
         let film = &self.measured.film;
@@ -176,7 +177,7 @@ impl Rendering<'_> {
 
     fn bands<'a>(&'a self, checkpoint: &'a Checkpoint, rows: BandRows) -> Bands<'a> {
         let Measured { film, schedule, .. } = &self.measured;
-        let picture = StoredPicture::new(self.session.scene(), (film, schedule), checkpoint);
+        let picture = StoredPicture::new(self.session.scene(), film, schedule, checkpoint);
         Bands::new(picture, rows)
     }
 

@@ -36,7 +36,7 @@ pub fn kept(config: &Config, n_threads: usize) -> (Scene, Film, CostAttribution)
         let (film, _) = render(tracer, &plan, &meter, &|_| {});
         let sensor = &plan.sensor;
         let attribution =
-            CostAttribution::measure(tracer, sensor, (&film, &meter), &config.output, &|_| {});
+            CostAttribution::measure(tracer, sensor, &film, &meter, &config.output, &|_| {});
         (film, attribution)
     });
     film.keep_step_counts(std::mem::take(&mut attribution.step_counts));

@@ -60,7 +60,9 @@ fn check(config: &Config, read: fn(&Path) -> DataSet) {
     };
     for limits in [all, some] {
         write_nodes(
-            (&hierarchy, None, RenderSpace::default()),
+            &hierarchy,
+            None,
+            RenderSpace::default(),
             limits,
             config.cost,
             Codec::None,

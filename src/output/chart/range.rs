@@ -47,7 +47,8 @@ impl Range {
     pub fn from_histogram(histogram: &Histogram) -> Self {
         let drawable = Drawable::new(histogram);
         let [min, max] = drawable.extremes;
-        let (low, high) = at_least_one_percent(drawable.robust_ends());
+        let (low, high) = drawable.robust_ends();
+        let (low, high) = at_least_one_percent(low, high);
         // An end that clips values moves to the end of its step, so that the counts are exact.
         let low = if low > min.into() {
             f64::from(step_start(low as f32))
@@ -198,7 +199,7 @@ fn step_end(value: f32) -> f32 {
 
 /// Widens a range narrower than 1 %, such as a constant map's, to a factor of two around its
 /// middle: smaller variations are noise.
-fn at_least_one_percent((low, high): (f64, f64)) -> (f64, f64) {
+fn at_least_one_percent(low: f64, high: f64) -> (f64, f64) {
     if high >= 1.01 * low {
         return (low, high);
     }

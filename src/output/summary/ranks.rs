@@ -49,7 +49,7 @@ impl RanksSection {
         let entries = team.members.iter().zip(work).zip(0..);
         let of_rank = entries.map(|((member, work), rank)| {
             let host = member.host.clone();
-            RankEntry::new((rank, host), member.affinity.clone(), schedule, *work)
+            RankEntry::new(rank, host, member.affinity.clone(), schedule, *work)
         });
         Self::with(of_rank.collect())
     }
@@ -58,7 +58,7 @@ impl RanksSection {
     pub fn single(affinity: Vec<Option<String>>, schedule: &Schedule) -> Self {
         let host = System::host_name().unwrap_or_default();
         let nothing = RankWork::default();
-        Self::with(vec![RankEntry::new((0, host), affinity, schedule, nothing)])
+        Self::with(vec![RankEntry::new(0, host, affinity, schedule, nothing)])
     }
 
     fn with(of_rank: Vec<RankEntry>) -> Self {
@@ -74,7 +74,8 @@ impl RanksSection {
 impl RankEntry {
     /// Describes a rank on this machine with this communication.
     fn new(
-        (rank, host): (u32, String),
+        rank: u32,
+        host: String,
         affinity: Vec<Option<String>>,
         schedule: &Schedule,
         work: RankWork,

@@ -57,7 +57,7 @@ pub const HITS: OutputFile = OutputFile {
             files: files.collect(),
         };
         let distances = &job.rendering.survey.distances;
-        hits::with_cloud((film, 0..0), distances, |cloud| match cloud {
+        hits::with_cloud(film, 0..0, distances, |cloud| match cloud {
             DataSet::Grid(mesh) => parallel::write(&pieces, &mesh.point_data, job.run, out),
             _ => Ok(()),
         })
@@ -220,7 +220,7 @@ impl<'a> Bands<'a> {
             || {
                 staging.stage(self.rows.name(i, HITS_PIECE), |out| {
                     let distances = &job.rendering.survey.distances;
-                    hits::write_rows((band, rows), distances, encoding.clone(), out)
+                    hits::write_rows(band, rows, distances, encoding.clone(), out)
                 })
             },
         );

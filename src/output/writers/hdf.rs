@@ -12,7 +12,7 @@ pub(super) const HITS: OutputFile = OutputFile {
     content: FileContent::AtPath(|job, path| {
         let fields = job.encoding_of_pixels().fields;
         let (film, survey) = (job.rendering.film, job.rendering.survey);
-        with_cloud((film, film.row_range()), &survey.distances, |cloud| {
+        with_cloud(film, film.row_range(), &survey.distances, |cloud| {
             hdf::write(cloud, &fields, path)
         })
     }),

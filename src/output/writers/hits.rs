@@ -24,12 +24,7 @@ pub const FILE: OutputFile = OutputFile {
         let survey = job.rendering.survey;
         job.reserve(survey.n_hits * per_hit, out);
         let rows = film.row_range();
-        write_rows(
-            (film, rows),
-            &survey.distances,
-            job.encoding_of_pixels(),
-            out,
-        )
+        write_rows(film, rows, &survey.distances, job.encoding_of_pixels(), out)
     }),
 };
 
@@ -41,22 +36,18 @@ pub fn write(
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
     let rows = film.row_range();
-    write_rows(
-        (film, rows),
-        &Distances::collect(film),
-        encoding.into(),
-        out,
-    )
+    write_rows(film, rows, &Distances::collect(film), encoding.into(), out)
 }
 
 /// Writes some rows of a film as [`write`] does, starting with a strip, whose distances are known.
 pub(super) fn write_rows(
-    film: (&Film, Range<u32>),
+    film: &Film,
+    rows: Range<u32>,
     distances: &Distances,
     encoding: Encoding,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    with_cloud(film, distances, |cloud| {
+    with_cloud(film, rows, distances, |cloud| {
         appended::write(cloud, encoding, out)
     })
 }
@@ -64,7 +55,8 @@ pub(super) fn write_rows(
 /// Calls `write` with the cloud of some rows of a film, starting with a strip, whose distances are
 /// known.
 pub(super) fn with_cloud(
-    (film, rows): (&Film, Range<u32>),
+    film: &Film,
+    rows: Range<u32>,
     distances: &Distances,
     write: impl FnOnce(&DataSet) -> io::Result<()>,
 ) -> io::Result<()> {

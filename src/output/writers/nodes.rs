@@ -30,7 +30,9 @@ pub(super) const FILE: OutputFile = OutputFile {
             let instances = rendering.scene.instances.as_ref();
             let space = rendering.scene.space;
             write(
-                (hierarchy, instances, space),
+                hierarchy,
+                instances,
+                space,
                 limits,
                 cost,
                 job.encoding(),
@@ -53,7 +55,9 @@ struct Shown<'a> {
 /// Nodes of an instanced mesh are drawn at its first instance, as a VTK_HEXAHEDRON each, since they
 /// may be rotated there.
 pub fn write(
-    (hierarchy, instances, space): (&Hierarchy, Option<&Instances>, RenderSpace),
+    hierarchy: &Hierarchy,
+    instances: Option<&Instances>,
+    space: RenderSpace,
     limits: BvhLimits,
     cost: CostMode,
     encoding: impl Into<Encoding>,

@@ -155,7 +155,10 @@ impl Hierarchy {
     /// [`BvhNode::sah_cost`], which predicts it: one for each node visit and each primitive test in
     /// the subtree, divided by the visits of the root. 0 for a subtree that no ray visited.
     pub fn costs(&self) -> Vec<f32> {
-        let mut steps: Vec<u64> = self.nodes.iter().zip(&self.visits).map(own_steps).collect();
+        let steps = self.nodes.iter().zip(&self.visits);
+        let mut steps: Vec<u64> = steps
+            .map(|(node, visits)| own_steps(node, visits))
+            .collect();
         // Descendants come after their ancestors.
         for i in (1..self.nodes.len()).rev() {
             if let Some(parent) = self.nodes[i].parent {
@@ -179,7 +182,7 @@ impl Hierarchy {
 }
 
 /// Returns the traversal steps of all rays in a node, without its children.
-fn own_steps((node, visits): (&BvhNode, &Visits)) -> u64 {
+fn own_steps(node: &BvhNode, visits: &Visits) -> u64 {
     if node.is_leaf {
         visits.n * u64::from(node.n_primitives)
     } else {

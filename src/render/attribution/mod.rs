@@ -80,7 +80,8 @@ impl CostAttribution {
     pub fn measure(
         tracer: Tracer,
         sensor: &Sensor,
-        (film, meter): (&Film, &Meter),
+        film: &Film,
+        meter: &Meter,
         outputs: &Outputs,
         report: OnProgress,
     ) -> Self {
@@ -98,7 +99,7 @@ impl CostAttribution {
                 let mut counts = vec![StepCounts::default(); n_counts as usize];
                 let n_rays = (0..width)
                     .take_while(|_| !stop::is_requested())
-                    .filter(|&x| film.is_rendered((x, y)))
+                    .filter(|&x| film.is_rendered(x, y))
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
                         attributor.pixel((x, y), time_ns, counts.get_mut(x as usize))

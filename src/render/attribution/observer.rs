@@ -52,8 +52,8 @@ impl<'a> PathObserver<'a> {
         self.clock.is_some()
     }
 
-    /// Overwrites `tree` with the rays of the pixel in column `x` and row `y`; row 0 is on top.
-    pub fn observe(&self, (x, y): (u32, u32), tree: &mut RayTree) {
+    /// Overwrites `tree` with the rays of the pixel at a place: column and row, row 0 on top.
+    pub fn observe(&self, place: (u32, u32), tree: &mut RayTree) {
         tree.clear();
         let mut recorder = RayRecorder {
             observer: self,
@@ -61,7 +61,7 @@ impl<'a> PathObserver<'a> {
             number: 0,
             parents: VecDeque::new(),
         };
-        let (_, n_samples) = follow(&self.view, (x, y), &mut Vec::new(), &mut recorder);
+        let (_, n_samples) = follow(&self.view, place, &mut Vec::new(), &mut recorder);
         for ray in &mut tree.rays {
             ray.contribution /= n_samples as f32;
         }

@@ -62,8 +62,8 @@ impl Film {
         ]
     }
 
-    /// Replaces the time of a pixel, and its deviation if there is one, in nanoseconds.
-    pub(crate) fn set_time(&mut self, (x, y): (u32, u32), [ns, mad_ns]: [f32; 2]) {
+    /// Replaces the time of the pixel in column `x` and row `y`, and its deviation if there is one, in nanoseconds.
+    pub(crate) fn set_time(&mut self, x: u32, y: u32, [ns, mad_ns]: [f32; 2]) {
         let width = self.grid.width;
         let mut strips = self.strips.iter_mut();
         let Some(strip) = strips.rfind(|strip| strip.first_row <= y) else {
@@ -101,21 +101,21 @@ impl Times<'_> {
     pub fn hottest(&self, n: usize) -> Vec<HotPixel> {
         let mut list = HottestList::new(n);
         for (y, row) in self.ns.iter().enumerate() {
-            list.add_row(row, y as u32, |x| self.is_trusted((x, y)));
+            list.add_row(row, y as u32, |x| self.is_trusted(x, y));
         }
         list.pixels
     }
 
-    fn is_trusted(&self, (x, y): (usize, usize)) -> bool {
+    fn is_trusted(&self, x: usize, y: usize) -> bool {
         if self.n_repeats <= 1 {
-            return self.has_like_neighbor((x, y));
+            return self.has_like_neighbor(x, y);
         }
         let mad_ns = self.mad_ns.get(y).map_or(0.0, |row| row[x]);
         mad_ns <= AGREEMENT * self.ns[y][x]
     }
 
     /// Returns true if a neighbor of this pixel took at least half as long.
-    fn has_like_neighbor(&self, (x, y): (usize, usize)) -> bool {
+    fn has_like_neighbor(&self, x: usize, y: usize) -> bool {
         let around = |at: usize, n: usize| at.saturating_sub(1)..n.min(at + 2);
         let mut places = around(y, self.ns.len())
             .flat_map(|row| around(x, self.ns[row].len()).map(move |column| (column, row)))

@@ -49,7 +49,7 @@ impl PackedCounters {
         }
         Self {
             n_pixels,
-            present: used().fold(0, |present, plane| present | bit(plane)),
+            present: used().fold(0, |present, (counter, plane)| present | bit(counter, plane)),
             planes,
         }
     }
@@ -110,7 +110,7 @@ impl PackedCounters {
         sums: &mut [u32],
     ) {
         let mut present = self.present >> (N_PLANES * counter as u32) & PLANES;
-        let before = self.present & (bit((counter, 0)) - 1);
+        let before = self.present & (bit(counter, 0) - 1);
         let mut planes = self.planes[before.count_ones() as usize * self.n_pixels..]
             .chunks_exact(self.n_pixels.max(1));
         while present != 0
@@ -182,7 +182,7 @@ fn all_planes() -> impl Iterator<Item = (Counter, u32)> {
 }
 
 /// Returns the bit of a plane in `present`.
-fn bit((counter, plane): (Counter, u32)) -> u32 {
+fn bit(counter: Counter, plane: u32) -> u32 {
     1 << (N_PLANES * counter as u32 + plane)
 }
 

@@ -78,9 +78,9 @@ impl Film {
         self.tiles.iter().filter(|tile| tile.is_missing).count()
     }
 
-    /// Returns true if a pixel, by column and row, was rendered.
-    pub(crate) fn is_rendered(&self, place: (u32, u32)) -> bool {
-        !self.tiles[self.grid.number_at(place) as usize].is_missing
+    /// Returns true if the pixel in column `x` and row `y` was rendered.
+    pub(crate) fn is_rendered(&self, x: u32, y: u32) -> bool {
+        !self.tiles[self.grid.number_at(x, y) as usize].is_missing
     }
 
     /// Sets the numbers of a strip's pixels that were not rendered to 0.
@@ -90,8 +90,8 @@ impl Film {
             return;
         }
         let places = (strip.first_row..).flat_map(|y| (0..self.grid.width).map(move |x| (x, y)));
-        for (number, place) in numbers.iter_mut().zip(places) {
-            if !self.is_rendered(place) {
+        for (number, (x, y)) in numbers.iter_mut().zip(places) {
+            if !self.is_rendered(x, y) {
                 *number = 0;
             }
         }

@@ -114,8 +114,8 @@ impl TileGrid {
         }
     }
 
-    /// Returns the number of the tile with this pixel.
-    pub fn number_at(&self, (x, y): (u32, u32)) -> u32 {
+    /// Returns the number of the tile with the pixel in column `x` and row `y`.
+    pub fn number_at(&self, x: u32, y: u32) -> u32 {
         let [dx, dy] = self.shift;
         (y + dy) / self.tile_size * self.n_columns + (x + dx) / self.tile_size
     }
@@ -135,14 +135,14 @@ impl Tile {
     }
 
     /// Returns the row-major index of a pixel in the tile, from 0 at the top left.
-    pub fn index(&self, (x, y): (u32, u32)) -> u32 {
+    pub fn index(&self, x: u32, y: u32) -> u32 {
         let [left, right] = self.columns;
         (y - self.rows[0]) * (right - left) + x - left
     }
 
     /// Returns the index in the tile of the first pixel of a part of it.
     pub fn first_index(&self, part: &Tile) -> u32 {
-        self.index((part.columns[0], part.rows[0]))
+        self.index(part.columns[0], part.rows[0])
     }
 
     /// Returns the indices in the tile of each row of a part of it.
@@ -150,7 +150,7 @@ impl Tile {
         let [top, bottom] = part.rows;
         let (tile, left, width) = (*self, part.columns[0], part.width());
         (top..bottom).map(move |y| {
-            let first = tile.index((left, y)) as usize;
+            let first = tile.index(left, y) as usize;
             first..first + width
         })
     }
@@ -195,7 +195,7 @@ impl Tile {
     }
 
     /// Returns true if the tile has this pixel.
-    pub fn has(&self, (x, y): (u32, u32)) -> bool {
+    pub fn has(&self, x: u32, y: u32) -> bool {
         let [left, right] = self.columns;
         let [top, bottom] = self.rows;
         (left..right).contains(&x) && (top..bottom).contains(&y)
@@ -255,11 +255,11 @@ mod tests {
         let mut pixels = Vec::new();
         for number in 0..grid.n_tiles() {
             let tile = grid.tile(number);
-            assert!(tile.pixels().all(|place| grid.number_at(place) == number));
+            assert!(tile.pixels().all(|(x, y)| grid.number_at(x, y) == number));
             assert_eq!(tile.pixels().count(), tile.n_pixels());
             let mut along_rows: Vec<_> = tile.pixels().collect();
             along_rows.sort_by_key(|&(x, y)| (y, x));
-            let indices = along_rows.iter().map(|&place| tile.index(place));
+            let indices = along_rows.iter().map(|&(x, y)| tile.index(x, y));
             assert!(indices.eq(0..tile.n_pixels() as u32));
             // Parts of whole blocks have the order of the tile.
             let parts = tile.parts(4 * 256).flat_map(|part| part.pixels());

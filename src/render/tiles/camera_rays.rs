@@ -34,7 +34,7 @@ impl Places {
                 let first = tile_before.first_index(&before);
                 self.shift(&before, group, [first, tile.first_index(group)]);
             }
-            _ => self.fill(group.pixels().map(|at| (tile.index(at), at))),
+            _ => self.fill((group.pixels()).map(|(x, y)| (tile.index(x, y), (x, y)))),
         }
         self.group = Some([*tile, *group]);
     }
@@ -150,8 +150,8 @@ impl StartPaths<'_> {
     #[inline(always)]
     fn numbers(&self, block: usize) -> [u32; N_LANES] {
         std::array::from_fn(|lane| {
-            let (_, at) = self.places.get(N_LANES * block + lane);
-            self.view.pixel_number(at)
+            let (_, (x, y)) = self.places.get(N_LANES * block + lane);
+            self.view.pixel_number(x, y)
         })
     }
 }

@@ -100,7 +100,7 @@ impl<'a> Canvas<'a> {
             let first_row = strip.first_row;
             for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {
                 let first = (y - first_row) as usize * self.width + left as usize;
-                let from = tile.index((left, y)) as usize;
+                let from = tile.index(left, y) as usize;
                 let row = from..from + tile.width();
                 strip.put(first, rendered, row, &self.development);
             }

@@ -36,7 +36,7 @@ pub(crate) fn follow(
     while !round.is_empty() {
         for sample in round.clone() {
             paths.clear();
-            paths.push(view.camera_path(at, sample));
+            paths.push(view.camera_path(at.0, at.1, sample));
             let color = radiance(view, paths, probe);
             sums.add(view.limited(color.into()));
         }

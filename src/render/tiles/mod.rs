@@ -209,7 +209,8 @@ fn note_runs(film: &mut Film, schedule: &Schedule) {
 /// Renders a tile into the film. Returns its times since `begin` and its counters.
 fn render_tile(
     renderer: &mut dyn TileRenderer,
-    (plan, tile): (&TilePlan, &Tile),
+    plan: &TilePlan,
+    tile: &Tile,
     canvas: &Canvas,
     begin: Instant,
 ) -> TileRun {

@@ -27,7 +27,8 @@ impl<'a> StoredPicture<'a> {
     /// Creates the picture of a scene whose tiles are in the files of the checkpoint.
     pub fn new(
         scene: &Scene,
-        (film, schedule): (&'a Film, &'a Schedule),
+        film: &'a Film,
+        schedule: &'a Schedule,
         checkpoint: &'a Checkpoint,
     ) -> Self {
         Self {
@@ -73,8 +74,8 @@ impl<'a> StoredPicture<'a> {
     fn read_tiles(&self, rendering: u8, rows: &Range<u32>, film: &mut Film) {
         let grid = film.grid.for_rendering(rendering, film.cost);
         let canvas = Canvas::new(film, &grid);
-        let last = (grid.width - 1, rows.end - 1);
-        let numbers = grid.number_at((0, rows.start))..grid.number_at(last) + 1;
+        let last = grid.number_at(grid.width - 1, rows.end - 1);
+        let numbers = grid.number_at(0, rows.start)..last + 1;
         numbers.clone().into_par_iter().for_each(|number| {
             let tile = grid.tile(number);
             let Some(record) = self.checkpoint.tile(rendering, number) else {

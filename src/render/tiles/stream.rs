@@ -273,8 +273,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         if stored.is_some() || !has_particles {
             self.find_points();
         }
-        if let Some(sample) = stored {
-            self.store_surfaces(sample);
+        if let Some((sample, n_samples)) = stored {
+            self.store_surfaces(sample, n_samples);
         }
         // Replace hits by particles of fog that lie before them.
         if has_particles {
@@ -299,7 +299,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     }
 
     /// Stores the surfaces that the camera rays of one of `n_samples` samples hit.
-    fn store_surfaces(&mut self, (sample, n_samples): (usize, usize)) {
+    fn store_surfaces(&mut self, sample: usize, n_samples: usize) {
         for i in 0..self.places.len() {
             let (block, lane) = (i / N_LANES, i % N_LANES);
             let ray = N_LANES * n_samples * block + sample * self.places.in_block(block) + lane;

@@ -95,7 +95,7 @@ impl TilePlan {
         let tiles = (0..grid.n_tiles()).map(|number| grid.tile(number));
         let first_pixels = tiles.map(|tile| (tile.columns[0], tile.rows[0]));
         let here: Vec<usize> = first_pixels
-            .map(|place| self.grid.number_at(place) as usize)
+            .map(|(x, y)| self.grid.number_at(x, y) as usize)
             .collect();
         let mut positions = vec![None; self.grid.n_tiles() as usize];
         for (position, &number) in self.sequence.iter().enumerate() {

@@ -93,8 +93,7 @@ impl<'a, 'f> TileQueue<'a, 'f> {
     fn render_on(&self, canvas: &Canvas, thread: u32, renderer: &mut dyn TileRenderer) -> TileRuns {
         let mut runs = TileRuns::new();
         while let Some((position, tile)) = self.next(&mut runs, Some(canvas)) {
-            let tile_of_plan = (self.plan, &tile);
-            let run = render_tile(renderer, tile_of_plan, canvas, self.begin);
+            let run = render_tile(renderer, self.plan, &tile, canvas, self.begin);
             let run = self.pass.after_restored(TileRun {
                 thread,
                 position,

@@ -158,7 +158,7 @@ fn measured<'a>(
             let n_renderings = if measured.is_empty() { 2 } else { 1 };
             for i in 1..=n_renderings {
                 let begin = Instant::now();
-                let run = render_tile(&mut *renderer, (plan, tile), &canvas, begin);
+                let run = render_tile(&mut *renderer, plan, tile, &canvas, begin);
                 if i == n_renderings && !stop::is_requested() {
                     measured.push(MeasuredTile {
                         tile: *tile,

@@ -51,24 +51,24 @@ pub(super) fn time_hottest_again(
         Meter::Time(clock) => {
             let mut renderer = GroupRenderer::new(view, clock);
             let n_samples = view.rounds.n_uniform();
-            let group_of = |at| {
-                let mut groups = part(plan, at).groups(n_samples);
-                groups.find(|group| group.has(at))
+            let group_of = |x, y| {
+                let mut groups = part(plan, x, y).groups(n_samples);
+                groups.find(|group| group.has(x, y))
             };
             again(film, end, group_of, &mut |group| {
-                let part = part(plan, first_pixel(group));
-                let [part, group] = [&part, group].map(|tile| plan.in_picture(tile));
+                let (x, y) = first_pixel(group);
+                let [part, group] = [&part(plan, x, y), group].map(|tile| plan.in_picture(tile));
                 renderer.time_group(&part, &group)
             });
         }
         Meter::SingleRayTime(clock) => {
             let room = (N_BEFORE as usize + 1, &plan.sensor.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
-            let group_of = |at| Some(pixel(at));
+            let group_of = |x, y| Some(pixel(x, y));
             again(film, end, group_of, &mut |group| {
-                let place = first_pixel(&plan.in_picture(group));
-                let before = before(place, plan.sensor.image.width);
-                vec![renderer.time_last(before.chain([place]))]
+                let (x, y) = first_pixel(&plan.in_picture(group));
+                let warm_up = before(x, y, plan.sensor.image.width);
+                vec![renderer.time_last(warm_up.chain([(x, y)]))]
             });
         }
     }
@@ -77,15 +77,15 @@ pub(super) fn time_hottest_again(
 fn again(
     film: &mut Film,
     end: Instant,
-    group_of: impl Fn((u32, u32)) -> Option<Tile>,
+    group_of: impl Fn(u32, u32) -> Option<Tile>,
     time_group: TimeGroup,
 ) {
     let is_over = || stop::is_requested() || Instant::now() >= end;
     let mut timed: Vec<Tile> = Vec::new();
     while !stop::is_requested()
-        && let [HotPixel { place, .. }] = film.hottest(Metric::TIME, 1)[..]
-        && !timed.iter().any(|group| group.has(place))
-        && let Some(group) = group_of(place)
+        && let [HotPixel { place: (x, y), .. }] = film.hottest(Metric::TIME, 1)[..]
+        && !timed.iter().any(|group| group.has(x, y))
+        && let Some(group) = group_of(x, y)
     {
         // Time the group.
         let mut times = vec![Vec::with_capacity(N_TIMES); group.n_pixels()];
@@ -101,9 +101,9 @@ fn again(
         let has_spread = film.n_repeats > 1;
         let [[left, right], [top, bottom]] = [group.columns, group.rows];
         let places = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
-        for (mut times, place) in times.into_iter().zip(places) {
+        for (mut times, (x, y)) in times.into_iter().zip(places) {
             let [median_ns, mad_ns] = median_and_deviation(&mut times);
-            film.set_time(place, [median_ns, if has_spread { mad_ns } else { 0.0 }]);
+            film.set_time(x, y, [median_ns, if has_spread { mad_ns } else { 0.0 }]);
         }
         timed.push(group);
         if is_over() {
@@ -113,14 +113,14 @@ fn again(
 }
 
 /// Returns the part of a tile of the film that a pixel was rendered with.
-fn part(plan: &TilePlan, place: (u32, u32)) -> Tile {
-    let tile = plan.grid.tile(plan.grid.number_at(place));
+fn part(plan: &TilePlan, x: u32, y: u32) -> Tile {
+    let tile = plan.grid.tile(plan.grid.number_at(x, y));
     let mut parts = tile.parts(MAX_PIXELS);
-    parts.find(|part| part.has(place)).unwrap_or(tile)
+    parts.find(|part| part.has(x, y)).unwrap_or(tile)
 }
 
 /// Returns the tile of one pixel.
-fn pixel((x, y): (u32, u32)) -> Tile {
+fn pixel(x: u32, y: u32) -> Tile {
     Tile {
         number: 0,
         columns: [x, x + 1],
@@ -134,7 +134,7 @@ fn first_pixel(group: &Tile) -> (u32, u32) {
 }
 
 /// Returns the pixels to the left of a pixel, or to the right if there are none.
-fn before((x, y): (u32, u32), width: u32) -> impl Iterator<Item = (u32, u32)> {
+fn before(x: u32, y: u32, width: u32) -> impl Iterator<Item = (u32, u32)> {
     let columns = match x {
         0 => 1..width.min(1 + N_BEFORE),
         _ => x.saturating_sub(N_BEFORE)..x,
@@ -162,8 +162,8 @@ mod tests {
         let (mut film, _) = render(tracer, &plan, &meter, &|_| {});
         // Neighbors, so that they are trusted; one of them is at the left edge.
         let disturbed = [(0, 20), (1, 20), (39, 29), (38, 29)];
-        for place in disturbed {
-            film.set_time(place, [1e15, 0.0]);
+        for (x, y) in disturbed {
+            film.set_time(x, y, [1e15, 0.0]);
         }
         let view = View::new(tracer, &plan.sensor);
         time_hottest_again(&mut film, view, &meter, &plan, Duration::from_secs(60));
@@ -181,10 +181,10 @@ mod tests {
 
     #[test]
     fn pixels_beside_a_pixel_warm_it_up() {
-        let beside = |place, width| before(place, width).collect::<Vec<_>>();
-        assert_eq!(beside((2, 7), 9), [(0, 7), (1, 7)]);
-        assert_eq!(beside((8, 7), 9), [(4, 7), (5, 7), (6, 7), (7, 7)]);
-        assert_eq!(beside((0, 3), 3), [(1, 3), (2, 3)]);
-        assert_eq!(beside((0, 3), 1), []);
+        let beside = |x, y, width| before(x, y, width).collect::<Vec<_>>();
+        assert_eq!(beside(2, 7, 9), [(0, 7), (1, 7)]);
+        assert_eq!(beside(8, 7, 9), [(4, 7), (5, 7), (6, 7), (7, 7)]);
+        assert_eq!(beside(0, 3, 3), [(1, 3), (2, 3)]);
+        assert_eq!(beside(0, 3, 1), []);
     }
 }

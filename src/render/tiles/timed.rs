@@ -242,9 +242,9 @@ impl TileRenderer for SingleRayRenderer<'_> {
     fn render(&mut self, tile: &Tile) {
         let n_pixels = tile.n_pixels();
         self.places.clear();
-        self.places.extend(tile.pixels().map(|at| PixelPlace {
-            at,
-            index: tile.index(at) as usize,
+        self.places.extend(tile.pixels().map(|(x, y)| PixelPlace {
+            at: (x, y),
+            index: tile.index(x, y) as usize,
         }));
         self.renderer.bounces.reset(n_pixels);
         self.n_done = self.render_timed();

@@ -67,25 +67,25 @@ impl<'a> View<'a> {
 
     /// Returns the number of a pixel in the whole picture, row by row.
     #[inline(always)]
-    pub(super) fn pixel_number(&self, (x, y): (u32, u32)) -> u32 {
+    pub(super) fn pixel_number(&self, x: u32, y: u32) -> u32 {
         let [left, top] = self.origin;
         (top + y) * self.width + left + x
     }
 
     /// Returns the camera ray of one of the pixel's samples.
-    pub(crate) fn camera_ray(&self, (x, y): (u32, u32), sample: u32) -> Ray {
-        let rays = self.camera_rays([x as f32, y as f32], self.pixel_number((x, y)), sample);
+    pub(crate) fn camera_ray(&self, x: u32, y: u32, sample: u32) -> Ray {
+        let rays = self.camera_rays([x as f32, y as f32], self.pixel_number(x, y), sample);
         let [origin, direction] = rays.map(Vec3::from);
         Ray { origin, direction }
     }
 
     /// Returns the start of the path of one of the pixel's samples.
-    pub(crate) fn camera_path(&self, place: (u32, u32), sample: u32) -> PathRay {
+    pub(crate) fn camera_path(&self, x: u32, y: u32, sample: u32) -> PathRay {
         let id = SampleId {
-            pixel: self.pixel_number(place),
+            pixel: self.pixel_number(x, y),
             sample,
         };
-        PathRay::from_camera(self.camera_ray(place, sample), &self.eye_media, id)
+        PathRay::from_camera(self.camera_ray(x, y, sample), &self.eye_media, id)
     }
 
     /// Returns the origins and the directions of the camera rays of one sample of a pixel per lane,

@@ -53,7 +53,7 @@ pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) -> io
             let thread = context.index() as u32;
             let film = film.empty_tile();
             let renderer = &mut *renderer(view, meter, plan);
-            render_some(thread, renderer, (ranks, plan, film), &dealt, &to_rank_0);
+            render_some(thread, renderer, ranks, plan, film, &dealt, &to_rank_0);
         });
         Ok(())
     })
@@ -63,7 +63,9 @@ pub fn work(ranks: &Ranks, tracer: Tracer, plan: &TilePlan, meter: &Meter) -> io
 fn render_some(
     thread: u32,
     renderer: &mut dyn TileRenderer,
-    (ranks, plan, mut film): (&Ranks, &TilePlan, Film),
+    ranks: &Ranks,
+    plan: &TilePlan,
+    mut film: Film,
     dealt: &DealtTiles,
     to_rank_0: &Sender<TileRecord<'static>>,
 ) {
@@ -71,7 +73,7 @@ fn render_some(
         let grid = plan.grid.for_rendering(rendering, film.cost);
         let tile = grid.tile(number);
         let canvas = &Canvas::one_tile(&mut film, grid);
-        let run = render_tile(renderer, (plan, &tile), canvas, ranks.epoch);
+        let run = render_tile(renderer, plan, &tile, canvas, ranks.epoch);
         let run = TileRun { thread, ..run };
         let record = canvas.record(&tile, rendering, run);
         // A tile that was stopped is not whole.

@@ -41,8 +41,7 @@ impl Pictures {
                     .iter()
                     .fold(path, |path, key| path.key(*key))
                     .key("file");
-                let file = (image.file.as_path(), image.transfer);
-                let source = found.add(file, &path, folders, available)?;
+                let source = found.add(&image.file, image.transfer, &path, folders, available)?;
                 let of_material = found.of_materials.entry(name.clone()).or_default();
                 of_material.push(source);
             }
@@ -50,8 +49,8 @@ impl Pictures {
         if let Background::EnvironmentMap(map) = &config.background {
             let path = FieldPath::default().key("background");
             let path = path.key("environment_map").key("file");
-            let file = (map.file.as_path(), map.transfer);
-            found.of_background = Some(found.add(file, &path, folders, available)?);
+            found.of_background =
+                Some(found.add(&map.file, map.transfer, &path, folders, available)?);
         }
         Ok(found)
     }
@@ -59,7 +58,8 @@ impl Pictures {
     /// Reads the picture that the value at a path names, unless it was read before.
     fn add<F: Folders + ?Sized>(
         &mut self,
-        (file, transfer): (&Path, Option<Transfer>),
+        file: &Path,
+        transfer: Option<Transfer>,
         path: &FieldPath,
         folders: &F,
         available: u64,

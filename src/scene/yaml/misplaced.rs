@@ -43,7 +43,7 @@ pub(super) fn keys(
     let (own, strange): (Keys, Keys) = std::mem::take(map)
         .into_iter()
         .partition(|(key, _)| choices.contains(key));
-    under(&mut tree, above, (&own, &strange), &choices, refuse)
+    under(&mut tree, above, &own, &strange, &choices, refuse)
         .or_else(|| beside(&mut tree, above, own, strange, refuse))
 }
 
@@ -51,7 +51,8 @@ pub(super) fn keys(
 fn under(
     tree: &mut Tree,
     above: &[Step],
-    (own, strange): (&Keys, &Keys),
+    own: &Keys,
+    strange: &Keys,
     choices: &[String],
     refuse: Refuse,
 ) -> Option<MisplacedKeys> {

@@ -44,7 +44,7 @@ pub(super) fn find(
         tree: tree(),
         removed: Vec::new(),
     };
-    if left.is_of_another_kind(&first) {
+    if left.is_of_another_kind(&first.0, &first.1) {
         return (explain.refused)(first.0, &first.1);
     }
     // Report one mistake after the other, each found without the values before it.
@@ -117,7 +117,7 @@ impl Remains {
     }
 
     /// Returns true if none of the text's keys is known: it is not a scene with mistakes.
-    fn is_of_another_kind(&self, (path, error): &Refusal) -> bool {
+    fn is_of_another_kind(&self, path: &FieldPath, error: &serde_yaml::Error) -> bool {
         let known = translate::unknown_key_of(error).filter(|_| path.0.len() == 1);
         match (known, &self.tree) {
             (Some((_, known)), Tree::Map(keys)) => !keys.keys().any(|key| known.contains(key)),

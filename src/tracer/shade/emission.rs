@@ -38,7 +38,8 @@ pub(super) fn emitted<R: Real>(material: &Material, at: &ShadingPoint<R>) -> Vec
 #[inline(always)]
 pub(super) fn weight<R: Real>(
     lights: &Lights,
-    (emitter, index): (&Emitter, u32),
+    emitter: &Emitter,
+    index: u32,
     arrival: &Arrival<R>,
 ) -> R {
     let Arrival {
@@ -110,7 +111,7 @@ impl AddEmission<'_> {
     #[inline(always)]
     fn weight<I: InstructionSet>(&self, set: I, group: &PointGroup, at: PointLanes) -> I::Lanes {
         let emitter = self.scene.lights.emitter(group.material, group.shape);
-        let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {
+        let Some((emitter, index)) = emitter.filter(|_| self.scene.scatters_paths()) else {
             return set.splat(1.0);
         };
         // Gather the rays' origins and the densities of their directions.
@@ -132,6 +133,6 @@ impl AddEmission<'_> {
             },
             shape: self.points.parameters(set, self.scene, at),
         };
-        weight(&self.scene.lights, emitter, &arrival)
+        weight(&self.scene.lights, emitter, index, &arrival)
     }
 }

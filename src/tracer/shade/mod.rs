@@ -260,7 +260,7 @@ impl<'a> Shader<'a> {
         let emitted = emitted(self.scene.material(point.material), &at);
         let primitive = &self.scene.primitives[point.primitive as usize];
         let emitter = self.scene.lights.emitter(point.material, primitive.kind());
-        let Some(emitter) = emitter.filter(|_| self.scene.scatters_paths()) else {
+        let Some((emitter, index)) = emitter.filter(|_| self.scene.scatters_paths()) else {
             return emitted;
         };
         let direction = Vector::from(path.ray.direction);
@@ -274,7 +274,7 @@ impl<'a> Shader<'a> {
             },
             shape: self.scene.parameters(point.placed()),
         };
-        emitted * emission::weight(&self.scene.lights, emitter, &arrival)
+        emitted * emission::weight(&self.scene.lights, emitter, index, &arrival)
     }
 
     /// Returns the surface of a medium that a ray has met at a point, or `None` for other surfaces.

@@ -72,7 +72,8 @@ impl ImagePlane {
     /// columns and rows.
     pub(super) fn centered(
         projection: Projection,
-        (space, eye): (RenderSpace, DVec3),
+        space: RenderSpace,
+        eye: DVec3,
         [to_center, right, up]: [Vec3; 3],
         height: f32,
         size: [u32; 2],

@@ -125,12 +125,12 @@ impl LookAt {
         let Basis { forward, right, up } = self.basis;
         let half_height = self.half_height;
         let to_plane = [forward, right, up];
-        let eye = (*space, self.keys.eye);
         ImagePlane {
             lens: self.lens.map(|lens| lens.in_space(space)),
             ..ImagePlane::centered(
                 Projection::Perspective,
-                eye,
+                *space,
+                self.keys.eye,
                 to_plane,
                 2.0 * half_height,
                 size,

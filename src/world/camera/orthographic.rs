@@ -73,7 +73,8 @@ impl Orthographic {
         let height = space.length(self.keys.height);
         ImagePlane::centered(
             projection,
-            (*space, self.keys.eye),
+            *space,
+            self.keys.eye,
             [Vec3::ZERO, right, up],
             height,
             size,

@@ -56,7 +56,8 @@ impl Shear {
     /// Returns the shear for a ray in this direction, which must not be zero.
     #[inline(always)]
     pub fn along(direction: Vec3) -> Self {
-        let axes = Self::axes(dominant_axis(direction.into()));
+        let (is_y, is_z) = dominant_axis(direction.into());
+        let axes = Self::axes(is_y, is_z);
         Self {
             axes,
             constants: shear_constants(permuted(direction, axes).into()).into(),
@@ -65,7 +66,7 @@ impl Shear {
 
     /// Returns the axes of a shear, given the [`dominant_axis`].
     #[inline(always)]
-    pub fn axes((is_y, is_z): (bool, bool)) -> [usize; 3] {
+    pub fn axes(is_y: bool, is_z: bool) -> [usize; 3] {
         /// The axes, by the last one.
         const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
         // No branch on the direction: it is unpredictable.

@@ -61,7 +61,7 @@ fn draw_points(figure: &Figure, width: f32, surface: &mut dyn DrawingSurface) {
     for (number, series) in figure.series.iter().enumerate() {
         draw_line(figure, number, &plane, surface);
         for point in &series.points {
-            draw_point(figure, (number, point), &plane, surface);
+            draw_point(figure, number, point, &plane, surface);
         }
     }
     draw_labels(figure, &plane, surface);
@@ -85,7 +85,8 @@ fn draw_line(figure: &Figure, number: usize, plane: &PlotPlane, surface: &mut dy
 /// Draws a point with its interval and its limit.
 fn draw_point(
     figure: &Figure,
-    (number, point): (usize, &PlotPoint),
+    number: usize,
+    point: &PlotPoint,
     plane: &PlotPlane,
     surface: &mut dyn DrawingSurface,
 ) {

@@ -97,9 +97,9 @@ impl RayBlock {
     #[inline(always)]
     pub(super) fn intersector(&self, lane: usize) -> LeafIntersector {
         let lane = lane % N_LANES;
-        let dominant = (self.is_y >> lane & 1 != 0, self.is_z >> lane & 1 != 0);
+        let [is_y, is_z] = [self.is_y, self.is_z].map(|lanes| lanes >> lane & 1 != 0);
         let shear = Shear {
-            axes: Shear::axes(dominant),
+            axes: Shear::axes(is_y, is_z),
             constants: lane_of(&self.shear_constants, lane),
         };
         LeafIntersector {
