@@ -82,22 +82,6 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// Returns VTK's name for the type of the numbers.
-    pub(super) fn vtk_type(&self) -> &'static str {
-        match self.scalar {
-            ScalarType::I8 => "Int8",
-            ScalarType::U8 | ScalarType::Bit => "UInt8",
-            ScalarType::I16 => "Int16",
-            ScalarType::U16 => "UInt16",
-            ScalarType::I32 => "Int32",
-            ScalarType::U32 => "UInt32",
-            ScalarType::I64 => "Int64",
-            ScalarType::U64 => "UInt64",
-            ScalarType::F32 => "Float32",
-            ScalarType::F64 => "Float64",
-        }
-    }
-
     /// Returns the number of entries.
     pub fn n_tuples(&self) -> u64 {
         self.n_bytes / (self.scalar.size() * self.n_components) as u64

@@ -62,7 +62,7 @@ impl<'a> LabeledDataSet<'a> {
         let file = VtkFile {
             data_set_type,
             version: Version::new_xml(1, 0),
-            byte_order: native_byte_order(),
+            byte_order: NATIVE_ORDER,
             header_type: ScalarType::UInt64,
             compressor: offsets.compressor().map(Compressor::vtk_class),
             run: self.run,
@@ -132,17 +132,16 @@ struct VtkFile {
     content: DataElement,
 }
 
-fn native_byte_order() -> ByteOrder {
-    if cfg!(target_endian = "little") {
-        ByteOrder::LittleEndian
-    } else {
-        ByteOrder::BigEndian
-    }
-}
+/// This machine's byte order.
+pub(crate) const NATIVE_ORDER: ByteOrder = if cfg!(target_endian = "little") {
+    ByteOrder::LittleEndian
+} else {
+    ByteOrder::BigEndian
+};
 
 /// Returns this machine's byte order, as VTK names it.
 pub(super) fn byte_order() -> &'static str {
-    match native_byte_order() {
+    match NATIVE_ORDER {
         ByteOrder::LittleEndian => "LittleEndian",
         ByteOrder::BigEndian => "BigEndian",
     }

@@ -16,9 +16,9 @@ mod elements;
 mod header;
 pub mod compressed;
 pub mod appended;
-pub mod parallel;
 pub mod hdf;
 pub mod read;
+pub mod parallel;
 
 pub use codec::Codec;
 pub use codec::Compressor;

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use crate::array::Array;
 use crate::data_set::Extent;
 use crate::header::byte_order;
+use crate::read::vtk_type;
 use host::provenance::{KEY, RunId};
 
 /// The pieces of a data set, as files in the same folder.
@@ -64,7 +65,7 @@ pub fn write(
     // List the arrays that all pieces have.
     let mut listed = String::new();
     for array in arrays {
-        let (scalar, name, n) = (array.vtk_type(), array.name, array.n_components);
+        let (scalar, name, n) = (vtk_type(array.scalar), array.name, array.n_components);
         let _ = writeln!(
             listed,
             "<PDataArray type=\"{scalar}\" Name=\"{name}\" NumberOfComponents=\"{n}\"/>"

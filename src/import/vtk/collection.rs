@@ -1,7 +1,7 @@
 //! Lists of files over time, `.pvd`.
 
 use super::super::{FileFault, Result};
-use super::document::parse;
+use super::document::{number_or, parse, required};
 
 /// The files of a time step: its parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,17 +29,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Vec<ListedStep>> {
             "a `.pvd` as ParaView writes it",
         )
     })?;
-    let entries = collection.children.iter();
-    let entries = entries.filter(|entry| entry.name == "DataSet");
-    let step = entries.map(|entry| {
-        let time = match entry.attribute("timestep") {
-            None => 0.0,
-            Some(_) => {
-                let [time] = entry.numbers("timestep")?;
-                time
-            }
-        };
-        Ok(ListedStep::new(entry.required("file")?.to_owned(), time))
+    let step = collection.children_named("DataSet").map(|entry| {
+        let time = number_or(entry, "timestep", 0.0)?;
+        Ok(ListedStep::new(required(entry, "file")?.to_owned(), time))
     });
     let mut parts = step.collect::<Result<Vec<ListedStep>>>()?;
     parts.sort_by(|a, b| a.time.total_cmp(&b.time));

@@ -4,7 +4,6 @@
 //! before it is allocated.
 
 mod numbers;
-mod encoded;
 mod document;
 mod collection;
 mod polyhedra;

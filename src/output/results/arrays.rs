@@ -5,9 +5,7 @@ use std::ops::Range;
 use host::text::Diagnostic;
 use render::film::{Column, columns};
 use scene::config::{CostMode, Repeats};
-use vtk::read::{
-    ArrayLocation, ArrayValues, DataArrayElement, DataArraysElement, Selection, VtkReader,
-};
+use vtk::read::{ArrayLocation, ArrayValues, DataArrayElement, Selection, VtkReader};
 
 /// The header of an array.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,7 +50,7 @@ impl Arrays {
     /// Lists the arrays of a file with this many tuples.
     pub(super) fn new(
         file: VtkReader,
-        arrays: &DataArraysElement,
+        arrays: &[DataArrayElement],
         n_tuples: u64,
     ) -> Result<Self, Diagnostic> {
         let info = |array: &DataArrayElement| ArrayInfo {
@@ -60,10 +58,9 @@ impl Arrays {
             vtk_type: array.scalar.clone(),
             n_components: array.n_components as usize,
         };
-        let infos = arrays.arrays.iter().map(info).collect();
+        let infos = arrays.iter().map(info).collect();
         let place = |array| file.place(array, n_tuples);
-        let places: Vec<ArrayLocation> =
-            arrays.arrays.iter().map(place).collect::<Result<_, _>>()?;
+        let places: Vec<ArrayLocation> = arrays.iter().map(place).collect::<Result<_, _>>()?;
         file.check_overlap(&places)?;
         Ok(Self {
             file,

@@ -7,7 +7,7 @@ use super::arrays::{ArrayInfo, Arrays, LoadedArray};
 use super::pieces::PieceList;
 use host::text::Diagnostic;
 use scene::config::MAX_SIDE;
-use vtk::read::{ImagePieceElement, VtkReader};
+use vtk::read::VtkReader;
 
 /// The open file, or its pieces.
 #[derive(Debug)]
@@ -197,15 +197,14 @@ impl FramePiece {
         let Some(image) = header.image else {
             return Err(file.foreign("it holds no ImageData"));
         };
-        let extent = image.piece.extent();
+        let extent = image.extent();
         let Some((width, stored)) = extent.and_then(|extent| place(&extent, height)) else {
-            let ImagePieceElement { extent, .. } = image.piece;
-            let why = format!("`{extent}` is not the extent of a picture");
+            let why = format!("`{}` is not the extent of a picture", image.extent);
             return Err(file.foreign(&why));
         };
         let n_pixels = u64::from(width) * stored.len() as u64;
         Ok(Self {
-            arrays: Arrays::new(file, &image.piece.point_data, n_pixels)?,
+            arrays: Arrays::new(file, &image.point_data, n_pixels)?,
             width,
             rows: stored.clone(),
             stored,

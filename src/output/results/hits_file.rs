@@ -113,13 +113,13 @@ impl HitsPiece {
             points @ DataArrayElement {
                 n_components: 3, ..
             },
-        ] = &grid.piece.points.arrays[..]
+        ] = &grid.points[..]
         else {
             return Err(file.foreign("its points are not one array of three numbers each"));
         };
-        let n_points = grid.piece.n_points;
+        let n_points = grid.n_points;
         let points = file.place(points, n_points)?;
-        let arrays = Arrays::new(file, &grid.piece.point_data, n_points)?;
+        let arrays = Arrays::new(file, &grid.point_data, n_points)?;
         let Ok(n_points) = usize::try_from(n_points) else {
             return Err(arrays
                 .file

@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-
 use crate::writers::is_piece;
 use host::files;
+use host::provenance::KEY;
 use host::text::Diagnostic;
-use vtk::read::{extent_of, size_of_extent};
+use vtk::read::{extent_of, parse, size_of_extent};
 
 /// Maximum number of bytes of a list; a picture has a few hundred pieces.
 const MAX_LIST: u64 = 1 << 22;
+/// Maximum number of tags and texts of a list, and of attributes per element.
+const MAX_EVENTS: usize = 1 << 16;
+const MAX_ATTRIBUTES: usize = 16;
 
 /// The pieces of a file.
 #[derive(Debug)]
@@ -22,30 +24,6 @@ pub(super) struct PieceList {
     pub(super) size: Option<[u32; 2]>,
     /// The files of the pieces, at least one.
     pub(super) paths: Vec<PathBuf>,
-}
-
-#[derive(Deserialize)]
-struct ListElement {
-    #[serde(rename = "@raycost_run")]
-    run: Option<String>,
-    #[serde(rename = "PImageData")]
-    image: Option<PiecesElement>,
-    #[serde(rename = "PUnstructuredGrid")]
-    grid: Option<PiecesElement>,
-}
-
-#[derive(Deserialize)]
-struct PiecesElement {
-    #[serde(rename = "@WholeExtent")]
-    extent: Option<String>,
-    #[serde(rename = "Piece", default)]
-    pieces: Vec<PieceElement>,
-}
-
-#[derive(Deserialize)]
-struct PieceElement {
-    #[serde(rename = "@Source")]
-    source: String,
 }
 
 impl PieceList {
@@ -67,21 +45,23 @@ impl PieceList {
             size: None,
             paths: Vec::new(),
         };
-        let list: ListElement = quick_xml::de::from_str(&text)
-            .map_err(|error| this.foreign(&format!("it is damaged: {error}")))?;
-        let Some(pieces) = list.image.or(list.grid) else {
+        let (list, _) = parse(text.as_bytes(), MAX_EVENTS, MAX_ATTRIBUTES)
+            .map_err(|fault| this.foreign(&format!("it is damaged: {fault}")))?;
+        let pieces = list.child("PImageData").or(list.child("PUnstructuredGrid"));
+        let Some(pieces) = pieces else {
             return Err(this.foreign("it lists no pieces of an image or a cloud"));
         };
-        let names = pieces.pieces.iter().map(|piece| &piece.source);
-        if names.len() == 0 || !names.clone().all(|name| is_piece(name)) {
+        let names = pieces.children_named("Piece");
+        let names = names.map(|piece| piece.attribute("Source").unwrap_or_default());
+        let names: Vec<&str> = names.collect();
+        if names.is_empty() || !names.iter().all(|name| is_piece(name)) {
             return Err(this.foreign("its pieces do not make a picture"));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        this.paths = names.map(|name| folder.join(name)).collect();
-        this.run = list.run;
+        this.paths = names.iter().map(|name| folder.join(name)).collect();
+        this.run = list.attribute(KEY).map(str::to_owned);
         this.size = pieces
-            .extent
-            .as_deref()
+            .attribute("WholeExtent")
             .and_then(extent_of)
             .map(size_of_extent);
         Ok(Some(this))

@@ -12,7 +12,7 @@ use output::writers::vertices;
 use vtk::array::Array;
 use vtk::data_set::{DataSet, Extent};
 use vtk::hdf::HdfWriter;
-use vtk::read::{DataArrayElement, DataArraysElement, VtkHeader, VtkReader, scalar_of};
+use vtk::read::{DataArrayElement, VtkReader};
 
 /// The files, and the frames' files that are their steps.
 pub(super) const FILES: [(&str, &str); 2] = [
@@ -45,37 +45,35 @@ pub(super) fn write(frames: &[SeriesFrame], folder: &Path) -> Result<Vec<String>
 /// Appends the data set of a VTK file.
 fn append(file: &mut HdfWriter, path: &Path) -> io::Result<()> {
     let (reader, header) = VtkReader::open(path).map_err(failure)?;
-    let VtkHeader { image, grid, .. } = &header;
-    let (fields, data_set) = match (image, grid) {
+    let data_set = match (&header.image, &header.grid) {
         (Some(image), _) => {
-            let (width, height) = image.piece.size().unwrap_or_default();
-            let n = u64::from(width) * u64::from(height);
-            let point_data = arrays(&reader, &image.piece.point_data, n)?;
-            let extent = Extent::of_size([width, height]);
-            (&image.field_data, DataSet::Image { extent, point_data })
+            let size = image.size().unwrap_or_default();
+            let n = size.map(u64::from).iter().product();
+            let point_data = arrays(&reader, &image.point_data, n)?;
+            let extent = Extent::of_size(size);
+            DataSet::Image { extent, point_data }
         }
         (None, Some(grid)) => {
-            let n = grid.piece.n_points;
-            let point_data = arrays(&reader, &grid.piece.point_data, n)?;
-            let mut points = arrays(&reader, &grid.piece.points, n)?;
+            let n = grid.n_points;
+            let point_data = arrays(&reader, &grid.point_data, n)?;
+            let mut points = arrays(&reader, &grid.points, n)?;
             let points = points.pop().ok_or(io::ErrorKind::InvalidData)?;
-            let cloud = vertices(n as usize, points, point_data);
-            (&grid.field_data, DataSet::Grid(cloud))
+            DataSet::Grid(vertices(n as usize, points, point_data))
         }
         (None, None) => return Err(io::ErrorKind::InvalidData.into()),
     };
-    let fields = reader.fields(fields).map_err(failure)?;
+    let fields = reader.fields(&header.field_data).map_err(failure)?;
     file.append(&data_set, &fields)
 }
 
 /// Returns the arrays of `n` entries.
 fn arrays<'a>(
     reader: &'a VtkReader,
-    elements: &'a DataArraysElement,
+    elements: &'a [DataArrayElement],
     n: u64,
 ) -> io::Result<Vec<Array<'a>>> {
     let array = |element| array(reader, element, n).map_err(failure);
-    elements.arrays.iter().map(array).collect()
+    elements.iter().map(array).collect()
 }
 
 /// Returns an array of `n` entries that is read when it is written.
@@ -85,18 +83,12 @@ fn array<'a>(
     n: u64,
 ) -> Result<Array<'a>, Diagnostic> {
     let place = reader.place(element, n)?;
-    let scalar = scalar_of(&element.scalar).ok_or_else(|| {
-        reader.foreign(&format!(
-            "`{}` has numbers of an unknown type",
-            element.name
-        ))
-    })?;
     let n_components = element.n_components as usize;
     Ok(Array {
         name: &element.name,
-        scalar,
+        scalar: place.scalar,
         n_components,
-        n_bytes: n * (n_components * scalar.size()) as u64,
+        n_bytes: n * (n_components * place.scalar.size()) as u64,
         unit: None,
         write: Box::new(move |out| {
             let values = reader.read(&place).map_err(failure)?;

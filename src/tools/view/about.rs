@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use super::cloud::Cloud;
 use super::frame::ShownPixels;
 use super::hottest;
-use super::payload::type_name;
 use base::numbers::{capitalized, counted};
 use output::results::LoadedArray;
 use output::summary::CameraSection;
@@ -29,7 +28,7 @@ pub(super) fn json(
         json!({
             "id": array_id(i),
             "name": array.name,
-            "type": type_name(&array.values),
+            "type": array.values.type_name(),
             "n_components": array.n_components,
         })
     };

@@ -21,7 +21,7 @@ impl Payload {
     /// Encodes numbers as byte planes, the least significant first: the high bytes of counters are
     /// zeros, and runs of zeros compress well.
     pub(super) fn encode_numbers(id: &str, values: &ArrayValues) -> Self {
-        Self::encode(id, &planes(values.bytes(), width(values)))
+        Self::encode(id, &planes(values.bytes(), values.number_bytes()))
     }
 
     /// Encodes bytes.
@@ -78,28 +78,6 @@ impl PayloadEncoder {
     }
 }
 
-/// Returns the name of the number type in the page's script.
-pub(super) fn type_name(values: &ArrayValues) -> &'static str {
-    match values {
-        ArrayValues::U8(_) => "u8",
-        ArrayValues::U16(_) => "u16",
-        ArrayValues::I32(_) => "i32",
-        ArrayValues::U32(_) => "u32",
-        ArrayValues::I64(_) => "i64",
-        ArrayValues::U64(_) => "u64",
-        ArrayValues::F32(_) => "f32",
-        ArrayValues::F64(_) => "f64",
-    }
-}
-
-/// Returns the bytes per number; 1 if there are no numbers.
-fn width(values: &ArrayValues) -> usize {
-    match values.len() {
-        0 => 1,
-        n => values.bytes().len() / n,
-    }
-}
-
 /// Transposes numbers to byte planes: the least significant bytes of all numbers, then the next
 /// bytes, and so on.
 fn planes(bytes: &[u8], width: usize) -> Vec<u8> {
@@ -123,7 +101,7 @@ mod tests {
     #[test]
     fn bytes_of_equal_significance_are_adjacent() {
         let numbers = ArrayValues::U32(vec![0x0403_0201, 0x1413_1211]);
-        let bytes = planes(numbers.bytes(), width(&numbers));
+        let bytes = planes(numbers.bytes(), numbers.number_bytes());
         assert_eq!(bytes, [1, 0x11, 2, 0x12, 3, 0x13, 4, 0x14]);
     }
 

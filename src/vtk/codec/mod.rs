@@ -7,7 +7,7 @@ mod lz4;
 mod zlib;
 
 use std::fmt::Debug;
-use std::io;
+use std::io::{self, Read};
 
 use base::{Keyword, keywords};
 
@@ -93,6 +93,25 @@ impl dyn Compressor {
         } else {
             Err(io::ErrorKind::InvalidData.into())
         }
+    }
+
+    /// Reads a block of `length` bytes by way of `compressed`, and decompresses it.
+    ///
+    /// # Errors
+    /// `UnexpectedEof` if the bytes end early; those of [`decompress_exact`](Self::decompress_exact).
+    pub(crate) fn decompress_from(
+        &self,
+        from: &mut impl Read,
+        length: u64,
+        compressed: &mut Vec<u8>,
+        block: &mut [u8],
+    ) -> io::Result<()> {
+        compressed.clear();
+        from.take(length).read_to_end(compressed)?;
+        if (compressed.len() as u64) < length {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        self.decompress_exact(compressed, block)
     }
 }
 

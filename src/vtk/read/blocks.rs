@@ -3,16 +3,15 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 
+use super::encoded::ArrayEncoding;
 use crate::codec::{BLOCK, Compressor};
 use crate::compressed::table_head;
 use host::files::PositionedReader;
 
 /// Maximum number of bytes of a compressed block: noise grows a little under compression.
 const MAX_COMPRESSED: u64 = (BLOCK + BLOCK / 64) as u64;
-/// Bytes of a number in a block table.
-const NUMBER_BYTES: u64 = size_of::<u64>() as u64;
 
-/// The compressed blocks of an array.
+/// The compressed blocks of an array in a file that raycost wrote.
 #[derive(Debug)]
 pub(super) struct CompressedBlocks {
     compressor: &'static dyn Compressor,
@@ -36,21 +35,18 @@ impl CompressedBlocks {
     pub(super) fn at(
         begin: u64,
         n_bytes: u64,
+        encoding: &ArrayEncoding,
         compressor: &'static dyn Compressor,
         file: &File,
     ) -> io::Result<Option<Self>> {
         let position = begin;
         let mut from = BufReader::new(PositionedReader { file, position });
-        let head = table_head(n_bytes);
-        for expected in head {
-            if read_number(&mut from)? != expected {
-                return Ok(None);
-            }
+        let head = encoding.table_head(&mut from)?;
+        if head != table_head(n_bytes) {
+            return Ok(None);
         }
-        // Read one by one, so that a damaged count allocates no more than the file holds.
-        let lengths = (0..head[0]).map(|_| read_number(&mut from));
-        let lengths = lengths.collect::<io::Result<Vec<u64>>>()?;
-        let begin = begin + NUMBER_BYTES * (head.len() + lengths.len()) as u64;
+        let lengths = encoding.table(head, &mut from)?;
+        let begin = begin + (encoding.length_bytes * (head.len() + lengths.len())) as u64;
         let n_compressed: u64 = lengths.iter().map(|&n| n.min(MAX_COMPRESSED + 1)).sum();
         let is_too_long = lengths.iter().any(|&n| n > MAX_COMPRESSED);
         if is_too_long || n_compressed.saturating_mul(compressor.max_ratio()) < n_bytes {
@@ -92,12 +88,6 @@ impl CompressedBlocks {
     }
 }
 
-fn read_number(from: &mut impl Read) -> io::Result<u64> {
-    let mut bytes = [0; NUMBER_BYTES as usize];
-    from.read_exact(&mut bytes)?;
-    Ok(u64::from_ne_bytes(bytes))
-}
-
 /// Reads the bytes of an array, decompressing one block at a time.
 pub(super) struct Decompressed<'a> {
     from: PositionedReader<'a>,
@@ -120,11 +110,9 @@ impl Decompressed<'_> {
         self.n_read = 0;
         self.block.resize(n_bytes as usize, 0);
         if let Some(&length) = self.lengths.next() {
-            self.compressed.clear();
-            let compressed = &mut self.from;
-            compressed.take(length).read_to_end(&mut self.compressed)?;
+            let (compressed, block) = (&mut self.compressed, &mut self.block);
             self.compressor
-                .decompress_exact(&self.compressed, &mut self.block)?;
+                .decompress_from(&mut self.from, length, compressed, block)?;
         }
         Ok(())
     }
@@ -152,7 +140,7 @@ mod tests {
     use crate::appended;
     use crate::array::Array;
     use crate::data_set::{CellMesh, DataSet};
-    use crate::read::{DataArraysElement, VtkReader};
+    use crate::read::{DataArrayElement, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
     fn lengths() -> impl Strategy<Value = usize> {
@@ -197,10 +185,10 @@ mod tests {
         appended::write(&DataSet::Grid(cloud), codec.into(), &mut file).unwrap();
         file.flush().unwrap();
         let (file, header) = VtkReader::open(file.path()).unwrap();
-        let piece = header.grid.unwrap().piece;
+        let piece = header.grid.unwrap();
         assert_eq!(piece.n_points, n as u64);
-        let read = |arrays: &DataArraysElement| {
-            let location = file.place(&arrays.arrays[0], n as u64).unwrap();
+        let read = |arrays: &[DataArrayElement]| {
+            let location = file.place(&arrays[0], n as u64).unwrap();
             file.read(&location).unwrap()
         };
         let points = read(&piece.points);

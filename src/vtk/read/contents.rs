@@ -3,7 +3,7 @@
 use std::io::{self, BufReader, Read};
 use std::ops::Range;
 
-use super::reader::{ArrayLocation, LENGTH_BYTES, Storage, VtkReader, cannot_read};
+use super::reader::{ArrayLocation, Storage, VtkReader, cannot_read};
 use super::values::{ArrayValues, Selection};
 use base::numbers::{self, count};
 use host::files::PositionedReader;
@@ -60,7 +60,8 @@ impl VtkReader {
                 if length != place.n_bytes {
                     return Ok(Some(length));
                 }
-                let mut from = BufReader::new(self.from(begin + LENGTH_BYTES + first));
+                let begin = begin + self.encoding.length_bytes as u64;
+                let mut from = BufReader::new(self.from(begin + first));
                 fill(&mut values, &mut from).map(|()| None)
             }),
             Storage::Compressed(blocks) => blocks
@@ -85,12 +86,9 @@ impl VtkReader {
         // The other half of the free memory is for the caller's results.
         let n = usize::try_from(n_numbers).ok();
         let n = n.filter(|_| n_bytes <= available_memory() / 2);
-        let values = n.map(|n| may_fail(|| ArrayValues::zeros(&place.vtk_type, n)));
+        let values = n.map(|n| may_fail(|| ArrayValues::zeros(place.scalar, n)));
         match values {
-            Some(Ok(Some(values))) => Ok(values),
-            Some(Ok(None)) => {
-                Err(self.foreign(&format!("`{name}` has numbers of an unknown type")))
-            }
+            Some(Ok(values)) => Ok(values),
             Some(Err(_)) | None => {
                 let (shown, n_bytes) = (self.path.display(), numbers::bytes(n_bytes));
                 Err(Diagnostic::new(format!(
@@ -100,11 +98,8 @@ impl VtkReader {
         }
     }
 
-    /// Reads the length of an uncompressed array.
     fn length_at(&self, begin: u64) -> io::Result<u64> {
-        let mut length = [0; LENGTH_BYTES as usize];
-        self.from(begin).read_exact(&mut length)?;
-        Ok(u64::from_ne_bytes(length))
+        self.encoding.length(&mut self.from(begin))
     }
 
     fn from(&self, position: u64) -> PositionedReader<'_> {

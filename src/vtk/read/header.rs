@@ -1,8 +1,12 @@
-//! The XML header of a VTK file. vtkio's types do not support offsets beyond 4 GiB, and
-//! read an unknown number type as `Float64`.
+//! The header of a file that raycost wrote.
 
-use quick_xml::events::Event;
-use serde::Deserialize;
+use std::fmt::Display;
+use std::str::FromStr;
+
+use super::document::{Element, XmlFault, parse};
+use super::encoded::ArrayEncoding;
+use crate::header::NATIVE_ORDER;
+use host::provenance::KEY;
 
 /// Maximum number of elements of a header, and of attributes per element; raycost's headers have a
 /// few dozen elements of at most seven attributes.
@@ -11,184 +15,205 @@ const MAX_ATTRIBUTES: usize = 16;
 /// Maximum number of numbers per pixel or point: a 3 x 3 tensor.
 const MAX_COMPONENTS: u32 = 9;
 
-/// The root element, `VTKFile`.
-#[derive(Debug, Deserialize)]
+/// The root element, `VTKFile`, and its data set.
+#[derive(Debug)]
 pub struct VtkHeader {
-    /// `LittleEndian` or `BigEndian`.
-    #[serde(rename = "@byte_order")]
-    pub byte_order: String,
-    /// The type of the lengths before arrays, such as `UInt64`.
-    #[serde(rename = "@header_type")]
-    pub header_type: Option<String>,
-    /// The VTK class that decompresses the arrays; `None` if they are uncompressed.
-    #[serde(rename = "@compressor")]
-    pub compressor: Option<String>,
     /// The id of the run that wrote the file.
-    #[serde(rename = "@raycost_run")]
     pub run: Option<String>,
-    /// The data set if it is an image.
-    #[serde(rename = "ImageData")]
-    pub image: Option<ImageDataElement>,
-    /// The data set if it has cells of any type.
-    #[serde(rename = "UnstructuredGrid")]
-    pub grid: Option<UnstructuredGridElement>,
-}
-
-/// The element `ImageData`.
-#[derive(Debug, Deserialize)]
-pub struct ImageDataElement {
-    #[serde(rename = "FieldData", default)]
+    pub(super) encoding: ArrayEncoding,
+    /// The field data of the data set.
     pub field_data: FieldElements,
-    #[serde(rename = "Piece")]
-    pub piece: ImagePieceElement,
+    /// The data set if it is an image.
+    pub image: Option<ImageHeader>,
+    /// The data set if it has cells of any type.
+    pub grid: Option<GridHeader>,
 }
 
-/// The element `Piece` of an `ImageData`.
-#[derive(Debug, Deserialize)]
-pub struct ImagePieceElement {
+/// The piece of an `ImageData`.
+#[derive(Debug)]
+pub struct ImageHeader {
     /// First and last column, row and layer of the points: six numbers.
-    #[serde(rename = "@Extent")]
     pub extent: String,
     /// Arrays with one entry per point.
-    #[serde(rename = "PointData", default)]
-    pub point_data: DataArraysElement,
+    pub point_data: Vec<DataArrayElement>,
 }
 
-/// The element `UnstructuredGrid`.
-#[derive(Debug, Deserialize)]
-pub struct UnstructuredGridElement {
-    #[serde(rename = "FieldData", default)]
-    pub field_data: FieldElements,
-    #[serde(rename = "Piece")]
-    pub piece: GridPieceElement,
-}
-
-/// The element `Piece` of an `UnstructuredGrid`.
-#[derive(Debug, Deserialize)]
-pub struct GridPieceElement {
-    #[serde(rename = "@NumberOfPoints")]
+/// The piece of an `UnstructuredGrid`.
+#[derive(Debug)]
+pub struct GridHeader {
+    /// Number of points.
     pub n_points: u64,
-    #[serde(rename = "PointData", default)]
-    pub point_data: DataArraysElement,
-    #[serde(rename = "Points")]
-    pub points: DataArraysElement,
-}
-
-/// The elements `PointData` and `Points`: lists of arrays.
-#[derive(Debug, Default, Deserialize)]
-pub struct DataArraysElement {
-    /// The arrays, in the order of the file.
-    #[serde(rename = "DataArray", default)]
-    pub arrays: Vec<DataArrayElement>,
+    /// Arrays with one entry per point.
+    pub point_data: Vec<DataArrayElement>,
+    /// The positions of the points: one array.
+    pub points: Vec<DataArrayElement>,
 }
 
 /// The element `FieldData`: arrays of numbers and of texts.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug)]
 pub struct FieldElements {
-    #[serde(rename = "DataArray", default)]
     pub(super) arrays: Vec<DataArrayElement>,
-    #[serde(rename = "Array", default)]
     pub(super) texts: Vec<TextElement>,
 }
 
 /// The element `Array`, of texts.
-#[derive(Debug, Deserialize)]
+#[derive(Debug)]
 pub(super) struct TextElement {
-    #[serde(rename = "@Name")]
     pub(super) name: String,
-    #[serde(rename = "$text", default)]
     pub(super) bytes: String,
 }
 
 /// The element `DataArray`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug)]
 pub struct DataArrayElement {
     /// VTK's name for the type of the numbers, such as `Float32`.
-    #[serde(rename = "@type")]
     pub scalar: String,
     /// The name of the array.
-    #[serde(rename = "@Name")]
     pub name: String,
     /// Numbers per entry.
-    #[serde(rename = "@NumberOfComponents", default = "one")]
     pub n_components: u32,
     /// Number of tuples; only in field data.
-    #[serde(rename = "@NumberOfTuples")]
     pub(super) n_tuples: Option<u64>,
     /// Bytes from the start of the appended data; `None` for data in the header.
-    #[serde(rename = "@offset")]
     pub offset: Option<u64>,
 }
 
-fn one() -> u32 {
-    1
-}
+/// A value, or a fault as the end of a sentence.
+type HeaderResult<T> = Result<T, String>;
 
 impl VtkHeader {
     /// Parses the text from the start of the file to the element `AppendedData`.
     ///
     /// # Errors
     /// The fault, as the end of a sentence.
-    pub fn read(xml: &[u8]) -> Result<Self, String> {
+    pub fn read(xml: &[u8]) -> HeaderResult<Self> {
         let xml = String::from_utf8_lossy(xml) + "</VTKFile>";
-        check_size(&xml)?;
-        let damaged = |error| format!("its header is damaged: {error}");
-        let header: Self = quick_xml::de::from_str(&xml).map_err(damaged)?;
-        let wide = header.arrays().find(|array| {
-            let n = array.n_components;
-            n == 0 || n > MAX_COMPONENTS
-        });
-        match wide {
-            None => Ok(header),
-            Some(DataArrayElement {
-                name, n_components, ..
-            }) => Err(format!(
-                "`{name}` has {n_components} numbers per point, expected 1 to {MAX_COMPONENTS}"
-            )),
+        let root = parse(xml.as_bytes(), 2 * MAX_ELEMENTS, MAX_ATTRIBUTES);
+        let (root, _) = root.map_err(explain)?;
+        let encoding = ArrayEncoding::new(&root)
+            .map_err(|name| format!("its arrays are compressed by `{name}`"))?;
+        if encoding.order != NATIVE_ORDER {
+            return Err("its byte order is not this machine's".to_owned());
         }
-    }
-
-    fn arrays(&self) -> impl Iterator<Item = &DataArrayElement> {
-        let of_image = self.image.iter().map(|image| &image.piece.point_data);
-        let of_grid = self.grid.iter();
-        let of_grid = of_grid.flat_map(|grid| [&grid.piece.point_data, &grid.piece.points]);
-        of_image.chain(of_grid).flat_map(|data| &data.arrays)
+        if encoding.length_bytes != ArrayEncoding::RAW.length_bytes {
+            return Err("the lengths of its arrays are not UInt64".to_owned());
+        }
+        let [image, grid] = ["ImageData", "UnstructuredGrid"].map(|kind| root.child(kind));
+        let field_data = image.or(grid).and_then(|set| set.child("FieldData"));
+        Ok(Self {
+            run: root.attribute(KEY).map(str::to_owned),
+            encoding,
+            field_data: FieldElements::read(field_data)?,
+            image: image.map(ImageHeader::read).transpose()?,
+            grid: grid.map(GridHeader::read).transpose()?,
+        })
     }
 }
 
-/// Checks that the text has no more elements and attributes than a header needs, before a parser
-/// compares or stores any of them.
-fn check_size(xml: &str) -> Result<(), String> {
-    let mut reader = quick_xml::Reader::from_str(xml);
-    for _ in 0..2 * MAX_ELEMENTS {
-        let event = reader.read_event();
-        match event.map_err(|error| format!("its header is damaged: {error}"))? {
-            Event::Start(element) | Event::Empty(element) => {
-                let mut attributes = element.attributes();
-                let attributes = attributes.with_checks(false);
-                if attributes.nth(MAX_ATTRIBUTES).is_some() {
-                    return Err(format!(
-                        "an element of its header has more than {MAX_ATTRIBUTES} attributes"
-                    ));
-                }
-            }
-            Event::Eof => return Ok(()),
-            _ => {}
-        }
+impl ImageHeader {
+    fn read(data_set: &Element) -> HeaderResult<Self> {
+        let piece = child(data_set, "Piece")?;
+        Ok(Self {
+            extent: required(piece, "Extent")?,
+            point_data: arrays(piece.child("PointData"))?,
+        })
     }
-    Err(format!("its header has more than {MAX_ELEMENTS} elements"))
-}
 
-impl ImagePieceElement {
     /// Returns the first and the last column and row; `None` unless the extent has one layer.
     pub fn extent(&self) -> Option<[u32; 4]> {
         extent_of(&self.extent)
     }
 
     /// Returns columns and rows; `None` as for [`extent`](Self::extent).
-    pub fn size(&self) -> Option<(u32, u32)> {
-        let [width, height] = size_of_extent(self.extent()?);
-        Some((width, height))
+    pub fn size(&self) -> Option<[u32; 2]> {
+        self.extent().map(size_of_extent)
+    }
+}
+
+impl GridHeader {
+    fn read(data_set: &Element) -> HeaderResult<Self> {
+        let piece = child(data_set, "Piece")?;
+        Ok(Self {
+            n_points: number(piece, "NumberOfPoints")?.ok_or_else(|| missing("@NumberOfPoints"))?,
+            point_data: arrays(piece.child("PointData"))?,
+            points: arrays(Some(child(piece, "Points")?))?,
+        })
+    }
+}
+
+impl FieldElements {
+    fn read(element: Option<&Element>) -> HeaderResult<Self> {
+        let text = |element: &Element| {
+            Ok(TextElement {
+                name: required(element, "Name")?,
+                bytes: String::from_utf8_lossy(element.text).into_owned(),
+            })
+        };
+        let texts = element
+            .into_iter()
+            .flat_map(|of| of.children_named("Array"));
+        let texts = texts.map(text).collect::<HeaderResult<_>>()?;
+        let arrays = arrays(element)?;
+        Ok(Self { arrays, texts })
+    }
+}
+
+impl DataArrayElement {
+    fn read(element: &Element) -> HeaderResult<Self> {
+        let name = required(element, "Name")?;
+        let n_components = number(element, "NumberOfComponents")?.unwrap_or(1);
+        if n_components == 0 || n_components > MAX_COMPONENTS {
+            return Err(format!(
+                "`{name}` has {n_components} numbers per point, expected 1 to {MAX_COMPONENTS}"
+            ));
+        }
+        Ok(Self {
+            scalar: required(element, "type")?,
+            name,
+            n_components,
+            n_tuples: number(element, "NumberOfTuples")?,
+            offset: number(element, "offset")?,
+        })
+    }
+}
+
+/// Returns the arrays in an element; none without it.
+fn arrays(element: Option<&Element>) -> HeaderResult<Vec<DataArrayElement>> {
+    let elements = element
+        .into_iter()
+        .flat_map(|of| of.children_named("DataArray"));
+    elements.map(DataArrayElement::read).collect()
+}
+
+fn child<'a, 'b>(element: &'b Element<'a>, name: &str) -> HeaderResult<&'b Element<'a>> {
+    element.child(name).ok_or_else(|| missing(name))
+}
+
+fn required(element: &Element, name: &str) -> HeaderResult<String> {
+    let value = element.attribute(name).map(str::to_owned);
+    value.ok_or_else(|| missing(&format!("@{name}")))
+}
+
+fn number<T: FromStr<Err: Display>>(element: &Element, name: &str) -> HeaderResult<Option<T>> {
+    let number = element.attribute(name).map(str::parse).transpose();
+    number.map_err(damaged)
+}
+
+fn missing(name: &str) -> String {
+    damaged(format!("missing field `{name}`"))
+}
+
+fn damaged(why: impl Display) -> String {
+    format!("its header is damaged: {why}")
+}
+
+fn explain(fault: XmlFault) -> String {
+    match fault {
+        XmlFault::TooManyAttributes => {
+            format!("an element of its header has more than {MAX_ATTRIBUTES} attributes")
+        }
+        XmlFault::TooManyElements => format!("its header has more than {MAX_ELEMENTS} elements"),
+        fault => damaged(fault),
     }
 }
 

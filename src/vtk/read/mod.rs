@@ -1,19 +1,26 @@
 //! VTK XML files → arrays by name.
 //!
-//! Opening a file checks its header against the file's length, which detects
-//! truncated files. A damaged number never makes the reader allocate more memory
-//! than the arrays in the file have. Arrays are read and decompressed on request.
+//! [`parse`] and [`ArrayEncoding`] read the elements and the arrays of any VTK XML file in memory.
+//!
+//! [`VtkReader`] reads files that raycost wrote, which may be larger than the memory. Opening one
+//! checks its header against the file's length, which detects truncated files. Arrays are read and
+//! decompressed on request.
+//!
+//! A damaged number never makes a reader allocate more memory than the arrays in the file have.
 
+mod document;
+mod values;
+mod encoded;
 mod blocks;
-mod contents;
-mod fields;
 mod header;
 mod reader;
-mod values;
+mod contents;
+mod fields;
 
-pub use header::{
-    DataArrayElement, DataArraysElement, ImagePieceElement, VtkHeader, extent_of, size_of_extent,
-};
+pub use document::{Element, MAX_DEPTH, XmlFault, parse};
+pub use encoded::{ArrayEncoding, EncodedBytes};
+pub use header::{DataArrayElement, VtkHeader, extent_of, size_of_extent};
 pub use reader::{ArrayLocation, VtkReader};
-pub use values::{ArrayValues, Scalar};
-pub use values::{Selection, scalar_of};
+pub(crate) use values::vtk_type;
+pub use values::{ArrayValues, Scalar, Selection, scalar_of};
+pub use vtkio::model::{ByteOrder, ScalarType};

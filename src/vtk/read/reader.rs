@@ -4,9 +4,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use vtkio::model::ScalarType;
+
 use super::blocks::CompressedBlocks;
+use super::encoded::ArrayEncoding;
 use super::header::{DataArrayElement, VtkHeader};
-use super::values::n_bytes;
+use super::values::scalar_of;
 use crate::codec::Compressor;
 use base::numbers::count;
 use host::files;
@@ -19,8 +22,6 @@ const MAX_HEADER: u64 = 1 << 21;
 const HEAD_STEP: u64 = 1 << 16;
 /// The element that holds the arrays.
 const APPENDED: &[u8] = b"<AppendedData encoding=\"raw\">";
-/// Bytes of the length before each uncompressed array.
-pub(super) const LENGTH_BYTES: u64 = size_of::<u64>() as u64;
 
 /// An open VTK file.
 #[derive(Debug)]
@@ -33,15 +34,15 @@ pub struct VtkReader {
     begin: u64,
     /// The id of the run that wrote the file, if the file has one.
     pub run: Option<String>,
-    /// The compressor of the arrays; `None` if they are uncompressed.
-    compressor: Option<&'static dyn Compressor>,
+    pub(super) encoding: ArrayEncoding,
 }
 
 /// The location of an array in the file.
 #[derive(Debug)]
 pub struct ArrayLocation {
     pub(super) name: String,
-    pub(super) vtk_type: String,
+    /// The type of its numbers.
+    pub scalar: ScalarType,
     pub(super) n_numbers: u64,
     pub(super) n_bytes: u64,
     pub(super) storage: Storage,
@@ -86,10 +87,11 @@ impl VtkReader {
             n_bytes,
             begin: 0,
             run: None,
-            compressor: None,
+            encoding: ArrayEncoding::RAW,
         };
         let header = this.header(&head)?;
         this.run.clone_from(&header.run);
+        this.encoding = header.encoding;
         Ok((this, header))
     }
 
@@ -115,26 +117,7 @@ impl VtkReader {
             Some(_) => return Err(self.foreign("there is no `_` before its arrays")),
             None => return Err(self.truncated("its header")),
         }
-        // Parse the header, and check byte order, lengths and compression.
-        let header = VtkHeader::read(xml).map_err(|why| self.foreign(&why))?;
-        let native = if cfg!(target_endian = "little") {
-            "LittleEndian"
-        } else {
-            "BigEndian"
-        };
-        if header.byte_order != native {
-            return Err(self.foreign("its byte order is not this machine's"));
-        }
-        if header.header_type.as_deref() != Some("UInt64") {
-            return Err(self.foreign("the lengths of its arrays are not UInt64"));
-        }
-        if let Some(name) = &header.compressor {
-            self.compressor = <dyn Compressor>::of_vtk_class(name);
-            if self.compressor.is_none() {
-                return Err(self.foreign(&format!("its arrays are compressed by `{name}`")));
-            }
-        }
-        Ok(header)
+        VtkHeader::read(xml).map_err(|why| self.foreign(&why))
     }
 
     /// Locates an array of `n_tuples` and checks that the file contains all of it.
@@ -144,7 +127,9 @@ impl VtkReader {
         n_tuples: u64,
     ) -> Result<ArrayLocation, Diagnostic> {
         let DataArrayElement { scalar, name, .. } = array;
-        let Some(width) = n_bytes(scalar) else {
+        // Raycost writes no signed numbers of 8 or 16 bits.
+        let written = |scalar: &ScalarType| !matches!(scalar, ScalarType::I8 | ScalarType::I16);
+        let Some(scalar) = scalar_of(scalar).filter(written) else {
             let why = format!("`{name}` has numbers of the type `{scalar}`");
             return Err(self.foreign(&why));
         };
@@ -152,15 +137,15 @@ impl VtkReader {
             return Err(self.foreign(&format!("`{name}` is not in its appended data")));
         };
         let n_numbers = n_tuples.checked_mul(array.n_components.into());
-        let n_bytes = n_numbers.and_then(|n| n.checked_mul(width));
+        let n_bytes = n_numbers.and_then(|n| n.checked_mul(scalar.size() as u64));
         let begin = self.begin.checked_add(offset);
         let endless = || self.foreign(&format!("no file is as long as its array `{name}`"));
         let (Some(n_numbers), Some(n_bytes), Some(begin)) = (n_numbers, n_bytes, begin) else {
             return Err(endless());
         };
-        let (storage, end) = match self.compressor {
+        let (storage, end) = match self.encoding.compressor {
             None => {
-                let end = begin.checked_add(LENGTH_BYTES);
+                let end = begin.checked_add(self.encoding.length_bytes as u64);
                 let end = end.and_then(|begin| begin.checked_add(n_bytes));
                 (Storage::Raw(begin), end.ok_or_else(endless)?)
             }
@@ -175,7 +160,7 @@ impl VtkReader {
         }
         Ok(ArrayLocation {
             name: name.clone(),
-            vtk_type: scalar.clone(),
+            scalar,
             n_numbers,
             n_bytes,
             storage,
@@ -209,7 +194,8 @@ impl VtkReader {
         n_bytes: u64,
         compressor: &'static dyn Compressor,
     ) -> Result<CompressedBlocks, Diagnostic> {
-        let blocks = CompressedBlocks::at(begin, n_bytes, compressor, &self.file);
+        let encoding = &self.encoding;
+        let blocks = CompressedBlocks::at(begin, n_bytes, encoding, compressor, &self.file);
         let blocks = blocks.map_err(|error| match error.kind() {
             io::ErrorKind::UnexpectedEof => self.truncated(&format!("`{name}`")),
             _ => cannot_read(&self.path, &error),

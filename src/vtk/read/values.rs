@@ -3,7 +3,9 @@
 use std::collections::TryReserveError;
 use std::io::{self, Read};
 
-use vtkio::model::ScalarType;
+use vtkio::model::{ByteOrder, ScalarType};
+
+use crate::header::NATIVE_ORDER;
 
 /// The type of the numbers of an array.
 pub trait Scalar: bytemuck::Pod {
@@ -11,7 +13,7 @@ pub trait Scalar: bytemuck::Pod {
     fn slice(values: &ArrayValues) -> Option<&[Self]>;
 }
 
-/// Defines [`ArrayValues`] for the number types that raycost writes.
+/// Defines [`ArrayValues`] for the number types of VTK.
 macro_rules! values {
     ($($kind:ident($number:ty) is $vtk:literal,)*) => {
         /// The numbers of an array; one variant per type, named as in Rust.
@@ -20,16 +22,20 @@ macro_rules! values {
         pub enum ArrayValues { $($kind(Vec<$number>),)* }
 
         impl ArrayValues {
-            /// Allocates `n` zeros of the VTK type `vtk`; `None` if raycost does not
-            /// write this type.
+            /// Allocates `n` zeros of a type; bits are bytes.
             ///
             /// # Errors
             /// There is not enough memory.
-            pub fn zeros(vtk: &str, n: usize) -> Result<Option<Self>, TryReserveError> {
-                Ok(match vtk {
-                    $($vtk => Some(Self::$kind(zeros(n)?)),)*
-                    _ => None,
+            pub(super) fn zeros(scalar: ScalarType, n: usize) -> Result<Self, TryReserveError> {
+                Ok(match scalar {
+                    $(ScalarType::$kind => Self::$kind(zeros(n)?),)*
+                    ScalarType::Bit => Self::U8(zeros(n)?),
                 })
+            }
+
+            /// Removes all numbers after the first `n`.
+            pub fn truncate(&mut self, n: usize) {
+                match self { $(Self::$kind(numbers) => numbers.truncate(n),)* }
             }
 
             /// Appends the numbers of `other`; false if the types differ.
@@ -65,9 +71,14 @@ macro_rules! values {
                 match self { $(Self::$kind(numbers) => bytemuck::cast_slice_mut(numbers),)* }
             }
 
-            /// Returns VTK's name for the type of the numbers.
-            pub fn vtk_type(&self) -> &'static str {
-                match self { $(Self::$kind(_) => $vtk,)* }
+            /// Returns the name of the numbers' type in Rust.
+            pub fn type_name(&self) -> &'static str {
+                match self { $(Self::$kind(_) => stringify!($number),)* }
+            }
+
+            /// Returns the bytes of a number.
+            pub fn number_bytes(&self) -> usize {
+                match self { $(Self::$kind(_) => size_of::<$number>(),)* }
             }
         }
 
@@ -80,26 +91,27 @@ macro_rules! values {
             }
         })*
 
-        /// Returns the type of numbers for VTK's type `vtk`; `None` if raycost does not write it.
+        /// Returns the type of numbers that VTK's XML files name so, in any case.
         pub fn scalar_of(vtk: &str) -> Option<ScalarType> {
-            match vtk {
-                $($vtk => Some(ScalarType::$kind),)*
-                _ => None,
-            }
+            let types = [$(($vtk, ScalarType::$kind)),*];
+            let mut types = types.into_iter();
+            types.find(|(known, _)| known.eq_ignore_ascii_case(vtk)).map(|(_, scalar)| scalar)
         }
 
-        /// Returns the bytes per number of VTK's type `vtk`; `None` if raycost does not write it.
-        pub fn n_bytes(vtk: &str) -> Option<u64> {
-            match vtk {
-                $($vtk => Some(size_of::<$number>() as u64),)*
-                _ => None,
+        /// Returns VTK's name for a type of numbers; bits are bytes.
+        pub(crate) fn vtk_type(scalar: ScalarType) -> &'static str {
+            match scalar {
+                $(ScalarType::$kind => $vtk,)*
+                ScalarType::Bit => "UInt8",
             }
         }
     };
 }
 
 values! {
+    I8(i8) is "Int8",
     U8(u8) is "UInt8",
+    I16(i16) is "Int16",
     U16(u16) is "UInt16",
     I32(i32) is "Int32",
     U32(u32) is "UInt32",
@@ -129,6 +141,26 @@ impl Selection<'_> {
 }
 
 impl ArrayValues {
+    /// Allocates `n` numbers and calls `fill` with their bytes, which come in this order.
+    ///
+    /// # Errors
+    /// `fill` fails, or there is not enough memory.
+    pub fn read(
+        scalar: ScalarType,
+        n: usize,
+        order: ByteOrder,
+        fill: impl FnOnce(&mut [u8]) -> io::Result<()>,
+    ) -> io::Result<Self> {
+        let mut values = Self::zeros(scalar, n)?;
+        fill(values.bytes_mut())?;
+        if order != NATIVE_ORDER {
+            let n_bytes = values.number_bytes();
+            let numbers = values.bytes_mut().chunks_exact_mut(n_bytes);
+            numbers.for_each(<[u8]>::reverse);
+        }
+        Ok(values)
+    }
+
     /// Returns true if there are no numbers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -8,8 +8,9 @@ use ndarray::{ArrayD, IxDyn};
 
 use super::super::super::{FileFault, Result};
 use super::super::budget::Budget;
-use super::super::numbers::{ByteOrder, NumberType, Numbers};
+use super::super::numbers::Numbers;
 use crate::fault::cut;
+use vtk::ArrayValues;
 
 /// Maximum expansion of a byte by zlib, rounded up; other filters of HDF5 expand less.
 const MAX_INFLATION: u64 = 1100;
@@ -96,26 +97,33 @@ impl Datasets<'_> {
         let selection = Selection::from(Hyperslab::from(slices.collect::<Vec<_>>()));
         // Read the numbers in their type.
         let n_components: usize = row.iter().product();
-        let kind = kind_of(dataset, name)?;
+        let kind = dataset.dtype().map_err(|error| damaged(name, &error))?;
         self.budget.take_of::<u8>(
             (rows.len())
                 .saturating_mul(n_components)
-                .saturating_mul(2 * kind.n_bytes()),
+                .saturating_mul(2 * kind.size()),
         )?;
-        let bytes = match kind {
-            NumberType::I8 => read(dataset, selection, |x: i8| x.to_le_bytes()),
-            NumberType::U8 => read(dataset, selection, |x: u8| x.to_le_bytes()),
-            NumberType::I16 => read(dataset, selection, |x: i16| x.to_le_bytes()),
-            NumberType::U16 => read(dataset, selection, |x: u16| x.to_le_bytes()),
-            NumberType::I32 => read(dataset, selection, |x: i32| x.to_le_bytes()),
-            NumberType::U32 => read(dataset, selection, |x: u32| x.to_le_bytes()),
-            NumberType::I64 => read(dataset, selection, |x: i64| x.to_le_bytes()),
-            NumberType::U64 => read(dataset, selection, |x: u64| x.to_le_bytes()),
-            NumberType::F32 => read(dataset, selection, |x: f32| x.to_le_bytes()),
-            NumberType::F64 => read(dataset, selection, |x: f64| x.to_le_bytes()),
+        let values = match kind
+            .to_descriptor()
+            .map_err(|error| damaged(name, &error))?
+        {
+            TypeDescriptor::Integer(IntSize::U1) => read(dataset, selection, ArrayValues::I8),
+            TypeDescriptor::Integer(IntSize::U2) => read(dataset, selection, ArrayValues::I16),
+            TypeDescriptor::Integer(IntSize::U4) => read(dataset, selection, ArrayValues::I32),
+            TypeDescriptor::Integer(IntSize::U8) => read(dataset, selection, ArrayValues::I64),
+            TypeDescriptor::Unsigned(IntSize::U1) => read(dataset, selection, ArrayValues::U8),
+            TypeDescriptor::Unsigned(IntSize::U2) => read(dataset, selection, ArrayValues::U16),
+            TypeDescriptor::Unsigned(IntSize::U4) => read(dataset, selection, ArrayValues::U32),
+            TypeDescriptor::Unsigned(IntSize::U8) => read(dataset, selection, ArrayValues::U64),
+            TypeDescriptor::Float(FloatSize::U4) => read(dataset, selection, ArrayValues::F32),
+            TypeDescriptor::Float(FloatSize::U8) => read(dataset, selection, ArrayValues::F64),
+            _ => {
+                let problem = format!("the dataset `{}` has no numbers", cut(name));
+                let expected = "integers or floats of up to 64 bits";
+                return Err(FileFault::new(problem, expected));
+            }
         };
-        let bytes = bytes.map_err(|error| damaged(name, &error))?;
-        let numbers = Numbers::new(kind, ByteOrder::Little, bytes);
+        let numbers = Numbers::new(values.map_err(|error| damaged(name, &error))?);
         Ok(numbers.in_tuples_of(n_components))
     }
 }
@@ -148,34 +156,11 @@ fn bytes_of(shape: &[usize], n_number_bytes: usize) -> Option<u64> {
     product.and_then(|n| u64::try_from(n).ok())
 }
 
-fn kind_of(dataset: &Dataset, name: &str) -> Result<NumberType> {
-    let kind = dataset.dtype().and_then(|kind| kind.to_descriptor());
-    Ok(match kind.map_err(|error| damaged(name, &error))? {
-        TypeDescriptor::Integer(IntSize::U1) => NumberType::I8,
-        TypeDescriptor::Integer(IntSize::U2) => NumberType::I16,
-        TypeDescriptor::Integer(IntSize::U4) => NumberType::I32,
-        TypeDescriptor::Integer(IntSize::U8) => NumberType::I64,
-        TypeDescriptor::Unsigned(IntSize::U1) => NumberType::U8,
-        TypeDescriptor::Unsigned(IntSize::U2) => NumberType::U16,
-        TypeDescriptor::Unsigned(IntSize::U4) => NumberType::U32,
-        TypeDescriptor::Unsigned(IntSize::U8) => NumberType::U64,
-        TypeDescriptor::Float(FloatSize::U4) => NumberType::F32,
-        TypeDescriptor::Float(FloatSize::U8) => NumberType::F64,
-        _ => {
-            let problem = format!("the dataset `{}` has no numbers", cut(name));
-            return Err(FileFault::new(
-                problem,
-                "integers or floats of up to 64 bits",
-            ));
-        }
-    })
-}
-
-fn read<T: H5Type + Copy, const N: usize>(
+fn read<T: H5Type + Copy>(
     dataset: &Dataset,
     selection: Selection,
-    bytes: impl Fn(T) -> [u8; N],
-) -> hdf5_metno::Result<Vec<u8>> {
+    values: fn(Vec<T>) -> ArrayValues,
+) -> hdf5_metno::Result<ArrayValues> {
     let numbers: ArrayD<T> = dataset.read_slice::<T, _, IxDyn>(selection)?;
-    Ok(numbers.iter().flat_map(|number| bytes(*number)).collect())
+    Ok(values(numbers.into_iter().collect()))
 }

@@ -6,12 +6,16 @@
 mod parts;
 mod words;
 
+use std::io::Read;
+
 use super::super::percent::percent_decoded;
 use super::super::{FileFault, FileLocation, Result};
 use super::budget::Budget;
-use super::numbers::{ByteOrder, NumberType, Numbers};
+use super::numbers::{Numbers, scalar_type};
 use super::piece::{Piece, Wanted, grid_size, is_wanted};
 use parts::{CellArray, DataOf, Parts};
+use vtk::ArrayValues;
+use vtk::read::{ByteOrder, ScalarType};
 use words::Words;
 
 /// The start of all legacy files.
@@ -79,7 +83,7 @@ impl LegacyReader<'_, '_> {
             }
             "CELL_TYPES" => {
                 let n = self.words.number::<usize>()?;
-                self.parts.types = Some(self.array(NumberType::I32, n)?);
+                self.parts.types = Some(self.array(ScalarType::I32, n)?);
             }
             "POINT_DATA" => self.parts.data_of = Some((DataOf::Points, self.words.number()?)),
             "CELL_DATA" => self.parts.data_of = Some((DataOf::Cells, self.words.number()?)),
@@ -176,7 +180,7 @@ impl LegacyReader<'_, '_> {
             let points = self.values(kind, n_numbers)?;
             return Ok(CellArray { ends, points });
         }
-        let lists = self.array(NumberType::I32, n_numbers)?;
+        let lists = self.array(ScalarType::I32, n_numbers)?;
         self.budget.take_of::<[f64; 4]>(lists.len())?;
         let (mut ends, mut points) = (vec![0.0], Vec::new());
         let mut at = 0;
@@ -192,8 +196,8 @@ impl LegacyReader<'_, '_> {
             at = end as usize;
         }
         Ok(CellArray {
-            ends: Numbers::of_text(&ends),
-            points: Numbers::of_text(&points),
+            ends: Numbers::from_text(ends),
+            points: Numbers::from_text(points),
         })
     }
 
@@ -202,19 +206,19 @@ impl LegacyReader<'_, '_> {
     fn values(&mut self, kind: &str, n: usize) -> Result<Numbers> {
         if !kind.eq_ignore_ascii_case("bit") {
             let expected = "a type of numbers, such as `float` or `int`";
-            let known = NumberType::named(kind);
+            let known = scalar_type(kind);
             return self.array(
                 known.ok_or_else(|| self.words.unexpected(kind, expected))?,
                 n,
             );
         }
         if !self.words.is_binary {
-            return self.array(NumberType::U8, n);
+            return self.array(ScalarType::U8, n);
         }
         let packed = self.words.bytes(n.div_ceil(8))?;
         self.budget.take(n as u64)?;
         let bits = (0..n).map(|i| packed[i / 8] >> (7 - i % 8) & 1);
-        Ok(Numbers::new(NumberType::U8, ByteOrder::Big, bits.collect()))
+        Ok(Numbers::new(ArrayValues::U8(bits.collect())))
     }
 
     /// Reads tuples, preceded by the name of their type.
@@ -226,21 +230,23 @@ impl LegacyReader<'_, '_> {
 
     /// Reads colors: bytes in binary files, numbers from 0 to 1 in text files.
     fn bytes(&mut self, n_tuples: usize, n_components: usize) -> Result<Numbers> {
-        let numbers = self.array(NumberType::U8, n_tuples.saturating_mul(n_components))?;
+        let numbers = self.array(ScalarType::U8, n_tuples.saturating_mul(n_components))?;
         Ok(numbers.in_tuples_of(n_components))
     }
 
-    fn array(&mut self, kind: NumberType, n: usize) -> Result<Numbers> {
+    fn array(&mut self, scalar: ScalarType, n: usize) -> Result<Numbers> {
         if self.words.is_binary {
-            let n_bytes = n.saturating_mul(kind.n_bytes());
-            let bytes = self.words.bytes(n_bytes)?;
+            let n_bytes = n.saturating_mul(scalar.size());
+            let mut bytes = self.words.bytes(n_bytes)?;
             self.budget.take(n_bytes as u64)?;
-            return Ok(Numbers::new(kind, ByteOrder::Big, bytes.to_vec()));
+            let fill = |into: &mut [u8]| bytes.read_exact(into);
+            let values = ArrayValues::read(scalar, n, ByteOrder::BigEndian, fill)?;
+            return Ok(Numbers::new(values));
         }
         // A number takes at least two bytes of text.
         self.budget
             .take_of::<[f64; 3]>(n.min(self.words.rest.len() / 2 + 1))?;
         let numbers = (0..n).map(|_| self.words.number::<f64>());
-        Ok(Numbers::of_text(&numbers.collect::<Result<Vec<f64>>>()?))
+        Ok(Numbers::from_text(numbers.collect::<Result<_>>()?))
     }
 }

@@ -48,7 +48,10 @@ impl Parts {
     }
 
     pub(super) fn piece(mut self, kind: &str, budget: &mut Budget) -> Result<Piece> {
-        let points = self.points.take().unwrap_or_else(|| Numbers::of_text(&[]));
+        let points = self
+            .points
+            .take()
+            .unwrap_or_else(|| Numbers::from_text(Vec::new()));
         let points = points.in_tuples_of(3);
         let (points, topology) = match kind {
             "POLYDATA" | "UNSTRUCTURED_GRID" => {
@@ -63,7 +66,7 @@ impl Parts {
                 let size = self.size()?;
                 let axes = self
                     .axes
-                    .map(|axis| axis.unwrap_or_else(|| Numbers::of_text(&[])));
+                    .map(|axis| axis.unwrap_or_else(|| Numbers::from_text(Vec::new())));
                 for (axis, n) in axes.iter().zip(size) {
                     axis.check("COORDINATES", n)?;
                 }

@@ -1,6 +1,5 @@
 //! The words of a legacy file.
 
-use super::super::numbers::ByteOrder;
 use crate::fault::cut;
 use crate::{FileFault, Result};
 
@@ -129,7 +128,10 @@ impl<'a> Words<'a> {
                 let n_length = 1 << (3 - (first >> 6));
                 let (length, rest) = self.rest.split_at_checked(n_length).ok_or_else(ends)?;
                 let mask = u64::MAX >> (66 - 8 * n_length);
-                let length = ByteOrder::Big.length(length) & mask;
+                let length = length
+                    .iter()
+                    .fold(0, |sum, byte| sum << 8 | u64::from(*byte))
+                    & mask;
                 self.rest = rest;
                 let length = usize::try_from(length).map_err(|_| ends())?;
                 self.rest = self.rest.get(length..).ok_or_else(ends)?;

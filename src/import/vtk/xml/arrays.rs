@@ -1,16 +1,18 @@
 //! The arrays of a VTK XML file.
 
+use std::io;
+
 use super::super::budget::Budget;
-use super::super::document::Element;
-use super::super::encoded::{ArrayEncoding, Base64, Encoded};
-use super::super::numbers::{ByteOrder, NumberType, Numbers};
+use super::super::document::{AS_VTK_WRITES, number_or, numbers, required};
+use super::super::numbers::{Numbers, scalar_type};
 use crate::fault::cut;
 use crate::{FileFault, Result};
-use vtk::Compressor;
+use vtk::ArrayValues;
+use vtk::read::{ArrayEncoding, Element, EncodedBytes, ScalarType};
 
 /// Reads the arrays of a file.
 pub(super) struct XmlArrays<'a> {
-    storage: ArrayEncoding,
+    encoding: ArrayEncoding,
     appended: Appended<'a>,
 }
 
@@ -21,7 +23,11 @@ impl<'a> XmlArrays<'a> {
     /// The compressor is unknown.
     pub(super) fn new(root: &Element, appended: &'a [u8]) -> Result<Self> {
         Ok(Self {
-            storage: storage(root)?,
+            encoding: ArrayEncoding::new(root).map_err(|name| {
+                let problem = format!("its arrays are compressed by `{}`", cut(name));
+                let expected = "vtkZLibDataCompressor, vtkLZ4DataCompressor or none";
+                FileFault::new(problem, expected)
+            })?,
             appended: Appended::new(root, appended),
         })
     }
@@ -33,13 +39,11 @@ impl<'a> XmlArrays<'a> {
         name: &str,
         budget: &mut Budget,
     ) -> Result<Numbers> {
-        let mut arrays = element.children.iter();
-        let array = arrays.find(|array| array.attribute("Name") == Some(name));
         let missing = || {
             let problem = format!("its element `{}` has no array `{name}`", element.name);
-            FileFault::new(problem, "a VTK file as VTK writes it")
+            FileFault::new(problem, AS_VTK_WRITES)
         };
-        self.numbers(name, array.ok_or_else(missing)?, budget)
+        self.numbers(name, element.array(name).ok_or_else(missing)?, budget)
     }
 
     /// Returns the array of this many tuples; one of bits ends with unused ones.
@@ -69,11 +73,7 @@ impl<'a> XmlArrays<'a> {
             let problem = format!("the array `{}`: {}", cut(name), fault.problem);
             FileFault { problem, ..fault }
         })?;
-        let n_components = array.attribute("NumberOfComponents");
-        let n_components = match n_components {
-            Some(_) => array.number("NumberOfComponents")?,
-            None => 1,
-        };
+        let n_components = number_or(array, "NumberOfComponents", 1)?;
         let is_whole = is_of_bits(array) || decoded.len().is_multiple_of(n_components.max(1));
         if n_components == 0 || !is_whole {
             let problem = format!("the array `{}` has {} numbers", cut(name), decoded.len());
@@ -84,41 +84,46 @@ impl<'a> XmlArrays<'a> {
     }
 
     fn decode(&self, array: &Element, budget: &mut Budget) -> Result<Numbers> {
-        let kind = array.required("type")?;
+        let kind = required(array, "type")?;
         let has_bits = is_of_bits(array);
-        let named = if has_bits { "UInt8" } else { kind };
-        let kind = NumberType::named(named).ok_or_else(|| {
+        let scalar = if has_bits {
+            Some(ScalarType::U8)
+        } else {
+            scalar_type(kind)
+        };
+        let scalar = scalar.ok_or_else(|| {
             let problem = format!("it has values of the type `{}`", cut(kind));
             FileFault::new(problem, "numbers of 8 to 64 bits")
         })?;
         let bytes = match array.attribute("format").unwrap_or("ascii") {
             "ascii" => return ascii(array.text, budget),
-            "binary" => {
-                let text = Encoded::Base64(Base64::new(array.text));
-                self.storage.decode(text, budget)?
-            }
+            "binary" => EncodedBytes::new(array.text, true),
             "appended" => {
-                let [offset] = array.numbers("offset")?;
-                self.storage.decode(self.appended.at(offset)?, budget)?
+                let [offset] = numbers(array, "offset")?;
+                self.appended.at(offset)?
             }
             other => {
                 let problem = format!("its format is `{}`", cut(other));
                 return Err(FileFault::new(problem, "ascii, binary or appended"));
             }
         };
-        if has_bits {
-            budget.take_of::<[u8; 8]>(bytes.len())?;
-            let bits = bytes
-                .iter()
-                .flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
-            return Ok(Numbers::new(kind, self.storage.order, bits.collect()));
+        let encoded = self.encoding.open(bytes).map_err(undecodable)?;
+        budget.take(encoded.n_bytes)?;
+        let (n_bytes, size) = (encoded.n_bytes as usize, scalar.size());
+        if !n_bytes.is_multiple_of(size) {
+            let problem = format!("it has {n_bytes} bytes");
+            return Err(FileFault::new(problem, format!("a multiple of {size}")));
         }
-        if !bytes.len().is_multiple_of(kind.n_bytes()) {
-            let problem = format!("it has {} bytes", bytes.len());
-            let expected = format!("a multiple of {}", kind.n_bytes());
-            return Err(FileFault::new(problem, expected));
+        let fill = |into: &mut [u8]| encoded.decode(into);
+        let values = ArrayValues::read(scalar, n_bytes / size, self.encoding.order, fill);
+        let values = values.map_err(undecodable)?;
+        if !has_bits {
+            return Ok(Numbers::new(values));
         }
-        Ok(Numbers::new(kind, self.storage.order, bytes))
+        budget.take_of::<[u8; 8]>(n_bytes)?;
+        let bits = |byte: &u8| [7, 6, 5, 4, 3, 2, 1, 0].map(|bit| byte >> bit & 1);
+        let bits = values.bytes().iter().flat_map(bits).collect();
+        Ok(Numbers::new(ArrayValues::U8(bits)))
     }
 }
 
@@ -127,29 +132,14 @@ fn is_of_bits(array: &Element) -> bool {
     array.attribute("type") == Some("Bit")
 }
 
-fn storage(root: &Element) -> Result<ArrayEncoding> {
-    let order = match root.attribute("byte_order") {
-        Some("BigEndian") => ByteOrder::Big,
-        _ => ByteOrder::Little,
-    };
-    let length_bytes = match root.attribute("header_type") {
-        Some("UInt64") => 8,
-        _ => 4,
-    };
-    let compressor = root.attribute("compressor").map(|name| {
-        <dyn Compressor>::of_vtk_class(name).ok_or_else(|| {
-            let problem = format!("its arrays are compressed by `{}`", cut(name));
-            FileFault::new(
-                problem,
-                "vtkZLibDataCompressor, vtkLZ4DataCompressor or none",
-            )
-        })
-    });
-    Ok(ArrayEncoding {
-        order,
-        length_bytes,
-        compressor: compressor.transpose()?,
-    })
+fn undecodable(error: io::Error) -> FileFault {
+    match error.kind() {
+        io::ErrorKind::UnexpectedEof => FileFault::new("it ends early", "a whole file"),
+        io::ErrorKind::InvalidData => {
+            FileFault::new("its bytes cannot be decoded", "a file that is not damaged")
+        }
+        _ => error.into(),
+    }
 }
 
 /// The data after the elements.
@@ -170,7 +160,7 @@ impl<'a> Appended<'a> {
     }
 
     /// Returns the bytes from an offset on.
-    fn at(self, offset: usize) -> Result<Encoded<'a>> {
+    fn at(self, offset: usize) -> Result<EncodedBytes<'a>> {
         let bytes = self.bytes.get(offset..).ok_or_else(|| {
             let problem = format!(
                 "it begins at byte {offset} of {} appended ones",
@@ -178,11 +168,7 @@ impl<'a> Appended<'a> {
             );
             FileFault::new(problem, "a whole file")
         })?;
-        Ok(if self.is_base64 {
-            Encoded::Base64(Base64::new(bytes))
-        } else {
-            Encoded::Raw(bytes)
-        })
+        Ok(EncodedBytes::new(bytes, self.is_base64))
     }
 }
 
@@ -197,5 +183,5 @@ fn ascii(text: &[u8], budget: &mut Budget) -> Result<Numbers> {
         let no_number = |_| FileFault::new(format!("`{}` is not a number", cut(&word)), "a number");
         word.parse::<f64>().map_err(no_number)
     });
-    Ok(Numbers::of_text(&numbers.collect::<Result<Vec<f64>>>()?))
+    Ok(Numbers::from_text(numbers.collect::<Result<_>>()?))
 }

@@ -12,13 +12,14 @@ use super::super::fault::cut;
 use super::super::{FileFault, Result};
 use super::budget::Budget;
 use super::cells::{Cells, POLY_LINE, POLY_VERTEX, POLYGON, STRIP};
-use super::document::{Element, parse};
+use super::document::{number_or, numbers, parse};
 use super::numbers::Numbers;
 use super::piece::{
     Lattice, Piece, PieceArrays, PointPositions, Topology, Wanted, grid_size, is_wanted,
 };
 use super::polyhedra::Polyhedra;
 use arrays::XmlArrays;
+use vtk::read::Element;
 
 /// The contents of a file.
 #[derive(Debug)]
@@ -48,13 +49,9 @@ pub(super) fn read(bytes: &[u8], wanted: &Wanted, budget: &mut Budget) -> Result
         data_set,
         wanted,
     };
-    let pieces = data_set
-        .children
-        .iter()
-        .filter(|child| child.name == "Piece");
-    let read = |piece| reader.piece(kind, piece, budget);
+    let pieces = data_set.children_named("Piece");
     pieces
-        .map(read)
+        .map(|piece| reader.piece(kind, piece, budget))
         .collect::<Result<_>>()
         .map(Contents::Pieces)
 }
@@ -90,7 +87,7 @@ impl XmlReader<'_> {
                 (self.points(piece, budget)?, Topology::Cells(cells))
             }
             "StructuredGrid" => {
-                let size = grid_size(piece.numbers("Extent")?)?;
+                let size = grid_size(numbers(piece, "Extent")?)?;
                 (self.points(piece, budget)?, Topology::Grid(size))
             }
             "RectilinearGrid" => self.rectilinear(piece, budget)?,
@@ -121,14 +118,14 @@ impl XmlReader<'_> {
             .and_then(|points| points.child("DataArray"));
         let points = match array {
             Some(array) => self.arrays.numbers("Points", array, budget)?,
-            None => Numbers::of_text(&[]),
+            None => Numbers::from_text(Vec::new()),
         };
         Ok(PointPositions::Explicit(points.in_tuples_of(3)))
     }
 
     fn grid_cells(&self, piece: &Element, budget: &mut Budget) -> Result<Cells> {
-        let mut cells = Cells::of_points(piece.number("NumberOfPoints")?);
-        let n_cells = piece.number("NumberOfCells")?;
+        let mut cells = Cells::of_points(number_or(piece, "NumberOfPoints", 0)?);
+        let n_cells = number_or(piece, "NumberOfCells", 0)?;
         if n_cells > 0 {
             let element = piece.child("Cells").unwrap_or(piece);
             let types = self.arrays.named(element, "types", budget)?;
@@ -148,7 +145,7 @@ impl XmlReader<'_> {
         budget: &mut Budget,
     ) -> Result<Polyhedra> {
         let mut array = |name: &str| self.arrays.named(element, name, budget);
-        if element.has_array("polyhedron_offsets") {
+        if element.array("polyhedron_offsets").is_some() {
             let arrays = [
                 array("face_connectivity")?,
                 array("face_offsets")?,
@@ -157,7 +154,7 @@ impl XmlReader<'_> {
             ];
             return Polyhedra::of_arrays(arrays.each_ref(), n_points, budget);
         }
-        if element.has_array("faceoffsets") {
+        if element.array("faceoffsets").is_some() {
             let arrays = [array("faces")?, array("faceoffsets")?];
             return Polyhedra::of_stream(arrays.each_ref(), n_points, budget);
         }
@@ -166,14 +163,14 @@ impl XmlReader<'_> {
 
     /// Reads the cells of polydata, in the order of the cell arrays.
     fn poly_cells(&self, piece: &Element, budget: &mut Budget) -> Result<Cells> {
-        let mut cells = Cells::of_points(piece.number("NumberOfPoints")?);
+        let mut cells = Cells::of_points(number_or(piece, "NumberOfPoints", 0)?);
         for (name, cell_type) in [
             ("Verts", POLY_VERTEX),
             ("Lines", POLY_LINE),
             ("Polys", POLYGON),
             ("Strips", STRIP),
         ] {
-            let n_cells = piece.number(&format!("NumberOf{name}"))?;
+            let n_cells = number_or(piece, &format!("NumberOf{name}"), 0)?;
             if n_cells > 0 {
                 let element = piece.child(name).unwrap_or(piece);
                 self.add_cells(&mut cells, element, |_| cell_type.into(), n_cells, budget)?;
@@ -200,7 +197,7 @@ impl XmlReader<'_> {
         piece: &Element,
         budget: &mut Budget,
     ) -> Result<(PointPositions, Topology)> {
-        let size = grid_size(piece.numbers("Extent")?)?;
+        let size = grid_size(numbers(piece, "Extent")?)?;
         let element = piece.child("Coordinates").unwrap_or(piece);
         let axes: Vec<&Element> = element.children.iter().collect();
         let [x, y, z] = axes[..] else {
@@ -220,17 +217,17 @@ impl XmlReader<'_> {
     }
 
     fn image(&self, piece: &Element) -> Result<(PointPositions, Topology)> {
-        let extent: [i64; 6] = piece.numbers("Extent")?;
+        let extent: [i64; 6] = numbers(piece, "Extent")?;
         let size = grid_size(extent)?;
         let direction = match self.data_set.attribute("Direction") {
-            Some(_) => self.data_set.numbers("Direction")?,
+            Some(_) => numbers(self.data_set, "Direction")?,
             None => IDENTITY,
         };
         let lattice = Lattice {
             size,
             first: [extent[0], extent[2], extent[4]],
-            origin: self.data_set.numbers("Origin")?,
-            spacing: self.data_set.numbers("Spacing")?,
+            origin: numbers(self.data_set, "Origin")?,
+            spacing: numbers(self.data_set, "Spacing")?,
             direction,
         };
         Ok((PointPositions::Lattice(lattice), Topology::Grid(size)))
@@ -249,11 +246,7 @@ impl XmlReader<'_> {
         };
         let active = |name: &str| element.attribute(name).map(str::to_owned);
         (attributes.normals, attributes.uvs) = (active("Normals"), active("TCoords"));
-        for array in element
-            .children
-            .iter()
-            .filter(|child| child.name == "DataArray")
-        {
+        for array in element.children_named("DataArray") {
             let name = array.attribute("Name").unwrap_or_default().to_owned();
             let is_active = [&attributes.normals, &attributes.uvs].contains(&&Some(name.clone()));
             if is_active || is_wanted(&name, self.wanted) {
