@@ -78,7 +78,7 @@ impl FrameRun<'_> {
             }
             let n_complete = report.n_kept + report.n_rendered;
             self.frame(&folder, frame, &mut hierarchies, &mut report, observer)
-                .map_err(|error| error.or_kept(|| Kept::Frames(n_complete)))?;
+                .map_err(|error| error.or_kept(|| Some(Kept::Frames(n_complete))))?;
             if report.is_partial {
                 break;
             }

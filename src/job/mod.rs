@@ -55,6 +55,7 @@ use std::time::{Duration, Instant};
 
 use crate::session::{Event, Options, RenderError, Session};
 use crew::Crew;
+use frames::FrameRun;
 use host::folder::{Replace, refuse_foreign_file, refuse_root};
 use host::text::Diagnostic;
 use output::estimate::Memory;
@@ -66,7 +67,6 @@ use tiles::PictureRun;
 
 pub use crate::session::Kept;
 pub(crate) use crew::fail_on_a_rank;
-use frames::FrameRun;
 pub use frames::SeriesFiles;
 pub(crate) use merged::read_parts;
 pub(crate) use open_scene::OpenScene;
@@ -104,7 +104,7 @@ pub struct Job<'a> {
 /// The tiles that a job renders of each picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Tiles {
-    /// All. Those of an interrupted run that left some are refused.
+    /// All. Tiles that an interrupted run has left are refused.
     #[default]
     All,
     /// All that an interrupted run has not finished: finished tiles are kept in the output folder.

@@ -115,16 +115,15 @@ impl<'a> TileFiles<'a> {
         self.checkpoint.as_ref().filter(|_| self.is_stored)
     }
 
-    /// Returns what a stopped rendering keeps.
-    pub(super) fn kept(&self) -> Kept {
-        let Some(checkpoint) = self.checkpoint.as_ref() else {
-            return Kept::Nothing;
-        };
-        let n_tiles = checkpoint.n_kept() as u64;
-        match self.picture.job.part() {
-            Some(part) => Kept::PartTiles(n_tiles, part),
-            None => Kept::Tiles(n_tiles, self.folder.join(UNFINISHED)),
-        }
+    /// Returns what a stopped rendering keeps; `None` if it only takes over the tiles of parts.
+    pub(super) fn kept(&self) -> Option<Kept> {
+        let n_tiles = self.checkpoint.as_ref().map(|kept| kept.n_kept() as u64);
+        Some(match (self.picture.job.tiles, n_tiles) {
+            (Tiles::Merged, _) => return None,
+            (_, None) => Kept::Nothing,
+            (Tiles::Part(part), Some(n)) => Kept::PartTiles(n, part),
+            (Tiles::All | Tiles::Missing, Some(n)) => Kept::Tiles(n, self.folder.join(UNFINISHED)),
+        })
     }
 
     /// Gives the complete file of a part its final name, flushed to the disk if the job asks for it.

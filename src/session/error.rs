@@ -15,7 +15,7 @@ pub enum RenderError {
     Scene(Diagnostic),
     /// The system refused a resource that the rendering needs, such as threads.
     Machine(Diagnostic),
-    /// The rendering was canceled. The finished work is kept, if the job had begun a picture.
+    /// The rendering was canceled. The finished work is kept, if a job had begun to render.
     Stopped(Stopped, Option<Kept>),
     /// The observer of a job ended it.
     Observer(io::Error),
@@ -57,9 +57,9 @@ impl RenderError {
     }
 
     /// Adds what is kept, if the rendering was canceled.
-    pub(crate) fn or_kept(self, kept: impl FnOnce() -> Kept) -> Self {
+    pub(crate) fn or_kept(self, kept: impl FnOnce() -> Option<Kept>) -> Self {
         match self {
-            Self::Stopped(stopped, _) => Self::Stopped(stopped, Some(kept())),
+            Self::Stopped(stopped, _) => Self::Stopped(stopped, kept()),
             error => error,
         }
     }

@@ -125,7 +125,7 @@ fn render(arguments: &RenderArguments, tiles: Tiles) -> Result<(), Failure> {
     let mut terminal = Terminal::new(arguments);
     let report = job::run(&job, &mut terminal).map_err(|error| match error {
         RenderError::Stopped(stopped, Some(kept)) => {
-            let is_shown = !arguments.run.quiet && tiles != Tiles::Merged;
+            let is_shown = !arguments.run.quiet;
             Failure::Stopped(stopped, is_shown.then(|| arguments.kept(kept)))
         }
         error => error.into(),

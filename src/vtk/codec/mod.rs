@@ -98,7 +98,8 @@ impl dyn Compressor {
     /// Reads a block of `length` bytes by way of `compressed`, and decompresses it.
     ///
     /// # Errors
-    /// `UnexpectedEof` if the bytes end early; those of [`decompress_exact`](Self::decompress_exact).
+    /// `UnexpectedEof` if the bytes end early; the errors of
+    /// [`decompress_exact`](Self::decompress_exact).
     pub(crate) fn decompress_from(
         &self,
         from: &mut impl Read,
