@@ -106,7 +106,6 @@ impl StageBar {
 fn purpose(stage: &str) -> &'static str {
     match stage {
         "observe" => "again for the costs of objects, ",
-        "overhead" => "again for the cost of measuring, ",
         _ => "",
     }
 }

@@ -5,7 +5,6 @@ use std::time::Duration;
 use base::numbers;
 use output::summary::ThreadTime;
 use output::writers::{RenderingView, thread_time, time_notes};
-use render::tiles::Overhead;
 
 /// Least time without a CPU, in percent of the time at work, that is reported.
 const LEAST_WAITING_PERCENT: f64 = 0.1;
@@ -20,7 +19,6 @@ pub(super) fn lines(rendering: &RenderingView) -> String {
         time.as_ref().and_then(waiting),
         time.and_then(|_| repeats(rendering)),
         Some(notes.collect()),
-        rendering.overhead.as_ref().map(overhead),
     ];
     lines.into_iter().flatten().collect()
 }
@@ -53,20 +51,4 @@ fn repeats(rendering: &RenderingView) -> Option<String> {
     let n = rendering.film.n_repeats;
     let mad_percent = 100.0 * rendering.survey.time_mad_ns / rendering.survey.time_ns;
     (n > 1).then(|| format!("repeats {n}; MAD {mad_percent:.1} % of the time\n"))
-}
-
-/// Returns the overhead of measurement.
-fn overhead(overhead: &Overhead) -> String {
-    let [counters, clock, both, single_ray] = [
-        overhead.counters_percent,
-        overhead.clock_percent,
-        overhead.time_percent,
-        overhead.single_ray_percent,
-    ]
-    .map(Option::unwrap_or_default);
-    format!(
-        "measure counters {counters:+.1} %, a clock {clock:+.1} %, both {both:+.1} %; \
-         rays one by one instead of in streams {single_ray:+.1} % ({} rounds)\n",
-        overhead.rounds,
-    )
 }

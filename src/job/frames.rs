@@ -106,13 +106,11 @@ impl FrameRun<'_> {
         hierarchies: &FrameHierarchies,
     ) -> Result<FrameInput, RenderError> {
         let Job {
-            options,
             hardware_counters,
             profile,
             ..
         } = self.job;
-        let overhead = &options.measure_overhead;
-        let flags = format!("{:?}", (overhead, hardware_counters, profile));
+        let flags = format!("{:?}", (hardware_counters, profile));
         let flags = flags + &hierarchies.flags();
         FrameInput::new(self.scene, self.frames, number, &flags)
     }

@@ -366,7 +366,6 @@ impl Job<'_> {
         let flags = [
             ("picture", matches!(self.output, Output::Picture(_))),
             ("format", self.options.vtkhdf),
-            ("measure-overhead", self.options.measure_overhead),
         ];
         let given = flags.into_iter().find(|(_, is_given)| *is_given);
         match (given, session.bands()) {

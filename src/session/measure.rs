@@ -14,9 +14,7 @@ use output::look::Look;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
-use render::tiles::{
-    N_RENDERINGS, OnProgress, Overhead, estimate_times, least_repeats, repeat_within,
-};
+use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
 use scene::config::SimdSet;
 use tracer::accel::Accel;
 use tracer::cost::Meter;
@@ -48,13 +46,6 @@ impl Session {
             stages.end("order");
         }
         let n_pixels = config.image.n_pixels() as u64;
-        // Measure the overhead before the film is allocated, so that two never exist at once.
-        let overhead = options.measure_overhead.then(|| {
-            let work = |report: OnProgress| Overhead::measure(tracer, &plan, report);
-            let overhead = options.reported("overhead", N_RENDERINGS as u64 * n_pixels, work);
-            stages.end("overhead");
-            overhead
-        });
         // Render the passes onto the film.
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
@@ -99,7 +90,6 @@ impl Session {
             n_tiles: plan.n_tiles(),
             schedule,
             repeats,
-            overhead,
             attribution,
             ranks,
         })

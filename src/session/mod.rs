@@ -47,7 +47,7 @@ pub(crate) use options::{thread_pool, without_thread};
 #[doc(inline)]
 pub use render::instruments::{Stage, Stages};
 #[doc(inline)]
-pub use render::tiles::{Overhead, Progress};
+pub use render::tiles::Progress;
 pub use rendering::Rendering;
 pub(crate) use scope::Scope;
 

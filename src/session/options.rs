@@ -31,9 +31,6 @@ pub struct Options<'a> {
     pub simd: Option<SimdSet>,
     /// The way in which the rays of a wave are traced.
     pub traversal: Traversal,
-    /// If true, also renders the picture in each cost mode in turn, for
-    /// [`Rendering::overhead`](super::Rendering::overhead).
-    pub measure_overhead: bool,
     /// If true, a few rays estimate the work of each tile before the rendering, for
     /// [`Progress::work`]; otherwise all pixels count the same.
     pub estimates_work: bool,
@@ -49,7 +46,7 @@ pub struct Options<'a> {
 /// The progress of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// A stage starts: `build`, `overhead`, `render` or `observe`.
+    /// A stage starts: `build`, `render` or `observe`.
     Begin {
         /// Name of the stage.
         stage: &'static str,
@@ -165,7 +162,6 @@ impl fmt::Debug for Options<'_> {
             .field("pin", &self.pin)
             .field("simd", &self.simd)
             .field("traversal", &self.traversal)
-            .field("measure_overhead", &self.measure_overhead)
             .field("estimates_work", &self.estimates_work)
             .field("vtkhdf", &self.vtkhdf)
             .field("cancellation", &self.cancellation)

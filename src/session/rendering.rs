@@ -17,7 +17,7 @@ use render::checkpoint::Checkpoint;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
-use render::tiles::{OnProgress, Overhead, Repeat, StoredPicture, least_repeats};
+use render::tiles::{OnProgress, Repeat, StoredPicture, least_repeats};
 use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
 use tracer::cost::Meter;
@@ -49,7 +49,6 @@ pub(super) struct Measured {
     pub(super) n_tiles: u32,
     pub(super) schedule: Schedule,
     pub(super) repeats: Vec<Repeat>,
-    pub(super) overhead: Option<Overhead>,
     pub(super) attribution: Option<CostAttribution>,
     /// The ranks, if there were several.
     pub(super) ranks: Option<RanksSection>,
@@ -76,11 +75,6 @@ impl Rendering<'_> {
     /// outputs that need it.
     pub fn attribution(&self) -> Option<&CostAttribution> {
         self.measured.attribution.as_ref()
-    }
-
-    /// Returns the overhead of measuring, if the [`Options`](super::Options) request it.
-    pub fn overhead(&self) -> Option<Overhead> {
-        self.measured.overhead
     }
 
     /// Returns the stages and their times, from reading the scene on.
@@ -223,7 +217,6 @@ impl Rendering<'_> {
             partial: self.partial(),
             other_runs: self.other_runs.as_ref(),
             ranks: measured.ranks.as_ref(),
-            overhead: measured.overhead,
             attribution: measured.attribution.as_ref(),
             vtkhdf: self.vtkhdf,
             profiler,

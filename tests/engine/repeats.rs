@@ -1,5 +1,4 @@
-//! Repeated renderings change only the times; the overhead of measurement is
-//! reported.
+//! Repeated renderings change only the times.
 
 use scene::build::Sensor;
 use std::collections::BTreeMap;
@@ -259,7 +258,6 @@ fn one_rendering_has_no_spread_but_a_summary() {
         assert_eq!(repeats["wall_ms"].as_array().unwrap().len(), 1);
         assert_eq!(repeats["busy_ns"].as_array().unwrap().len(), n_times);
         assert_eq!(summary["thread_time"].is_null(), n_times == 0);
-        assert_eq!(summary["overhead"], Value::Null);
         let frame = DataSet::read(&out.path().join("frame.vti"));
         let is_spread = |name: &str| name == "time_mad_ns";
         assert!(!frame.arrays.iter().any(|array| is_spread(&array.name)));
@@ -389,35 +387,6 @@ fn check_thread_time(mode: &str, is_apart: impl Fn(f64) -> bool) {
     let repeats = summary["repeats"]["busy_ns"].as_array().unwrap();
     let sum: f64 = repeats.iter().map(|ns| ns.as_f64().unwrap()).sum();
     assert!((sum / part("pixels_ns") - 1.0).abs() < 1e-9);
-}
-
-#[test]
-fn the_overhead_is_reported_in_every_mode() {
-    let out = tempfile::tempdir().unwrap();
-    for mode in ["--cost=time", "--cost=counters", "--cost=none"] {
-        let output = command(out.path(), &["--measure-overhead", mode]);
-        assert_success(&output);
-        let lines = String::from_utf8(output.stdout).unwrap();
-        assert!(lines.contains("\nmeasure "), "{lines}");
-        let summary = summary(out.path());
-        let overhead = &summary["overhead"];
-        let number = |name: &str| overhead[name].as_f64().unwrap();
-        assert_eq!(number("rounds"), 8.0);
-        for (percent, more, less) in [
-            ("counters_percent", "counters_ms", "none_ms"),
-            ("single_ray_percent", "single_ray_ms", "counters_ms"),
-            ("clock_percent", "time_ms", "counters_ms"),
-            ("time_percent", "time_ms", "none_ms"),
-        ] {
-            let expected = 100.0 * (number(more) / number(less) - 1.0);
-            // A coarse clock may measure zero: then there is no ratio.
-            if expected.is_finite() {
-                assert!((number(percent) - expected).abs() < 1e-9);
-            } else {
-                assert_eq!(overhead[percent], Value::Null);
-            }
-        }
-    }
 }
 
 #[test]

@@ -426,15 +426,11 @@ fn a_scene_that_changed_since_is_refused() {
 #[test]
 fn parts_that_cannot_be_are_refused() {
     let folder = Folder::new();
-    let refused: [(&[&str], &str); 7] = [
+    let refused: [(&[&str], &str); 6] = [
         (&["--part=17/16"], "the parts are 1/16 to 16/16"),
         (&["--part=0/4"], "the parts are 1/4 to 4/4"),
         (&["--part=1"], "such as 3/16"),
         (&["--part=1/2", "--profile"], "`--profile`"),
-        (
-            &["--part=1/2", "--measure-overhead"],
-            "`--measure-overhead`",
-        ),
         (
             &["--part=1/2", "--hardware-counters"],
             "`--hardware-counters`",

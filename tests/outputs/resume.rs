@@ -389,19 +389,12 @@ fn frames_and_parts_go_on_after_a_timeout() {
 }
 
 #[test]
-fn flags_that_make_no_sense_are_refused() {
+fn a_timeout_without_a_unit_or_below_0_is_refused() {
     let folder = Folder::new();
-    for (flags, expected) in [
-        (
-            &["--timeout=1h", "--measure-overhead"][..],
-            "`--timeout` and `--measure-overhead`",
-        ),
-        (&["--timeout=5"], "such as 90s"),
-        (&["--timeout=-5s"], "such as 90s"),
-    ] {
-        let command = ["render", "configs/seed_sphere.yaml"];
-        let output = folder.run(&[&command, flags].concat());
+    for flag in ["--timeout=5", "--timeout=-5s"] {
+        let output = folder.run(&["render", "configs/seed_sphere.yaml", flag]);
         assert_eq!(output.status.code(), Some(2));
-        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+        let message = stderr(&output);
+        assert!(message.contains("such as 90s"), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! The flags that exclude each other: all that a part or a deadline cannot have.
+//! The flags that exclude each other: all that a part cannot have.
 
 use super::RenderArguments;
 use host::text::Diagnostic;
@@ -11,17 +11,12 @@ impl RenderArguments {
     pub(super) fn check_flags(&self) -> Result<(), Diagnostic> {
         let no_files = "a part writes none of the output files: leave the flag out";
         let to_merge = "give it to `raycost merge`, which writes the files";
-        let endless = "the overhead takes many whole renderings: measure it in another run";
         let part = ("part", self.part.is_some());
-        let timeout = ("timeout", self.timeout.is_some());
-        let overhead = ("measure-overhead", self.measure_overhead);
         let counters = ("hardware-counters", self.hardware_counters);
         let pairs = [
             (part, ("profile", self.profile), no_files),
-            (part, overhead, no_files),
             (part, counters, no_files),
             (part, ("format", self.run.format.is_some()), to_merge),
-            (timeout, overhead, endless),
         ];
         let both = pairs.into_iter().find(|(one, other, _)| one.1 && other.1);
         if let Some(((first, _), (second, _), help)) = both {

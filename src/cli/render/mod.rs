@@ -42,7 +42,7 @@ pub(super) struct RenderArguments {
     /// Write only the picture, to this file: `.png`, or `.exr` for its linear light. Measures no
     /// cost, unless `--cost` asks for it
     #[arg(long, short = 'o', value_name = "FILE", conflicts_with_all = [
-        "out", "also", "compress", "part", "resume", "timeout", "format", "measure_overhead",
+        "out", "also", "compress", "part", "resume", "timeout", "format",
         "hardware_counters", "profile",
     ])]
     picture: Option<PictureFile>,
@@ -78,10 +78,6 @@ pub(super) struct RenderArguments {
     /// How to trace the rays of a wave [default: stream]
     #[arg(long, value_name = "HOW", value_parser = keyword::<Traversal>())]
     traversal: Option<Traversal>,
-
-    /// Also render in each cost mode in turn, and report the overhead of measuring
-    #[arg(long)]
-    measure_overhead: bool,
 
     /// Count cycles, instructions, cache and branch misses of each stage in hardware, and the
     /// energy of the machine's processors, if the machine allows it; see `stages` in summary.json
@@ -162,7 +158,6 @@ impl RenderArguments {
                 pin: self.pin,
                 simd: self.simd,
                 traversal: self.traversal.unwrap_or_default(),
-                measure_overhead: self.measure_overhead,
                 estimates_work: Bars::are_shown(self.run.quiet),
                 vtkhdf: self.run.format.is_some(),
                 ..Options::default()

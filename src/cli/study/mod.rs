@@ -33,7 +33,8 @@ use render::instruments::MachineLimits;
 use scene::yaml::{self, Fault, Source};
 use tools::study::{
     Figure, LeftOutStep, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow,
-    StudyMetric, StudyPlan, StudyPoint, roofline_points, scaling_rows, statistics_rows, step_rows,
+    StudyMetric, StudyPlan, StudyPoint, overhead_rows, roofline_points, scaling_rows,
+    statistics_rows, step_rows,
 };
 
 /// Measure how the cost of scenes depends on what you vary
@@ -129,6 +130,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
         let n_processors = made_by["machine"]["logical_cpus"].as_u64();
         let mut rows = statistics_rows(&study.plan, &log.runs, n_processors);
         rows.extend(scaling_rows(&study.plan, &log.runs, &rows));
+        rows.extend(overhead_rows(&study.plan, &log.runs, &rows));
         rows.extend(step_rows(&study.plan, &log.runs, &study.out));
         let points = study.roofline(&rows, &measured_by)?;
         let left_out = [&study.left_out[..], &missing.failed].concat();

@@ -147,6 +147,7 @@ pub(super) fn lines_of(results: &StudyResults, of_plots: &str, out: &Path) -> St
         steps::lines_of(results.rows, results.left_out)
     };
     let mut text = format!("{}\n\n{table}", one_line(&plan.title));
+    text += &overheads(results.rows);
     text += &notes(
         results
             .rows
@@ -186,6 +187,30 @@ fn table_of_points(rows: &[StatisticsRow]) -> String {
         );
     }
     text
+}
+
+/// Returns a line for the CPU time that measuring adds at each point of a study of `cost`.
+fn overheads(rows: &[StatisticsRow]) -> String {
+    let percent = |share: f64| format!("{:+.1} %", 100.0 * share);
+    let line = |row: &StatisticsRow| {
+        let interval = row.statistics.interval.map(|interval| {
+            let [low, high] = [interval.low_95, interval.high_95].map(percent);
+            format!(" [{low}, {high}]")
+        });
+        let label = label_of(&row.point);
+        let median = percent(row.statistics.median);
+        let interval = interval.unwrap_or_default();
+        format!(
+            "measure {}: {median} CPU time{interval}\n",
+            one_line(&label)
+        )
+    };
+    let overheads = rows.iter().filter(|row| row.metric == "measuring_overhead");
+    let lines: String = overheads.map(line).collect();
+    match &*lines {
+        "" => lines,
+        _ => format!("\n{lines}"),
+    }
 }
 
 /// Returns notes on outliers and what to do about them; empty if there are none.

@@ -33,7 +33,6 @@ use serde::{Deserialize, Serialize};
 
 pub use host::folder::SUMMARY as FILE;
 use host::provenance::RunId;
-use render::tiles::Overhead;
 use vtk::Codec;
 
 /// The contents of `summary.json`, in the order of its keys. The file ends with one more key: the
@@ -98,8 +97,6 @@ pub struct Summary {
     /// The limits of the times, a sentence each.
     #[serde(default)]
     pub time_notes: Vec<String>,
-    /// The overhead of measurement; `None` if it was not measured.
-    pub overhead: Option<Overhead>,
     /// Why there are no hardware counters; `None` if there are.
     pub no_hardware_counters: Option<String>,
     /// Why no energy was measured; `None` if it was.

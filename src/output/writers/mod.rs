@@ -74,7 +74,7 @@ use render::attribution::CostAttribution;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
 use render::schedule::Schedule;
-use render::tiles::{Overhead, Repeat};
+use render::tiles::Repeat;
 use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput, Traversal};
 use tracer::accel::BvhStatistics;
@@ -182,8 +182,6 @@ pub struct RenderingView<'a> {
     pub other_runs: Option<&'a OtherRuns>,
     /// The ranks, if there were several.
     pub ranks: Option<&'a RanksSection>,
-    /// The overhead of measurement, if requested.
-    pub overhead: Option<Overhead>,
     /// The cost attribution, if requested.
     pub attribution: Option<&'a CostAttribution>,
     /// True if cloud and frame are also written as VTKHDF.

@@ -67,7 +67,6 @@ fn summarize(job: &WriterInput) -> Summary {
         repeats: Some(repeats(rendering)),
         thread_time: thread_time(rendering),
         time_notes: time_notes(rendering),
-        overhead: rendering.overhead,
         no_hardware_counters: stages.no_hardware_counters().map(str::to_owned),
         no_energy: stages.no_energy().map(str::to_owned),
         peak_memory_bytes: peak_memory_bytes(),

@@ -11,13 +11,12 @@ use base::numbers::milliseconds;
 
 /// The names of the stages that a rendering of a still may have, in order, each with a description
 /// of its work.
-pub const STAGES: [(&str, &str); 11] = [
+pub const STAGES: [(&str, &str); 10] = [
     ("start", "loading the program"),
     ("read", "reading the scene and its files"),
     ("build", "building the BVH"),
     ("calibrate", "measuring the clock"),
     ("order", "estimating the cost of tiles"),
-    ("overhead", "measuring what measuring costs"),
     ("render", "rendering"),
     ("observe", "attributing costs to objects and nodes"),
     ("survey", "reading the pixels of a picture in pieces"),

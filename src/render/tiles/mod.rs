@@ -26,7 +26,6 @@ mod tile_plan;
 mod samples;
 mod repeat;
 mod stored;
-mod overhead;
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -51,7 +50,6 @@ use tracer::cost::{Counters, Meter, NoProbe, Stopwatch};
 use tracer::trace::Tracer;
 pub use view::View;
 
-pub use overhead::{N_RENDERINGS, N_ROUNDS, Overhead};
 pub use pass::Limits;
 pub use repeat::{LEAST_GRIDS, Repeat, repeat, repeat_within};
 pub use repeat::{least_repeats, most_repeats, repeat_bytes_per_pixel};

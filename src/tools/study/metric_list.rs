@@ -1,7 +1,7 @@
 //! The list of metrics that runs may have: name, unit and meaning.
 //!
-//! [`RunMetrics`](super::RunMetrics) and [`scaling_rows`](super::scaling_rows) compute them; a test
-//! checks that they compute no other.
+//! [`RunMetrics`](super::RunMetrics) computes those of a run; a test checks that it computes no
+//! other.
 
 use output::writers;
 use render::instruments::{EVENTS, STAGES};
@@ -29,6 +29,8 @@ pub enum MetricNeed {
     ThreadsOrRanks,
     /// `ranks`.
     RanksOnly,
+    /// `cost`.
+    Cost,
     /// `steps`.
     Steps,
 }
@@ -80,6 +82,12 @@ const OF_BVH: [Row; 8] = [
 const OF_SCALING: [Row; 2] = [
     ("speedup", "1", "pixels per second over the rate with the fewest threads"),
     ("scaling_efficiency", "1", "speedup over the ratio of threads"),
+];
+
+/// Metrics of a study over cost modes.
+#[rustfmt::skip]
+const OF_COST: [Row; 1] = [
+    ("measuring_overhead", "1", "CPU time of the stage `render` over that with `cost: none`, minus 1"),
 ];
 
 /// Metrics of a study with steps.
@@ -150,6 +158,7 @@ impl StudyMetric {
                 MetricNeed::Nothing => "",
                 MetricNeed::ThreadsOrRanks => ", in studies of `threads` or `ranks`",
                 MetricNeed::RanksOnly => ", in studies of `ranks`",
+                MetricNeed::Cost => ", in studies of `cost`",
                 MetricNeed::Steps => ", in studies with `steps`",
             };
             format!("{name:<26}{unit:<8}{about}{need}\n")
@@ -184,11 +193,13 @@ impl StudyMetric {
         let costs = Metric::ALL.into_iter().map(Self::from_metric);
         let bvh = OF_BVH.map(Self::from_row).map(|metric| metric.after("bvh"));
         let scaling = OF_SCALING.map(with(MetricNeed::ThreadsOrRanks));
+        let cost = OF_COST.map(with(MetricNeed::Cost));
         let steps = OF_STEPS.map(with(MetricNeed::Steps));
         let ranks = OF_RANKS.map(with(MetricNeed::RanksOnly));
         runs.chain(costs)
             .chain(bvh)
             .chain(scaling)
+            .chain(cost)
             .chain(steps)
             .chain(ranks)
             .collect()

@@ -5,6 +5,7 @@ use std::hash::Hash;
 
 use super::factor_level::size_of_level;
 use super::metric_list::{MetricNeed, StudyMetric};
+use super::overhead::COST;
 use super::point::{STEP, scene_names};
 use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use host::text::did_you_mean;
@@ -243,6 +244,7 @@ fn check_metric(name: &str, factors: &[&str], kind: &str, path: FieldPath) -> Re
         MetricNeed::Nothing => return Ok(()),
         MetricNeed::ThreadsOrRanks => &["threads", "ranks"],
         MetricNeed::RanksOnly => &["ranks"],
+        MetricNeed::Cost => &[COST],
         MetricNeed::Steps => &[STEP],
     };
     if needed.iter().any(|factor| factors.contains(factor)) {

@@ -3,7 +3,6 @@
 use serde_json::{Map, Value};
 
 use super::by_round::ByRound;
-use super::sample::SampleStatistics;
 use super::{Run, StatisticsRow, StudyPlan};
 
 /// The factors that may change together with the number of threads.
@@ -64,13 +63,7 @@ pub fn scaling_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> V
         let threads_ratio = point.n_threads() / base.n_threads();
         let efficiencies: Vec<f64> = speedups.iter().map(|one| one / threads_ratio).collect();
         for (metric, values) in [("speedup", speedups), ("scaling_efficiency", efficiencies)] {
-            let statistics = SampleStatistics::from_values(&values);
-            found.extend(statistics.map(|statistics| StatisticsRow {
-                metric: metric.to_owned(),
-                statistics,
-                first_is_slow: false,
-                ..point.row.clone()
-            }));
+            found.extend(point.row.derive(metric, &values));
         }
     }
     found
@@ -100,7 +93,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::study::RunMetrics;
+    use crate::study::{RunMetrics, SampleStatistics};
     use scene::yaml;
 
     /// Rows of `n_threads`, and the runs of two rounds after the warm-up: the machine is slower by a

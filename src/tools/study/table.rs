@@ -28,6 +28,20 @@ pub struct StatisticsRow {
     pub oversubscribed: bool,
 }
 
+impl StatisticsRow {
+    /// Returns the row of another metric at this point, computed from several runs; `None` without
+    /// values.
+    pub(super) fn derive(&self, metric: &str, values: &[f64]) -> Option<Self> {
+        Some(Self {
+            point: self.point.clone(),
+            metric: metric.to_owned(),
+            statistics: SampleStatistics::from_values(values)?,
+            first_is_slow: false,
+            oversubscribed: self.oversubscribed,
+        })
+    }
+}
+
 /// Returns the rows of all measured points in the plan's order, on a machine with `n_processors`
 /// (`None` if unknown, then no point counts as oversubscribed).
 pub fn statistics_rows(

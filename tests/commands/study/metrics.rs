@@ -82,6 +82,10 @@ fn wrong_names_in_plots_are_shown_at_their_lines() {
             "varies no `threads` or `ranks`, which `speedup` needs",
         ),
         (
+            "{ x: scene, y: measuring_overhead }",
+            "varies no `cost`, which `measuring_overhead` needs",
+        ),
+        (
             "{ x: scene, y: load_balance }",
             "varies no `ranks`, which `load_balance` needs",
         ),
@@ -125,6 +129,20 @@ fn metrics_are_listed_on_request() {
     ] {
         assert!(list.lines().any(|found| found == line), "{line}\n{list}");
     }
+}
+
+#[test]
+fn a_study_of_cost_reports_what_each_mode_adds() {
+    let factors = "vary: { tile_size: [4, 8], max_depth: [0, 3] }";
+    let study = STUDY.replace(factors, "vary: { cost: [none, time], tile_size: [8] }");
+    let folder = folder(&study);
+    let output = run(folder.path(), &["--quick"]);
+    assert_success(&output);
+    let report = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(report.matches("\nmeasure ").count(), 1, "{report}");
+    assert!(report.contains("cost time"), "{report}");
+    let table = fs::read_to_string(folder.path().join("out/statistics.csv")).unwrap();
+    assert_eq!(table.matches(",measuring_overhead,").count(), 1, "{table}");
 }
 
 /// A metric that a machine does not have gives a note in place of a plot.
