@@ -13,6 +13,7 @@ mod scenes;
 use std::hint::black_box;
 use std::time::Instant;
 
+use base::Keyword;
 use glam::Vec3;
 use math::sampling::uniform;
 use math::simd::Simd;
@@ -102,7 +103,7 @@ fn compare_build(primitives: &[Primitive], quality: Quality, rays: &Rays) {
         *time = start.elapsed().as_secs_f64() * 1e3;
     }
     let accel = build();
-    let name = quality.to_string();
+    let name = quality.name();
     print!("  {name:8} {:6.0} ms", median(&mut times));
     for (set, rays, t_max) in rays.sets() {
         let mut cost = Cost::default();

@@ -69,8 +69,8 @@ fn agree<A: PartialEq + Debug>(
         for answers in &all {
             prop_assert_eq!(answers.len(), expected.len());
             for (i, (found, cost)) in answers.iter().enumerate() {
-                prop_assert_eq!(found, &expected[i].0, "{} ray {}", quality, i);
-                prop_assert_eq!(cost, &all[0][i].1, "{} ray {}", quality, i);
+                prop_assert_eq!(found, &expected[i].0, "{:?} ray {}", quality, i);
+                prop_assert_eq!(cost, &all[0][i].1, "{:?} ray {}", quality, i);
             }
         }
     }

@@ -80,7 +80,7 @@ fn light(config: &Config) -> String {
 
 fn rays(config: &Config) -> String {
     let structure = match config.acceleration {
-        Acceleration::Bvh(quality) => format!("a BVH of {quality} quality"),
+        Acceleration::Bvh(quality) => format!("a BVH of {} quality", quality.name()),
         Acceleration::BruteForce => "brute force".to_owned(),
     };
     let up_to = config.image.adaptive.map_or("", |_| "up to ");

@@ -1,18 +1,17 @@
 //! Scales, and ticks at round values.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use base::keywords;
 
-/// The scale of colors or of an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case", expecting = "`log` or `linear`")]
-pub enum Scale {
-    /// Logarithmic; for positive values.
-    #[default]
-    #[serde(rename = "log")]
-    Logarithmic,
-    /// Linear; for changes, around zero, and for data.
-    Linear,
+keywords! {
+    /// The scale of colors or of an axis.
+    #[derive(Default)]
+    pub enum Scale {
+        /// Logarithmic; for positive values.
+        #[default]
+        Logarithmic = "log",
+        /// Linear; for changes, around zero, and for data.
+        Linear = "linear",
+    }
 }
 
 impl Scale {

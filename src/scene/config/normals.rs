@@ -7,6 +7,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
+use base::keywords;
 use world::kinds;
 use world::values::{Either, Number, expected};
 
@@ -47,17 +48,18 @@ kinds! {
     CreaseAngle: f32 = Number { expected: "an angle from 0 to 180", ranges: &[[0.0, 180.0]] };
 }
 
-/// Normals as a word.
-#[derive(Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", expecting = "`file`, `smooth` or `flat`")]
-enum NormalsWord {
-    /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
-    /// the gradient.
-    File,
-    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are any.
-    Smooth,
-    /// The geometric normals of the triangles.
-    Flat,
+keywords! {
+    /// Normals as a word.
+    enum NormalsWord {
+        /// The normals in the file, or flat normals if it has none; for an isosurface, the normals
+        /// from the gradient.
+        File = "file",
+        /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are
+        /// any.
+        Smooth = "smooth",
+        /// The geometric normals of the triangles.
+        Flat = "flat",
+    }
 }
 
 /// Normals with keys.
@@ -95,9 +97,9 @@ impl<'de> Visitor<'de> for NormalsVisitor {
 impl Serialize for MeshNormals {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
         match *self {
-            Self::File => s.serialize_str("file"),
-            Self::Flat => s.serialize_str("flat"),
-            Self::Smooth(None) => s.serialize_str("smooth"),
+            Self::File => NormalsWord::File.serialize(s),
+            Self::Flat => NormalsWord::Flat.serialize(s),
+            Self::Smooth(None) => NormalsWord::Smooth.serialize(s),
             Self::Smooth(Some(smooth)) => NormalsKeys { smooth }.serialize(s),
         }
     }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::cloud::Cloud;
 use super::frame::ShownPixels;
 use super::hottest;
+use base::Keyword;
 use base::numbers::{capitalized, counted};
 use output::results::LoadedArray;
 use output::summary::CameraSection;
@@ -90,7 +91,7 @@ pub(super) fn missing(summary: &Summary) -> Option<String> {
 fn facts(summary: &Summary) -> Vec<String> {
     let image = &summary.image;
     let structure = match (&*summary.acceleration.kind, &summary.acceleration.quality) {
-        ("bvh", Some(quality)) => format!("BVH ({quality})"),
+        ("bvh", Some(quality)) => format!("BVH ({})", quality.name()),
         ("bvh", None) => "BVH".to_owned(),
         _ => "brute force".to_owned(),
     };

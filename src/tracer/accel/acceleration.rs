@@ -6,7 +6,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use base::keywords;
+use base::{Keyword, keywords};
 
 /// The structure that finds the nearest hit of a ray.
 ///
@@ -29,10 +29,11 @@ pub enum Acceleration {
 impl Acceleration {
     /// Returns the name in files: `bvh` or `brute_force`.
     pub fn kind(self) -> &'static str {
-        match self {
-            Self::Bvh(_) => "bvh",
-            Self::BruteForce => "brute_force",
-        }
+        let word = match self {
+            Self::Bvh(_) => AccelerationWord::Bvh,
+            Self::BruteForce => AccelerationWord::BruteForce,
+        };
+        word.name()
     }
 
     /// Returns the quality of a hierarchy.
@@ -44,30 +45,19 @@ impl Acceleration {
     }
 }
 
-/// The effort spent on building a hierarchy. All qualities find the same hits.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`fast`, `balanced` or `high`")]
-pub enum Quality {
-    /// Object splits only: the least build time and memory.
-    Fast,
-    /// Splits the triangles that fill their boxes worst before the build: up to
-    /// twice the build time of `fast`.
-    #[default]
-    Balanced,
-    /// Spatial splits wherever they lower the SAH cost: about fifteen times the
-    /// build time of `fast`, and 1.5 times its memory.
-    High,
-}
-
-/// Formats the name in scene files.
-impl fmt::Display for Quality {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Fast => "fast",
-            Self::Balanced => "balanced",
-            Self::High => "high",
-        })
+keywords! {
+    /// The effort spent on building a hierarchy. All qualities find the same hits.
+    #[derive(Default)]
+    pub enum Quality {
+        /// Object splits only: the least build time and memory.
+        Fast = "fast",
+        /// Splits the triangles that fill their boxes worst before the build: up to twice the build
+        /// time of `fast`.
+        #[default]
+        Balanced = "balanced",
+        /// Spatial splits wherever they lower the SAH cost: about fifteen times the build time of
+        /// `fast`, and 1.5 times its memory.
+        High = "high",
     }
 }
 
@@ -108,19 +98,19 @@ keywords! {
     }
 }
 
-/// How the hierarchy of a frame is made if its objects differ from the frame before.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`rebuild`, `refit` or `auto`")]
-pub enum HierarchyUpdate {
-    /// It is built, as for a still.
-    Rebuild,
-    /// The hierarchy of the first frame is refitted around the moved objects, if their number and
-    /// kinds are unchanged.
-    Refit,
-    /// Chooses the method with the lower expected cost.
-    #[default]
-    Auto,
+keywords! {
+    /// How the hierarchy of a frame is made if its objects differ from the frame before.
+    #[derive(Default)]
+    pub enum HierarchyUpdate {
+        /// It is built, as for a still.
+        Rebuild = "rebuild",
+        /// The hierarchy of the first frame is refitted around the moved objects, if their number
+        /// and kinds are unchanged.
+        Refit = "refit",
+        /// Chooses the method with the lower expected cost.
+        #[default]
+        Auto = "auto",
+    }
 }
 
 const EXPECTED: &str = "`bvh`, `brute_force` or { quality: … }";
@@ -136,7 +126,7 @@ impl Serialize for Acceleration {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
         match *self {
             Self::Bvh(quality) => BvhSection { quality }.serialize(s),
-            Self::BruteForce => s.serialize_str("brute_force"),
+            Self::BruteForce => s.serialize_str(self.kind()),
         }
     }
 }
@@ -157,13 +147,12 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<Acceleration, E> {
-        match word {
-            "bvh" => Ok(Acceleration::default()),
-            "brute_force" => Ok(Acceleration::BruteForce),
-            _ => {
-                let message = format!("unknown variant `{word}`, expected {EXPECTED}");
-                Err(E::custom(message))
-            }
+        match AccelerationWord::from_name(word) {
+            Some(AccelerationWord::Bvh) => Ok(Acceleration::default()),
+            Some(AccelerationWord::BruteForce) => Ok(Acceleration::BruteForce),
+            None => Err(E::custom(format!(
+                "unknown variant `{word}`, expected {EXPECTED}"
+            ))),
         }
     }
 
@@ -173,16 +162,14 @@ impl<'de> Visitor<'de> for AccelerationVisitor {
     }
 }
 
-/// The words of the section.
-#[cfg(feature = "schema")]
-#[derive(schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[expect(dead_code, reason = "for the schema")]
-enum AccelerationWord {
-    /// A bounding volume hierarchy over all shapes except planes.
-    Bvh,
-    /// Tests every ray against every shape: the reference for the others.
-    BruteForce,
+keywords! {
+    /// The words of the section.
+    enum AccelerationWord {
+        /// A bounding volume hierarchy over all shapes except planes.
+        Bvh = "bvh",
+        /// Tests every ray against every shape: the reference for the others.
+        BruteForce = "brute_force",
+    }
 }
 
 /// The YAML mapping of a hierarchy.

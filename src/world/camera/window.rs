@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::image_plane::{ImagePlane, Projection};
 use crate::geometry::RenderSpace;
 use crate::values;
+use base::keywords;
 
 /// A perspective camera that looks through a window in a plane of constant z,
 /// with x to the right and y up.
@@ -23,18 +24,17 @@ pub struct Window {
     keys: WindowKeys,
 }
 
-/// The positions of the pixels' centers in the window.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`centers` or `edges`")]
-pub enum WindowSamples {
-    /// In the centers of `width * height` equal cells.
-    #[default]
-    Centers,
-    /// In equal steps from edge to edge, both included, as in the course's NumPy
-    /// model. An image that is one pixel wide or high samples the left or top
-    /// edge.
-    Edges,
+keywords! {
+    /// The positions of the pixels' centers in the window.
+    #[derive(Default)]
+    pub enum WindowSamples {
+        /// In the centers of `width * height` equal cells.
+        #[default]
+        Centers = "centers",
+        /// In equal steps from edge to edge, both included, as in the course's NumPy model. An
+        /// image that is one pixel wide or high samples the left or top edge.
+        Edges = "edges",
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]

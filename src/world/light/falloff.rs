@@ -1,24 +1,20 @@
 //! The falloff of light with the distance.
 
-use serde::{Deserialize, Serialize};
-
+use base::keywords;
 use math::simd::Real;
 
-/// The falloff of a light with the distance `d` from it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`none`, `inverse` or `inverse_square`"
-)]
-pub enum Falloff {
-    /// None: independent of the distance.
-    #[default]
-    None,
-    /// 1 / d: weaker than in nature.
-    Inverse,
-    /// 1 / d², as for a point light in nature.
-    InverseSquare,
+keywords! {
+    /// The falloff of a light with the distance `d` from it.
+    #[derive(Default)]
+    pub enum Falloff {
+        /// None: independent of the distance.
+        #[default]
+        None = "none",
+        /// 1 / d: weaker than in nature.
+        Inverse = "inverse",
+        /// 1 / d², as for a point light in nature.
+        InverseSquare = "inverse_square",
+    }
 }
 
 impl Falloff {

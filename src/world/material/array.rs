@@ -14,6 +14,7 @@ use super::color_table::{ColorChoice, ColorTable, MAX_LISTED, category};
 use super::texture_point::TexturePoint;
 use crate::color::{Palette, Transfer};
 use crate::values;
+use base::keywords;
 use math::simd::{Real, Vector};
 
 /// The numbers of an array of a VTK file as colors.
@@ -80,18 +81,18 @@ struct ArrayKeys {
     /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
     /// if it has both.
     #[serde(default)]
-    of: Option<ArrayKind>,
+    of: Option<ArrayOf>,
     /// The colors.
     #[serde(default)]
     map: Palette,
     /// The numbers of the first and the last color.
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("default" = "data")))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = ArrayRange::default())))]
     range: Option<ArrayRange>,
     /// The scale between these numbers. On `log`, numbers that are not positive have the first
     /// color.
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("default" = "linear")))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = ArrayScale::default())))]
     scale: Option<ArrayScale>,
     /// The color of numbers that are NaN; yellow by default.
     #[serde(default = "yellow", with = "values::Color")]
@@ -110,35 +111,6 @@ struct ArrayKeys {
 #[serde(transparent)]
 struct CategoryLabel(#[serde(with = "values::Name")] String);
 
-/// The elements that an array has values for.
-#[derive(Debug, Clone, Copy, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`points` or `cells`")]
-pub(super) enum ArrayKind {
-    /// Points: interpolated between them.
-    Points,
-    /// Cells: constant on each cell.
-    Cells,
-}
-
-impl From<ArrayKind> for ArrayOf {
-    fn from(kind: ArrayKind) -> Self {
-        match kind {
-            ArrayKind::Points => Self::Points,
-            ArrayKind::Cells => Self::Cells,
-        }
-    }
-}
-
-impl From<ArrayOf> for ArrayKind {
-    fn from(of: ArrayOf) -> Self {
-        match of {
-            ArrayOf::Points => Self::Points,
-            ArrayOf::Cells => Self::Cells,
-        }
-    }
-}
-
 /// The numbers of the first and the last color of a map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
@@ -155,16 +127,16 @@ pub enum ArrayRange {
     Given(#[serde(with = "values::Range")] [f64; 2]),
 }
 
-/// How numbers become positions in a color map.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`linear` or `log`")]
-pub enum ArrayScale {
-    /// In equal steps.
-    #[default]
-    Linear,
-    /// In equal ratios, of positive numbers.
-    Log,
+keywords! {
+    /// How numbers become positions in a color map.
+    #[derive(Default)]
+    pub enum ArrayScale {
+        /// In equal steps.
+        #[default]
+        Linear = "linear",
+        /// In equal ratios, of positive numbers.
+        Log = "log",
+    }
 }
 
 /// The maximum index of a component.
@@ -201,7 +173,7 @@ impl TryFrom<ArrayKeys> for ArrayTexture {
                 name: keys.name,
                 component: keys.component.map(|component| component as usize),
                 is_color: false,
-                of: keys.of.map(Into::into),
+                of: keys.of,
             },
             map: keys.map,
             range,
@@ -220,7 +192,7 @@ impl From<ArrayTexture> for ArrayKeys {
         Self {
             name: texture.choice.name,
             component: texture.choice.component.map(|component| component as u32),
-            of: texture.choice.of.map(Into::into),
+            of: texture.choice.of,
             map: texture.map,
             range: (!has_categories).then_some(texture.range),
             scale: (!has_categories).then_some(texture.scale),

@@ -1,5 +1,7 @@
 //! The choice of the array of a file that gives surfaces their colors.
 
+use base::keywords;
+
 /// The array of a file that gives colors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArrayChoice {
@@ -25,11 +27,12 @@ impl ArrayChoice {
     }
 }
 
-/// The elements that an array has values for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ArrayOf {
-    /// Points: interpolated between them.
-    Points,
-    /// Cells: constant on each cell.
-    Cells,
+keywords! {
+    /// The elements that an array has values for.
+    pub enum ArrayOf {
+        /// Points: interpolated between them.
+        Points = "points",
+        /// Cells: constant on each cell.
+        Cells = "cells",
+    }
 }

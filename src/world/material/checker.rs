@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::texture_point::TexturePoint;
 use crate::geometry::RenderSpace;
 use crate::values;
+use base::keywords;
 use math::simd::{Real, Vector};
 
 /// Cubes of two colors that fill space; squares or stripes if `axes` names fewer axes.
@@ -57,17 +58,16 @@ pub enum Axes {
     Xyz,
 }
 
-/// The rounding of coordinates to cell indices.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`floor` or `truncate`")]
-pub enum Rounding {
-    /// Toward negative infinity: all cells have the same size.
-    #[default]
-    Floor,
-    /// Toward zero, as in the course's NumPy model: the cells at zero are twice as
-    /// wide.
-    Truncate,
+keywords! {
+    /// The rounding of coordinates to cell indices.
+    #[derive(Default)]
+    pub enum Rounding {
+        /// Toward negative infinity: all cells have the same size.
+        #[default]
+        Floor = "floor",
+        /// Toward zero, as in the course's NumPy model: the cells at zero are twice as wide.
+        Truncate = "truncate",
+    }
 }
 
 impl Checker {

@@ -3,10 +3,9 @@
 use glam::Vec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::array::ArrayKind;
 use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
-use crate::material::ArrayChoice;
+use crate::material::{ArrayChoice, ArrayOf};
 use crate::values;
 use math::simd::{Real, Vector};
 
@@ -61,7 +60,7 @@ struct VertexColorKeys {
     /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
     /// if it has both.
     #[serde(default)]
-    of: Option<ArrayKind>,
+    of: Option<ArrayOf>,
 }
 
 /// Writes a word without keys, or an array.
@@ -72,7 +71,7 @@ impl Serialize for VertexColors {
         };
         let keys = VertexColorKeys {
             array: choice.name.clone(),
-            of: choice.of.map(Into::into),
+            of: choice.of,
         };
         s.serialize_newtype_variant("Texture", 0, "vertex_colors", &keys)
     }
@@ -88,7 +87,7 @@ impl<'de> Deserialize<'de> for VertexColors {
             array: keys.map(|keys| ArrayChoice {
                 name: keys.array,
                 component: None,
-                of: keys.of.map(Into::into),
+                of: keys.of,
                 is_color: true,
             }),
         })

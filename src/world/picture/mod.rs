@@ -10,8 +10,7 @@ mod wrap;
 #[cfg(test)]
 mod tests;
 
-use serde::{Deserialize, Serialize};
-
+use base::keywords;
 use levels::{MipLevel, SmallerTexels};
 use math::simd::{Arithmetic, Real};
 pub use texels::Texels;
@@ -40,22 +39,19 @@ pub struct Sampling {
     pub wrap: Wrap,
 }
 
-/// The filter between the texels of a picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(
-    rename_all = "snake_case",
-    expecting = "`trilinear`, `bilinear` or `nearest`"
-)]
-pub enum TexelFilter {
-    /// Linearly between the four nearest texels of the two copies whose texels are closest in size
-    /// to the ray's footprint.
-    #[default]
-    Trilinear,
-    /// Linearly between the four nearest texels of the whole picture.
-    Bilinear,
-    /// The nearest texel of the whole picture.
-    Nearest,
+keywords! {
+    /// The filter between the texels of a picture.
+    #[derive(Default)]
+    pub enum TexelFilter {
+        /// Linearly between the four nearest texels of the two copies whose texels are closest in
+        /// size to the ray's footprint.
+        #[default]
+        Trilinear = "trilinear",
+        /// Linearly between the four nearest texels of the whole picture.
+        Bilinear = "bilinear",
+        /// The nearest texel of the whole picture.
+        Nearest = "nearest",
+    }
 }
 
 impl Picture {

@@ -1,21 +1,20 @@
 //! The continuation of pictures beyond their edges.
 
-use serde::{Deserialize, Serialize};
-
+use base::keywords;
 use math::simd::{Arithmetic, Real};
 
-/// The continuation of a picture beyond its edges.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case", expecting = "`repeat`, `clamp` or `mirror`")]
-pub enum Wrap {
-    /// The picture is repeated.
-    #[default]
-    Repeat,
-    /// The color of the nearest edge continues.
-    Clamp,
-    /// The picture is repeated, and every other copy is mirrored.
-    Mirror,
+keywords! {
+    /// The continuation of a picture beyond its edges.
+    #[derive(Default)]
+    pub enum Wrap {
+        /// The picture is repeated.
+        #[default]
+        Repeat = "repeat",
+        /// The color of the nearest edge continues.
+        Clamp = "clamp",
+        /// The picture is repeated, and every other copy is mirrored.
+        Mirror = "mirror",
+    }
 }
 
 impl Wrap {

@@ -199,7 +199,7 @@ mod tests {
             let build = |simd| arena(simd, &primitives, &[], quality, |_| {}).unwrap();
             let sets = Simd::available();
             for simd in &sets[1..] {
-                assert!(build(*simd) == build(sets[0]), "{simd}, {quality}");
+                assert!(build(*simd) == build(sets[0]), "{simd}, {quality:?}");
             }
         }
     }

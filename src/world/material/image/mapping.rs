@@ -10,6 +10,7 @@ use super::spherical::Spherical;
 use super::triplanar::Triplanar;
 #[cfg(feature = "schema")]
 use crate::values::{Either, expected};
+use base::{Keyword, keywords};
 
 /// The mapping of a picture onto a surface.
 ///
@@ -37,21 +38,19 @@ pub enum Mapping {
     Triplanar(Triplanar),
 }
 
-/// The mappings without keys.
-#[cfg(feature = "schema")]
-#[derive(schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-#[expect(dead_code, reason = "for the schema")]
-enum MappingWord {
-    /// By the texture coordinates of a mesh.
-    Uv,
-    /// Projected onto a plane.
-    Planar,
-    /// Projected onto a sphere, as a map of longitudes and latitudes.
-    Spherical,
-    /// Projected along all three axes of world space, weighted by how close the normal is to each
-    /// axis.
-    Triplanar,
+keywords! {
+    /// The mappings without keys.
+    enum MappingWord {
+        /// By the texture coordinates of a mesh.
+        Uv = "uv",
+        /// Projected onto a plane.
+        Planar = "planar",
+        /// Projected onto a sphere, as a map of longitudes and latitudes.
+        Spherical = "spherical",
+        /// Projected along all three axes of world space, weighted by how close the normal is to
+        /// each axis.
+        Triplanar = "triplanar",
+    }
 }
 
 /// The mappings with keys.
@@ -84,16 +83,14 @@ impl<'de> Visitor<'de> for MappingVisitor {
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<Mapping, E> {
-        match word {
-            "uv" => Ok(Mapping::Uv),
-            "planar" => Ok(Mapping::Planar(Planar::default())),
-            "spherical" => Ok(Mapping::Spherical(Spherical::default())),
-            "triplanar" => Ok(Mapping::Triplanar(Triplanar::default())),
-            _ => {
-                let message = format!("unknown variant `{word}`, expected {EXPECTED}");
-                Err(E::custom(message))
-            }
-        }
+        let known = MappingWord::from_name(word);
+        let unknown = || E::custom(format!("unknown variant `{word}`, expected {EXPECTED}"));
+        Ok(match known.ok_or_else(unknown)? {
+            MappingWord::Uv => Mapping::Uv,
+            MappingWord::Planar => Mapping::Planar(Planar::default()),
+            MappingWord::Spherical => Mapping::Spherical(Spherical::default()),
+            MappingWord::Triplanar => Mapping::Triplanar(Triplanar::default()),
+        })
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Mapping, A::Error> {
