@@ -2,27 +2,24 @@
 //! `factor_level.rs` if none of those fits.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
-use serde::Deserialize;
 use serde::de::value::StringDeserializer;
-use serde::de::{DeserializeOwned, Deserializer, IntoDeserializer, MapAccess};
+use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAccess};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::factor_level::{
-    BoundedCount, Choices, FactorForm, FactorLevel, ImageSize, ProcessorCount, keyword, max_depth,
-    setting,
-};
+use super::factor_level::{BoundedCount, FactorForm, ImageSize, ProcessorCount, text_of};
 use scene::config::{
     CostMode, MAX_SAMPLES, MAX_SHAPES, Pinning, SimdSet, Structure, TileOrder, Tiling, Traversal,
 };
 use vtk::Codec;
-use world::values::expected;
+use world::values::{NonEmpty, expected};
 
 /// Makes the enum of factors, their names and their parsers: one row per factor, `Variant "name":
-/// type of a level in YAML => function that makes a [`FactorLevel`]`.
+/// type of a level in YAML => the flags that select it`.
 macro_rules! factors {
-    ($($(#[doc = $doc:literal])* $factor:ident $name:literal: $level:ty => $to_level:expr;)+) => {
-        /// A factor that a study varies through a flag of `raycost render`.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+    ($($(#[doc = $doc:literal])* $factor:ident $name:literal: $level:ty => $flags:expr;)+) => {
+        /// A factor that a study varies through flags of `raycost render`.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
         pub enum FlagFactor {
             $($(#[doc = $doc])* #[serde(rename = $name)] $factor,)+
         }
@@ -35,6 +32,13 @@ macro_rules! factors {
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$factor => $name,)+
+                }
+            }
+
+            /// Returns the flags that select a level; two share a size such as `100x75`.
+            fn flags(self) -> &'static [&'static str] {
+                match self {
+                    $(Self::$factor => &$flags,)+
                 }
             }
 
@@ -52,9 +56,9 @@ macro_rules! factors {
                 self,
                 map: &mut A,
                 form: FactorForm,
-            ) -> Result<Vec<FactorLevel>, A::Error> {
+            ) -> Result<Vec<Value>, A::Error> {
                 match self {
-                    $(Self::$factor => next_levels::<$level, A>(map, form, $to_level),)+
+                    $(Self::$factor => next_levels::<$level, A>(map, form),)+
                 }
             }
         }
@@ -63,37 +67,37 @@ macro_rules! factors {
 
 factors! {
     /// Width and height of the image in pixels: `[width, height]`.
-    ImageSize "image_size": ImageSize => ImageSize::level;
+    ImageSize "image_size": ImageSize => ["width", "height"];
     /// Samples per pixel.
-    SamplesPerPixel "samples_per_pixel": BoundedCount<{ MAX_SAMPLES as u64 }> => |n| n.level("spp");
+    SamplesPerPixel "samples_per_pixel": BoundedCount<{ MAX_SAMPLES as u64 }> => ["spp"];
     /// Number of rendering threads.
-    Threads "threads": ProcessorCount<1024> => |n| n.level("threads");
+    Threads "threads": ProcessorCount<1024> => ["threads"];
     /// Number of processes that render one picture by MPI, started by the `launcher`.
-    Ranks "ranks": ProcessorCount<65_535> => |n| n.level_of_launcher();
+    Ranks "ranks": ProcessorCount<65_535> => [];
     /// The acceleration structure.
-    Acceleration "acceleration": Structure => |structure| keyword("acceleration", structure);
+    Acceleration "acceleration": Structure => ["acceleration"];
     /// Number of spheres per generator of the scene.
-    Objects "objects": BoundedCount<{ MAX_SHAPES as u64 }> => |n| n.level("count");
+    Objects "objects": BoundedCount<{ MAX_SHAPES as u64 }> => ["count"];
     /// Maximum number of bounces of a path.
-    MaxDepth "max_depth": u8 => max_depth;
+    MaxDepth "max_depth": u8 => ["max-depth"];
     /// Side of a tile in pixels.
-    TileSize "tile_size": BoundedCount<{ Tiling::MAX_SIZE as u64 }> => |n| n.level("tile-size");
+    TileSize "tile_size": BoundedCount<{ Tiling::MAX_SIZE as u64 }> => ["tile-size"];
     /// The order in which threads take tiles.
-    TileOrder "tile_order": TileOrder => |order| keyword("tile-order", order);
+    TileOrder "tile_order": TileOrder => ["tile-order"];
     /// The cost that is measured for each pixel.
-    Cost "cost": CostMode => |cost| keyword("cost", cost);
+    Cost "cost": CostMode => ["cost"];
     /// The places of the threads.
-    Pin "pin": Pinning => |pin| keyword("pin", pin);
+    Pin "pin": Pinning => ["pin"];
     /// The vector instructions.
-    Simd "simd": SimdSet => |simd| keyword("simd", simd);
+    Simd "simd": SimdSet => ["simd"];
     /// The way in which the rays of a wave are traced.
-    Traversal "traversal": Traversal => |traversal| keyword("traversal", traversal);
+    Traversal "traversal": Traversal => ["traversal"];
     /// The codec of the arrays in VTK files.
-    Compress "compress": Codec => |codec| keyword("compress", codec);
+    Compress "compress": Codec => ["compress"];
 }
 
 /// A quantity that a study varies.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Factor {
     /// A flag of `raycost render`.
     Flag(FlagFactor),
@@ -110,15 +114,26 @@ impl Factor {
         }
     }
 
+    /// Returns the flags of `raycost render` that select a level.
+    pub(super) fn flags(&self, level: &Value) -> Vec<String> {
+        let Self::Flag(factor) = self else {
+            return vec![format!("--set={}={level}", self.name())];
+        };
+        let (flags, text) = (factor.flags(), text_of(level));
+        let values = text.splitn(flags.len(), 'x');
+        let set = |(flag, value): (&&str, &str)| format!("--{flag}={value}");
+        flags.iter().zip(values).map(set).collect()
+    }
+
     /// Reads the value of this factor's key: at least one level.
     pub(super) fn next_levels<'de, A: MapAccess<'de>>(
         &self,
         map: &mut A,
         form: FactorForm,
-    ) -> Result<Vec<FactorLevel>, A::Error> {
+    ) -> Result<Vec<Value>, A::Error> {
         match self {
             Self::Flag(flag) => flag.next_levels(map, form),
-            Self::Setting(path) => next_levels::<Value, A>(map, form, |value| setting(path, value)),
+            Self::Setting(_) => next_levels::<Value, A>(map, form),
         }
     }
 }
@@ -132,6 +147,12 @@ impl<'de> Deserialize<'de> for Factor {
         }
         let name: StringDeserializer<D::Error> = name.into_deserializer();
         FlagFactor::deserialize(name).map(Self::Flag)
+    }
+}
+
+impl Serialize for Factor {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str(self.name())
     }
 }
 
@@ -160,14 +181,14 @@ pub(super) fn schema<T: DeserializeOwned>(
     schema
 }
 
-fn next_levels<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
+fn next_levels<'de, T: Deserialize<'de> + Serialize, A: MapAccess<'de>>(
     map: &mut A,
     form: FactorForm,
-    to_level: impl Fn(T) -> FactorLevel,
-) -> Result<Vec<FactorLevel>, A::Error> {
-    let choices = match form {
-        FactorForm::List => map.next_value::<Choices<T>>()?.0,
+) -> Result<Vec<Value>, A::Error> {
+    let levels = match form {
+        FactorForm::List => map.next_value_seed(NonEmpty::<T>::of("choice"))?,
         FactorForm::One => vec![map.next_value::<T>()?],
     };
-    Ok(choices.into_iter().map(to_level).collect())
+    let levels = levels.iter().map(serde_json::to_value);
+    levels.collect::<Result<_, _>>().map_err(A::Error::custom)
 }

@@ -1,25 +1,17 @@
-//! Levels of factors: their form in YAML, and the flags that select them.
+//! Levels of factors: their forms in YAML.
 
 use std::fmt;
 
 use schemars::JsonSchema;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize, Serializer};
+use serde_json::Value;
 
+use base::{Keyword, keywords};
 use scene::config::MAX_SIDE;
 use world::schema_of_form;
-use world::values::{Either, NonEmpty, Whole, expected};
-
-/// One level of a factor.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FactorLevel {
-    /// The level in the results: a number or a text.
-    pub value: Value,
-    /// The flags of `raycost render` that select it.
-    pub flags: Vec<String>,
-}
+use world::values::{Either, Whole, expected};
 
 /// The form in which a study file states the levels of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,60 +22,11 @@ pub(super) enum FactorForm {
     One,
 }
 
-/// A list of at least one level.
-pub(super) struct Choices<T>(pub(super) Vec<T>);
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Choices<T> {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        NonEmpty::of("choice").deserialize(d).map(Self)
-    }
-}
-
-/// Returns the level `--flag=value` of a flag with keywords, such as `--cost=time`.
-pub(super) fn keyword(flag: &str, value: impl Serialize) -> FactorLevel {
-    let value = json!(value);
-    let text = value.as_str().unwrap_or_default();
-    FactorLevel {
-        flags: vec![format!("--{flag}={text}")],
-        value,
-    }
-}
-
-/// Returns the level `--max-depth=depth`, from 0 to 255.
-pub(super) fn max_depth(depth: u8) -> FactorLevel {
-    FactorLevel {
-        value: json!(depth),
-        flags: vec![format!("--max-depth={depth}")],
-    }
-}
-
-/// Returns the level `--set=path=value`: a number or a text in the results, and JSON if the value
-/// is a list or a mapping.
-pub(super) fn setting(path: &str, value: Value) -> FactorLevel {
-    let json = value.to_string();
-    FactorLevel {
-        flags: vec![format!("--set={path}={json}")],
-        value: match value {
-            Value::Number(_) | Value::String(_) => value,
-            _ => json.into(),
-        },
-    }
-}
-
 /// A number from 1 to `MAX`.
+#[derive(Serialize)]
 pub(super) struct BoundedCount<const MAX: u64>(u64);
 
 schema_of_form!(BoundedCount<MAX> where [const MAX: u64], Whole(1..=MAX));
-
-impl<const MAX: u64> BoundedCount<MAX> {
-    /// Returns the level `--flag=number`.
-    pub(super) fn level(self, flag: &str) -> FactorLevel {
-        FactorLevel {
-            value: json!(self.0),
-            flags: vec![format!("--{flag}={}", self.0)],
-        }
-    }
-}
 
 impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
@@ -92,31 +35,16 @@ impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
 }
 
 /// A number from 1 to `MAX`, or `all`: as many as this machine has processors.
-#[derive(JsonSchema)]
+#[derive(Serialize, JsonSchema)]
 #[schemars(with = "Either<All, BoundedCount<MAX>>", transform = expected::<Self>)]
 pub(super) struct ProcessorCount<const MAX: u64>(BoundedCount<MAX>);
 
-impl<const MAX: u64> ProcessorCount<MAX> {
-    /// Returns the level `--flag=number`.
-    pub(super) fn level(self, flag: &str) -> FactorLevel {
-        self.0.level(flag)
+keywords! {
+    /// The number of processors as a word.
+    enum All {
+        /// As many as this machine has processors.
+        All = "all",
     }
-
-    /// Returns the level that the launcher selects, not a flag.
-    pub(super) fn level_of_launcher(self) -> FactorLevel {
-        FactorLevel {
-            value: json!(self.0.0),
-            flags: Vec::new(),
-        }
-    }
-}
-
-/// As many as this machine has processors.
-#[derive(JsonSchema)]
-#[schemars(rename_all = "snake_case")]
-#[expect(dead_code, reason = "for the schema")]
-enum All {
-    All,
 }
 
 impl<'de, const MAX: u64> Deserialize<'de> for ProcessorCount<MAX> {
@@ -137,10 +65,9 @@ impl<const MAX: u64> Visitor<'_> for ProcessorCountVisitor<MAX> {
     }
 
     fn visit_str<E: Error>(self, found: &str) -> Result<u64, E> {
-        match found {
-            "all" => Ok(std::thread::available_parallelism().map_or(1, |n| n.get() as u64)),
-            _ => Err(E::invalid_value(Unexpected::Str(found), &self)),
-        }
+        let number = |All::All| std::thread::available_parallelism().map_or(1, |n| n.get() as u64);
+        let unknown = || E::invalid_value(Unexpected::Str(found), &self);
+        All::from_name(found).map(number).ok_or_else(unknown)
     }
 
     fn visit_u64<E: Error>(self, found: u64) -> Result<u64, E> {
@@ -162,6 +89,14 @@ type ImageSide = BoundedCount<{ MAX_SIDE as u64 }>;
 impl<'de> Deserialize<'de> for ImageSize {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         d.deserialize_any(ImageSizeVisitor).map(Self)
+    }
+}
+
+/// Writes `100x75`, as results and plots show sizes.
+impl Serialize for ImageSize {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        let Self([width, height]) = self;
+        s.collect_str(&format_args!("{width}x{height}"))
     }
 }
 
@@ -196,6 +131,13 @@ fn sides_of(size: &str) -> Option<[u64; 2]> {
     Some([width.parse().ok()?, height.parse().ok()?])
 }
 
+/// Returns a level as text, without quotes.
+pub(super) fn text_of(level: &Value) -> String {
+    level
+        .as_str()
+        .map_or_else(|| level.to_string(), str::to_owned)
+}
+
 /// Returns the number that a law of the cost grows with: a level that is a number, or the number of
 /// pixels of a size; `None` for other levels.
 pub(super) fn size_of_level(level: &Value) -> Option<f64> {
@@ -208,15 +150,4 @@ pub(super) fn size_of_level(level: &Value) -> Option<f64> {
         )
     };
     level.as_f64().or_else(n_pixels)
-}
-
-impl ImageSize {
-    /// Returns the level `--width=width --height=height`, `widthxheight` in the results.
-    pub(super) fn level(self) -> FactorLevel {
-        let Self([width, height]) = self;
-        FactorLevel {
-            value: json!(format!("{width}x{height}")),
-            flags: vec![format!("--width={width}"), format!("--height={height}")],
-        }
-    }
 }

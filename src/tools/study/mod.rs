@@ -34,7 +34,6 @@ mod plot;
 
 pub use cost_law::{CostLaw, CostSample, PowerLaw};
 pub use factor::{Factor, FlagFactor};
-pub use factor_level::FactorLevel;
 pub use launcher::Launcher;
 pub use limits_file::LimitsFile;
 pub use log_law::LogLaw;

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::point::scene_names;
 use super::step::leave_out;
-use super::{
-    Case, Factor, FactorLevel, Launcher, LeftOutStep, PlotSpec, StudyPoint, StudyStep, Vary,
-};
+use super::{Case, Factor, Launcher, LeftOutStep, PlotSpec, StudyPoint, StudyStep, Vary};
 use math::sampling::uniform;
 use scene::yaml::{Refusal, YamlFile, deserialize};
 use world::kinds;
@@ -28,7 +27,7 @@ use world::values::{self, NonEmpty};
 /// ").unwrap();
 /// # assert_eq!(plan.points().len(), 4);
 /// ```
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyPlan {
     /// The title of tables and plots.
@@ -43,12 +42,10 @@ pub struct StudyPlan {
     /// Levels that change together, such as the image size with the threads; each case is crossed
     /// with [`vary`](Self::vary).
     #[serde(default)]
-    #[schemars(extend("default" = NONE))]
     pub cases: Vec<Case>,
     /// Steps from one way of rendering to another, in place of `vary` and `cases`: each adds to the
     /// settings of the steps before.
     #[serde(default)]
-    #[schemars(extend("default" = NONE))]
     pub steps: Vec<StudyStep>,
     /// Flags of `raycost render` for all runs.
     #[serde(default)]
@@ -67,7 +64,6 @@ pub struct StudyPlan {
     pub time_budget_s: Option<f32>,
     /// The plots to draw.
     #[serde(default)]
-    #[schemars(extend("default" = NONE))]
     pub plots: Vec<PlotSpec>,
     /// If true, measures the machine's limits once and draws the points below them, as
     /// `roofline.svg`; no if not given.
@@ -78,11 +74,8 @@ pub struct StudyPlan {
     pub quick: Option<QuickPlan>,
 }
 
-/// An empty list, as it is written.
-const NONE: [(); 0] = [];
-
 /// Replacements for a smaller study.
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuickPlan {
     /// Replaces [`StudyPlan::vary`].
@@ -133,7 +126,7 @@ impl StudyPlan {
 
     /// Returns the total number of runs, warm-up included, saturating.
     pub fn n_runs(&self) -> u64 {
-        let levels = self.vary.0.iter().map(|(_, levels)| levels.len());
+        let levels = self.vary.0.values().map(Vec::len);
         let lists = [self.scenes.len(), self.cases.len(), self.steps.len()];
         let counts = lists.map(|count| count.max(1)).into_iter();
         let rounds = u64::from(self.warm_up) + u64::from(self.repeats);
@@ -165,7 +158,7 @@ impl StudyPlan {
                 self.cases.iter().map(of_case).collect()
             }
         });
-        let cross = |points: Vec<StudyPoint>, (factor, levels): &(Factor, Vec<FactorLevel>)| {
+        let cross = |points: Vec<StudyPoint>, (factor, levels): (&Factor, &Vec<Value>)| {
             let with_levels = |point: &StudyPoint| {
                 let points = levels.iter().map(|level| point.with(factor, level));
                 points.collect::<Vec<_>>()
@@ -195,8 +188,7 @@ impl StudyPlan {
 
 /// Returns the point with all levels of a case.
 fn with_case(point: &StudyPoint, case: &Case) -> StudyPoint {
-    let with =
-        |point: StudyPoint, (factor, level): &(Factor, FactorLevel)| point.with(factor, level);
+    let with = |point: StudyPoint, (factor, level): (&Factor, &Value)| point.with(factor, level);
     case.0.iter().fold(point.clone(), with)
 }
 

@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::hash::Hash;
 
+use serde_json::json;
+
 use super::factor_level::size_of_level;
 use super::metric_list::{MetricNeed, StudyMetric};
 use super::overhead::COST;
@@ -39,12 +41,11 @@ impl StudyPlan {
         let in_vary =
             in_vary.flat_map(|(factor, levels)| levels.iter().map(move |one| (factor, one)));
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
-        let in_cases = in_cases.map(|(factor, level)| (factor, level));
         let mut levels = in_vary
             .chain(in_cases)
             .filter(|(factor, _)| factor.name() == plot.x);
         let has_names = ["scene", STEP].contains(&&*plot.x)
-            || levels.any(|(_, level)| size_of_level(&level.value).is_none());
+            || levels.any(|(_, level)| size_of_level(level).is_none());
         if !plot.fit || !has_names {
             return Ok(());
         }
@@ -57,7 +58,7 @@ impl StudyPlan {
     fn factor_names(&self) -> Vec<&str> {
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let in_cases = in_cases.map(|(factor, _)| factor.name());
-        let in_vary = self.vary.0.iter().map(|(factor, _)| factor.name());
+        let in_vary = self.vary.0.keys().map(Factor::name);
         let step = (!self.steps.is_empty()).then_some(STEP);
         let mut names = vec!["scene"];
         for name in step.into_iter().chain(in_cases).chain(in_vary) {
@@ -85,7 +86,7 @@ impl StudyPlan {
             check_cases(cases, &of_quick("cases"))?;
         }
         let in_cases = || self.cases.iter().flat_map(|case| &case.0);
-        for (factor, _) in &self.vary.0 {
+        for factor in self.vary.0.keys() {
             if in_cases().any(|(other, _)| other == factor) {
                 let name = factor.name();
                 let message = format!("`{name}` is in `cases`, too");
@@ -157,7 +158,7 @@ impl StudyPlan {
         let is_ranks = |factor: &Factor| *factor == Factor::Flag(FlagFactor::Ranks);
         let in_cases = self.cases.iter().flat_map(|case| &case.0);
         let ranks_in_cases = in_cases.map(|(factor, _)| factor).any(is_ranks);
-        let ranks_in_vary = self.vary.0.iter().any(|(factor, _)| is_ranks(factor));
+        let ranks_in_vary = self.vary.0.keys().any(is_ranks);
         let ranks_in_steps = self.steps.iter().any(StudyStep::has_ranks);
         let has_ranks = ranks_in_vary || ranks_in_cases || ranks_in_steps;
         let (path, message, help) = match (&self.launcher, has_ranks) {
@@ -199,19 +200,13 @@ fn check_differ<T: Eq + Hash>(list: &[T], path: &FieldPath) -> Result<(), Fault>
 
 fn check_vary(vary: &Vary, path: &FieldPath) -> Result<(), Fault> {
     for (factor, levels) in &vary.0 {
-        let values: Vec<_> = levels.iter().map(|level| &level.value).collect();
-        check_differ(&values, &path.clone().key(factor.name()))?;
+        check_differ(levels, &path.clone().key(factor.name()))?;
     }
     Ok(())
 }
 
 fn check_cases(cases: &[Case], path: &FieldPath) -> Result<(), Fault> {
-    let value_of = |case: &Case| -> serde_json::Map<_, _> {
-        let levels = case.0.iter();
-        let level = levels.map(|(factor, level)| (factor.name().to_owned(), level.value.clone()));
-        level.collect()
-    };
-    let values: Vec<_> = cases.iter().map(value_of).collect();
+    let values: Vec<_> = cases.iter().map(|case| json!(case)).collect();
     check_differ(&values, path)
 }
 

@@ -4,9 +4,9 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use output::chart::Scale;
 use world::kinds;
@@ -19,7 +19,7 @@ use world::values::{Either, Text, expected};
 /// # use raycost_tools::study::PlotSpec;
 /// let plot: PlotSpec = yaml::from_str("{ x: threads, y: render_wall_ms, fit: true }").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlotSpec {
     /// The factor or metric along the horizontal axis.

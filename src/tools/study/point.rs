@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
 
-use super::{Case, Factor, FactorLevel, FlagFactor, StepCommand, StudyStep};
+use super::factor_level::text_of;
+use super::{Case, Factor, FlagFactor, StepCommand, StudyStep};
 
 /// A scene and a level of each factor.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,11 +42,11 @@ impl StudyPoint {
     }
 
     /// Returns the point with a level of one more factor.
-    pub(super) fn with(&self, factor: &Factor, level: &FactorLevel) -> Self {
+    pub(super) fn with(&self, factor: &Factor, level: &Value) -> Self {
         let mut point = self.clone();
         point.add(factor, level);
         let name = factor.name().to_owned();
-        point.values.insert(name, level.value.clone());
+        point.values.insert(name, level.clone());
         point
     }
 
@@ -59,8 +60,8 @@ impl StudyPoint {
                     .0
                     .iter()
                     .inspect(|(factor, level)| point.add(factor, level));
-                let text = |(factor, level): &(Factor, FactorLevel)| {
-                    format!("{} {}", factor.name(), text_of(&level.value))
+                let text = |(factor, level): (&Factor, &Value)| {
+                    format!("{} {}", factor.name(), text_of(level))
                 };
                 levels.map(text).collect()
             }
@@ -72,10 +73,10 @@ impl StudyPoint {
         point
     }
 
-    fn add(&mut self, factor: &Factor, level: &FactorLevel) {
-        self.flags.extend(level.flags.iter().cloned());
+    fn add(&mut self, factor: &Factor, level: &Value) {
+        self.flags.extend(factor.flags(level));
         if *factor == Factor::Flag(FlagFactor::Ranks) {
-            self.ranks = level.value.as_u64();
+            self.ranks = level.as_u64();
         }
     }
 
@@ -135,11 +136,4 @@ pub fn label_of(values: &Map<String, Value>) -> String {
     // The name of a step stands for its settings.
     let shown = values.iter().filter(|(factor, _)| *factor != SETTINGS);
     shown.map(named).collect::<Vec<_>>().join(", ")
-}
-
-/// Returns a level's value as text, without quotes.
-pub(super) fn text_of(value: &Value) -> String {
-    value
-        .as_str()
-        .map_or_else(|| value.to_string(), str::to_owned)
 }

@@ -9,7 +9,7 @@ use scene::yaml::{Fault, FieldPath};
 use world::values;
 
 /// A step of a study.
-#[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StudyStep {
     /// The name in tables and plots.
@@ -36,7 +36,7 @@ impl StudyStep {
     /// Returns the reason why this processor cannot make the step, if there is one.
     pub fn lacks_instructions(&self) -> Option<String> {
         let level = self.set.level(FlagFactor::Simd)?;
-        let simd: SimdSet = serde_json::from_value(level.value.clone()).ok()?;
+        let simd: SimdSet = serde_json::from_value(level.clone()).ok()?;
         Some(simd.detect().err()?.message().to_owned())
     }
 
@@ -71,7 +71,7 @@ pub(super) fn leave_out(
 
 /// A command such as `python loop.py {scene} {image}`, started in the folder of the study. Its
 /// words are separated by blanks.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(transparent)]
 pub struct StepCommand(String);
 

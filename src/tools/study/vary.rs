@@ -2,38 +2,33 @@
 
 use std::fmt;
 
-use serde::Deserialize;
+use indexmap::IndexMap;
 use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::factor_level::FactorForm;
-use super::{Factor, FactorLevel, FlagFactor, factor};
+use super::{Factor, FlagFactor, factor};
 use world::schema_of_form;
 
 /// Factors and their levels, in the order of the file.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Vary(pub Vec<(Factor, Vec<FactorLevel>)>);
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Vary(pub IndexMap<Factor, Vec<Value>>);
 
 /// One level of each of some factors.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Case(pub Vec<(Factor, FactorLevel)>);
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Case(pub IndexMap<Factor, Value>);
 
 impl Case {
     /// Returns the level of a factor.
-    pub(super) fn level(&self, flag: FlagFactor) -> Option<&FactorLevel> {
-        let mut levels = self.0.iter();
-        let found = levels.find(|(factor, _)| *factor == Factor::Flag(flag));
-        found.map(|(_, level)| level)
+    pub(super) fn level(&self, flag: FlagFactor) -> Option<&Value> {
+        self.0.get(&Factor::Flag(flag))
     }
 
     /// Returns these levels with those of another case, which replace levels of the same factors.
     pub(super) fn joined_with(&self, other: &Self) -> Self {
         let mut joined = self.clone();
-        for (factor, level) in &other.0 {
-            match joined.0.iter_mut().find(|(known, _)| known == factor) {
-                Some((_, known)) => *known = level.clone(),
-                None => joined.0.push((factor.clone(), level.clone())),
-            }
-        }
+        joined.0.extend(other.0.clone());
         joined
     }
 }
@@ -53,20 +48,18 @@ impl<'de> Deserialize<'de> for Vary {
 
 impl<'de> Deserialize<'de> for Case {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        let factors = d
-            .deserialize_map(FactorsVisitor(FactorForm::One))?
-            .into_iter();
-        let one = |(factor, levels): (Factor, Vec<FactorLevel>)| {
-            Some((factor, levels.into_iter().next()?))
-        };
-        Ok(Self(factors.filter_map(one).collect()))
+        let factors = d.deserialize_map(FactorsVisitor(FactorForm::One))?;
+        let levels = factors.into_iter();
+        let one =
+            |(factor, levels): (Factor, Vec<Value>)| Some((factor, levels.into_iter().next()?));
+        Ok(Self(levels.filter_map(one).collect()))
     }
 }
 
 struct FactorsVisitor(FactorForm);
 
 impl<'de> Visitor<'de> for FactorsVisitor {
-    type Value = Vec<(Factor, Vec<FactorLevel>)>;
+    type Value = IndexMap<Factor, Vec<Value>>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self.0 {
@@ -76,10 +69,10 @@ impl<'de> Visitor<'de> for FactorsVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut factors = Vec::new();
+        let mut factors = IndexMap::new();
         while let Some(factor) = map.next_key::<Factor>()? {
             let levels = factor.next_levels(&mut map, self.0)?;
-            factors.push((factor, levels));
+            factors.insert(factor, levels);
         }
         Ok(factors)
     }

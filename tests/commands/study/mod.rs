@@ -111,7 +111,7 @@ fn any_value_of_the_scene_is_a_factor() {
         let point = serde_json::json!({
             "scene": "scene",
             "camera.look_at.fov_y_deg": fov,
-            "objects[1].plane.normal": "[0,1,0]",
+            "objects[1].plane.normal": [0, 1, 0],
         });
         assert!(points.contains(&point), "{points:?}");
     }

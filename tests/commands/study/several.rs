@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use scene::yaml::Source;
+use scene::yaml::{self, Source, json_of, to_yaml};
 use serde_json::Value;
 use tools::study::{FlagFactor, StudyPlan};
 
@@ -106,6 +106,8 @@ fn the_studies_of_the_repository_are_valid() {
     for path in paths.filter(|path| path.is_file()) {
         let source = Source::read(&path).unwrap();
         let plan: StudyPlan = source.parse().unwrap_or_else(|error| panic!("{error}"));
+        let written = to_yaml(&json_of(&plan).unwrap());
+        assert_eq!(yaml::from_str::<StudyPlan>(&written).unwrap(), plan);
         assert!(!plan.plots.is_empty() && plan.quick.is_some(), "{path:?}");
         plan.check()
             .unwrap_or_else(|fault| panic!("{path:?}: {fault:?}"));

@@ -3,8 +3,7 @@
 use serde_json::Value;
 
 use super::series_factors::series_factors;
-use crate::study::factor_level::size_of_level;
-use crate::study::point::text_of;
+use crate::study::factor_level::{size_of_level, text_of};
 use crate::study::step_rows::STEP_TIME;
 use crate::study::{CostLaw, CostSample, FlagFactor, PlotSpec, PowerLaw, StatisticsRow};
 use output::chart::{Scale, rounded_number};
