@@ -12,7 +12,7 @@ pub enum Failure {
     Input(Diagnostic),
     /// The output is incomplete, as a message on standard output says: exit code 4.
     Partial,
-    /// B costs more than the gate of `diff` allows: exit code 3.
+    /// More work than the gate of `diff` or a budget allows: exit code 3.
     Gate(Diagnostic),
     /// The system refused, for example to write a file: exit code 1.
     Machine(Diagnostic),

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, and one row in the list of commands.
 
+mod budget;
 mod charges;
 mod check;
 mod completions;
@@ -82,6 +83,8 @@ commands! {
     View(view::ViewArguments),
     /// Compare the costs of two outputs, or an output with the file of another program
     Diff(diff::DiffArguments),
+    /// Keep the exact totals of scenes, and check later that no counter grew
+    Budget(budget::BudgetArguments),
     /// Show all rays of some pixels and the cost of each
     Trace(trace::TraceArguments),
     /// Measure how the cost of scenes depends on the factors that you vary

@@ -11,11 +11,14 @@ use render::checkpoint::{Header, PicturePart, RecordLayout};
 use render::film;
 use render::tiles::least_repeats;
 use scene::build::SceneFrame;
-use scene::config::{Config, Geometry};
+use scene::config::{
+    Acceleration, Config, CostMode, Geometry, Outputs, RatioMetrics, Repeats, Tiling,
+};
 
 use super::this_build;
 use host::text::Diagnostic;
 use scene::yaml::{Document, FieldPath, Folders};
+use vtk::Codec;
 use world::background::Background;
 
 impl Session {
@@ -26,6 +29,26 @@ impl Session {
     pub(crate) fn contents(&self) -> Result<Checksum, Diagnostic> {
         let (document, config) = (&self.document, &self.config);
         hash_pixels(config, None, None, files(document, config))
+    }
+
+    /// Returns a hash of all that determines the picture, without the settings that change only the
+    /// work for it and its files.
+    ///
+    /// # Errors
+    /// If a file of the scene cannot be read.
+    pub(crate) fn picture(&self) -> Result<Checksum, Diagnostic> {
+        let config = Config {
+            animation: None,
+            acceleration: Acceleration::default(),
+            cost: CostMode::default(),
+            metrics: RatioMetrics::default(),
+            repeats: Repeats::default(),
+            tiles: Tiling::default(),
+            output: Outputs::default(),
+            compress: Codec::default(),
+            ..self.config.filled()
+        };
+        hash_pixels(&config, None, None, files(&self.document, &config))
     }
 
     /// Returns the header that identifies finished tiles of this scene, rendered by this program.

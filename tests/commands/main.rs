@@ -7,6 +7,7 @@ mod architecture;
 mod beginners;
 mod benches;
 mod book;
+mod budget;
 mod choices;
 mod configs;
 mod cost_law;

@@ -85,7 +85,7 @@ impl SceneArguments {
         let command = SceneCommand::try_parse_from(flags.chain(out).chain(scene));
         let parsed = command.map_err(|error| {
             let why = error.to_string();
-            Diagnostic::new(format!("cannot use the settings of the parts: {why}"))
+            Diagnostic::new(format!("cannot use the stored flags of the scene: {why}"))
         })?;
         Ok(parsed.scene)
     }

@@ -233,6 +233,11 @@ impl SceneArguments {
         }
     }
 
+    /// Returns the value of `--out`, if given.
+    pub(in crate::cli) fn given_out(&self) -> Option<&Path> {
+        self.out.as_deref()
+    }
+
     /// Returns the folder to write to.
     pub(in crate::cli) fn out(&self) -> PathBuf {
         match &self.out {

@@ -20,8 +20,8 @@ pub use other_runs::{OtherRuns, OtherRunsOfFile};
 pub use partial::Partial;
 pub use program::{Build, Machine, Threads};
 pub use ranks::{RankEntry, RanksSection};
-pub use read::MAX_BYTES;
 pub(crate) use read::read_json;
+pub use read::{MAX_BYTES, read_value};
 pub use scene::{
     AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
     SceneSection,

@@ -4,6 +4,8 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
+
 use super::Summary;
 use host::available_memory;
 use host::files;
@@ -22,16 +24,31 @@ impl Summary {
     /// # Errors
     /// The file cannot be read, or a line is not as raycost writes it.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        let name = path.display().to_string();
-        let text = read_json(path, MAX_BYTES)
-            .map_err(|error| Diagnostic::new(format!("cannot read `{name}`: {error}")))?;
-        serde_json::from_str(&text).map_err(|error| {
-            let message = format!("`{name}` is not a summary of a rendering: {error}");
-            let fault = Fault::at_bytes(place(&text, &error), message, "not as raycost writes it")
-                .with_help("render the scene again");
-            Source::new(name, text.as_str()).point_at(fault)
-        })
+        let what = "a summary of a rendering";
+        read_value(path, MAX_BYTES, what, "render the scene again")
     }
+}
+
+/// Reads a JSON file of raycost. `what` names its content, and `help` advises how to make it.
+///
+/// # Errors
+/// The file cannot be read, or a line is not as raycost writes it.
+pub fn read_value<T: DeserializeOwned>(
+    path: &Path,
+    max_bytes: u64,
+    what: &str,
+    help: &str,
+) -> Result<T, Diagnostic> {
+    let name = path.display().to_string();
+    let text = read_json(path, max_bytes).map_err(|error| {
+        Diagnostic::new(format!("cannot read `{name}`: {error}")).with_help(help)
+    })?;
+    serde_json::from_str(&text).map_err(|error| {
+        let message = format!("`{name}` is not {what}: {error}");
+        let fault = Fault::at_bytes(place(&text, &error), message, "not as raycost writes it")
+            .with_help(help);
+        Source::new(name, text.as_str()).point_at(fault)
+    })
 }
 
 /// Returns the byte that an error points at; the error's column is in bytes, from 1.

@@ -53,6 +53,7 @@ pub(crate) use picture::write_bare as write_bare_picture;
 pub use rays::Traced;
 pub(crate) use reduced_map::side as map_side;
 pub use state_files::{GEOMETRY, HEATMAP};
+pub use summary::totals;
 pub use surface::write as write_surface;
 pub use survey::Survey;
 pub use thread_time::{thread_time, time_notes};

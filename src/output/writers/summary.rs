@@ -120,7 +120,7 @@ fn cost(rendering: &RenderingView) -> CostSection {
 }
 
 /// Returns the sums of the film's arrays, by the arrays' names.
-fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
+pub fn totals(film: &Film, survey: &Survey) -> IndexMap<String, Option<Number>> {
     let mut totals = IndexMap::new();
     let has = |metric: &Metric| match metric.source {
         MetricSource::Observed(_) => film.extra.tests,

@@ -43,7 +43,7 @@ impl std::str::FromStr for Limit {
 
 impl Limit {
     /// Returns true if the ratio B / A passes.
-    fn allows(self, ratio: f64) -> bool {
+    pub(crate) fn allows(self, ratio: f64) -> bool {
         ratio <= 1.0 + self.0 / 100.0
     }
 }

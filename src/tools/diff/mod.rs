@@ -33,6 +33,7 @@ pub use light::LightDifference;
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
 pub use report::report;
+pub(crate) use report::table;
 pub use settings::Setting;
 pub use side::Side;
 pub use state::FILE as STATE;

@@ -134,7 +134,7 @@ pub(super) fn ratio_label(ratio: f64) -> String {
 }
 
 /// Formats rows of cells, the first column flush left, the others flush right.
-pub(super) fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
+pub(crate) fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> String {
     let rows: Vec<[String; N]> = rows.collect();
     let width = |column: usize| {
         let widths = rows.iter().map(|row| row[column].chars().count());

@@ -1,0 +1,112 @@
+//! A scene file → the totals of its counters.
+
+use std::path::Path;
+
+use indexmap::IndexMap;
+
+use super::BudgetArguments;
+use crate::cli::Failure;
+use crate::cli::progress::Bars;
+use crate::cli::scene::SceneArguments;
+use crate::job::{OpenScene, SceneSource};
+use crate::session::{Options, Session};
+use host::text::Diagnostic;
+use output::estimate::Memory;
+use output::writers::{Group, RenderingView, totals};
+use render::attribution::{AttributionRule, CostAttribution};
+use render::instruments::Stages;
+use scene::config::{Config, CostMode, OptionalOutput, Outputs, RatioMetrics, Repeats};
+use scene::yaml::{Document, Source};
+use tools::budget::{RayTotals, SceneBudget};
+use tracer::cost::RayKind;
+
+/// Renders a scene with these flags of the command line, and returns its totals.
+pub(super) fn measure(
+    arguments: &BudgetArguments,
+    file: &Path,
+    flags: &[String],
+    frame: Option<u32>,
+) -> Result<SceneBudget, Failure> {
+    let source = CountedScene(SceneArguments::from_flags(file, flags, Path::new("."))?);
+    if source.0.is_standard_input() {
+        let message = "a budget cannot measure standard input again";
+        let help = "write the scene to a file, and name it";
+        return Err(Diagnostic::new(message).with_help(help).into());
+    }
+    let open = OpenScene::read(&source)?;
+    let bars = Bars::new(arguments.quiet);
+    let show = |event| bars.show(event);
+    let options = Options {
+        threads: arguments.threads,
+        on_event: Some(&show),
+        ..Options::default()
+    };
+    let input = open.load(frame, Memory::estimate)?;
+    let base = open.base_of(frame, &options)?;
+    let session = Session::new(input, Stages::default())?;
+    base.into_iter().for_each(|base| session.set_base(base));
+    let rendering = session.render(&options)?;
+    let view = rendering.view(None);
+    let counted = totals(view.film, view.survey).into_iter();
+    let total =
+        |(name, total): (String, Option<serde_json::Number>)| Some((name, total?.as_u64()?));
+    Ok(SceneBudget {
+        scene: file.to_string_lossy().into_owned(),
+        flags: flags.to_vec(),
+        frame,
+        image: (&session.config().image).into(),
+        config: session.picture()?,
+        totals: counted.filter_map(total).collect(),
+        objects: (rendering.attribution())
+            .map_or_else(IndexMap::new, |costs| by_object(&view, costs)),
+    })
+}
+
+/// Returns the totals of each object by the kinds of rays, of kinds that it has. Objects of one
+/// name are added up.
+fn by_object(
+    view: &RenderingView,
+    attribution: &CostAttribution,
+) -> IndexMap<String, IndexMap<String, RayTotals>> {
+    let [objects, _] = Group::all(view, attribution);
+    let mut all: IndexMap<String, IndexMap<String, RayTotals>> = IndexMap::new();
+    for (name, account) in objects.names.into_iter().zip(objects.accounts) {
+        let kinds = all.entry(name).or_default();
+        for kind in RayKind::ALL {
+            let work = account.work(AttributionRule::Primary, kind);
+            if work.rays > 0 {
+                let of_kind = kinds.entry(kind.name().to_owned()).or_default();
+                of_kind.add(work.into());
+            }
+        }
+    }
+    all
+}
+
+/// A scene that is rendered only for its counters.
+struct CountedScene(SceneArguments);
+
+impl SceneSource for CountedScene {
+    fn file(&self) -> &Path {
+        self.0.file()
+    }
+
+    fn read(&self) -> Result<Source, Diagnostic> {
+        self.0.read()
+    }
+
+    fn settings(&self) -> &[String] {
+        self.0.settings()
+    }
+
+    fn change(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
+        self.0.change(config, document)?;
+        config.cost = CostMode::Counters;
+        config.metrics = RatioMetrics::default();
+        config.repeats = Repeats::ONCE;
+        config.output = Outputs::default();
+        config.output.add(OptionalOutput::Objects);
+        config.output.add(OptionalOutput::Tests);
+        Ok(())
+    }
+}
