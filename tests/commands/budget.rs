@@ -160,6 +160,25 @@ fn a_budget_has_the_same_bytes_on_every_number_of_threads_and_passes() {
     }
 }
 
+/// `RAYCOST_BLESS=1` measures the scenes anew.
+#[test]
+fn the_scenes_of_this_project_keep_to_their_budget() {
+    let file = "tests/budget.json";
+    let folder = in_repository("");
+    if std::env::var_os("RAYCOST_BLESS").is_some() {
+        printed(&folder, &["--update", file]);
+    }
+    let output = budget(&folder, &["--check", file]);
+    assert_success(&output);
+    let report = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        report
+            .lines()
+            .all(|line| line.ends_with(": the same totals")),
+        "{report}"
+    );
+}
+
 #[test]
 fn more_work_for_the_same_picture_ends_with_3_and_a_table() {
     let folder = folder();
