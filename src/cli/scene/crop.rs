@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Serialize, Serializer};
+
 use host::text::Diagnostic;
 use scene::config::Image;
 
@@ -38,6 +40,12 @@ impl FromStr for Crop {
         } else {
             Ok(Self(window))
         }
+    }
+}
+
+impl Serialize for Crop {
+    fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+        s.collect_str(self)
     }
 }
 

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use clap::Parser;
+use serde_json::Value;
 
 use super::SceneArguments;
 use crate::cli::shell_word;
-use base::Keyword;
 use host::text::Diagnostic;
-use scene::config::CostMode;
+use scene::yaml::json_of;
 
 /// The arguments of a scene, parsed on their own.
 #[derive(Debug, Parser)]
@@ -19,54 +19,57 @@ struct SceneCommand {
 }
 
 /// A flag without its dashes, and its value.
-type Flag = (&'static str, String);
+type Flag = (String, String);
 
 impl SceneArguments {
     /// Returns the flags that determine the pixels and the output folder, each preceded by a blank:
     /// with them, another command renders the same pixels.
     pub(in crate::cli) fn flags_of_the_picture(&self) -> Vec<String> {
+        let is_of_picture = |(name, _): &Flag| match name.as_str() {
+            "cost" | "repeats" | "tile-size" | "tile-order" | "compress" => false,
+            // What is set may name arrays of these outputs.
+            "also" => !self.set.is_empty(),
+            _ => true,
+        };
+        let flags = self.given().into_iter().filter(is_of_picture);
+        let words = flags.map(|(name, value)| (name, shell_word(Path::new(&value))));
         let out = self.out.as_deref().map(shell_word);
-        let picture = self.picture().into_iter();
-        // What is set may name arrays of these outputs.
-        let also = self.also().filter(|_| !self.set.is_empty());
-        let flags = picture.chain(flag("out", out)).chain(flag("also", also));
-        let set = self.set.iter().map(Path::new).map(shell_word);
-        let set = set.map(|setting| format!(" --set {setting}"));
-        let shown = flags.map(|(name, value)| format!(" --{name} {value}"));
-        shown.chain(set).collect()
-    }
-
-    /// Returns the value of `--also`, if it is given.
-    fn also(&self) -> Option<String> {
-        let names: Vec<&str> = self.also.iter().map(|output| output.name()).collect();
-        (!names.is_empty()).then(|| names.join(","))
+        let words = words.chain(out.map(|folder| ("out".to_owned(), folder)));
+        words
+            .map(|(name, word)| format!(" --{name} {word}"))
+            .collect()
     }
 
     /// Returns all flags except the output folder, each as one argument: with them,
     /// [`from_flags`](Self::from_flags) gives the same settings.
     pub(in crate::cli) fn all_flags(&self) -> Vec<String> {
-        let cost = if self.no_cost {
-            Some(CostMode::None)
-        } else {
-            self.cost
-        };
-        let measured = [
-            flag("cost", name(cost)),
-            flag("repeats", self.repeats.map(|n| n.to_string())),
-            flag("tile-size", self.tile_size.map(|n| n.to_string())),
-            flag("tile-order", name(self.tile_order)),
-            flag("also", self.also()),
-            flag("compress", name(self.compress)),
-        ];
-        let set = self.set.iter().map(|setting| ("set", setting.clone()));
-        let flags = self
-            .picture()
-            .into_iter()
-            .chain(measured.into_iter().flatten());
+        let cost = self.cost();
+        let flags = Self {
+            cost,
+            ..self.clone()
+        }
+        .given()
+        .into_iter();
         flags
-            .chain(set)
             .map(|(name, value)| format!("--{name}={value}"))
             .collect()
+    }
+
+    /// Returns the flags that have a value; the flag of a list once for each item.
+    fn given(&self) -> Vec<Flag> {
+        // Numbers, texts and words always have JSON.
+        let flags = json_of(self).unwrap_or_default();
+        let flags = flags.as_object().into_iter().flatten();
+        let each = flags.flat_map(|(name, value)| {
+            let values = match value {
+                Value::Null => &[],
+                Value::Array(items) => &items[..],
+                one => std::slice::from_ref(one),
+            };
+            let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
+            values.iter().map(move |value| (name.clone(), text(value)))
+        });
+        each.collect()
     }
 
     /// Returns the arguments of a scene with [`all_flags`](Self::all_flags) of another command, to
@@ -89,33 +92,6 @@ impl SceneArguments {
         })?;
         Ok(parsed.scene)
     }
-
-    /// Returns the flags that determine the pixels, besides `--set`.
-    fn picture(&self) -> Vec<Flag> {
-        let number = |n: Option<u32>| n.map(|n| n.to_string());
-        let flags = [
-            flag("up", name(self.up)),
-            flag("width", number(self.width)),
-            flag("height", number(self.height)),
-            flag("crop", self.crop.map(|crop| crop.to_string())),
-            flag("spp", number(self.spp)),
-            flag("seed", self.seed.map(|seed| seed.to_string())),
-            flag("max-depth", self.max_depth.map(|n| n.to_string())),
-            flag("exposure", self.exposure.map(|stops| stops.to_string())),
-            flag("tone-curve", name(self.tone_curve)),
-            flag("acceleration", name(self.acceleration)),
-            flag("count", number(self.count)),
-        ];
-        flags.into_iter().flatten().collect()
-    }
-}
-
-fn name(keyword: Option<impl Keyword>) -> Option<String> {
-    keyword.map(|keyword| keyword.name().to_owned())
-}
-
-fn flag(name: &'static str, value: Option<String>) -> Option<Flag> {
-    value.map(|value| (name, value))
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ mod flags;
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use crate::cli::{keyword, shell_word, study};
 use crate::job::SceneSource;
 use base::Keyword;
@@ -27,9 +29,11 @@ use world::color::ToneCurve;
 const STANDARD_INPUT: &str = "-";
 
 /// The scene file and the settings that override the file's.
-#[derive(Debug, Clone, Default, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub(in crate::cli) struct SceneArguments {
     /// The scene's YAML file; `-` for standard input; or a mesh, for a scene around it
+    #[serde(skip)]
     pub(in crate::cli) scene: PathBuf,
 
     /// Set a value of the scene, such as `camera.look_at.fov_y_deg=30` or
@@ -39,6 +43,7 @@ pub(in crate::cli) struct SceneArguments {
 
     /// Folder to write to [default: out/<the scene file's name>; of a mesh, with its format]
     #[arg(long, value_name = "DIR")]
+    #[serde(skip)]
     out: Option<PathBuf>,
 
     /// Columns of the picture, instead of the file's
@@ -89,6 +94,7 @@ pub(in crate::cli) struct SceneArguments {
 
     /// Short for `--cost none`
     #[arg(long, conflicts_with = "cost")]
+    #[serde(skip)]
     no_cost: bool,
 
     /// Times to render the picture, 1 to 255, instead of the file's: a pixel's time
@@ -119,6 +125,7 @@ pub(in crate::cli) struct SceneArguments {
 
     /// Only the picture is wanted, in this format
     #[arg(skip)]
+    #[serde(skip)]
     picture: Option<PictureFormat>,
 }
 

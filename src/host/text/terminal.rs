@@ -30,7 +30,7 @@ pub fn shown(path: &Path) -> String {
 /// Quotes the path as one word for a shell.
 pub fn shell_word(path: &Path) -> String {
     let text = one_line(&path.to_string_lossy()).into_owned();
-    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%".contains(c);
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:@%,".contains(c);
     if text.chars().all(plain) {
         text
     } else {
