@@ -48,14 +48,14 @@ struct ShadingKeys {
     model: ShadingModel,
     /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
     #[serde(default, with = "values::Radiance")]
-    #[cfg_attr(feature = "schema", schemars(extend("default" = 0.05)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().ambient.x)))]
     ambient: Option<Vec3>,
     /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
     #[serde(default = "default_depth", with = "values::Byte")]
     max_depth: u8,
     /// The lights that are sampled at each point; `each`, and `power` in path tracing, by default.
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("default" = "each")))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().light_sampling)))]
     light_sampling: Option<LightSampling>,
     /// The masking-shadowing function of rough surfaces in path tracing; `height_correlated` if not
     /// given.
@@ -66,7 +66,7 @@ struct ShadingKeys {
     occlusion_distance: Option<f32>,
     /// If true, objects cast shadows.
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("default" = true)))]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().shadows)))]
     shadows: Option<bool>,
 }
 

@@ -110,7 +110,7 @@ pub struct Config {
     pub film: FilmSettings,
     /// The acceleration structure.
     #[serde(default)]
-    #[schemars(extend("default" = "bvh"))]
+    #[schemars(extend("default" = Acceleration::default().kind()))]
     pub acceleration: Acceleration,
     /// The cost measured for each pixel.
     #[serde(default)]
