@@ -4,7 +4,6 @@
 //! files are errors that say what to do. The reader supports only the VTK XML files that
 //! [`crate::writers`] writes: arrays in appended raw data, with or without compressed blocks.
 
-mod frame;
 mod objects;
 mod relocate;
 mod verify;
@@ -17,12 +16,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 pub use arrays::{ArrayInfo, LoadedArray};
-pub use frame::complete_frame;
 pub use frame_file::{FrameFile, FramePiece};
 pub use hits_file::{HitsFile, HitsPiece};
 pub use objects::ObjectsTable;
 pub use relocate::relocate_states;
-pub use verify::{Verdict, verify};
+pub use verify::{Verdict, complete_frame, verify};
 
 use crate::summary::{self, FileEntry, ImageSection, Summary};
 use crate::writers::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, is_piece};

@@ -5,7 +5,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::Results;
-use crate::summary::{self, FileEntry, is_whole, read_json};
+use crate::summary::{self, FileEntry, FrameSection, Summary, is_whole, read_json};
 use base::numbers::count;
 use host::folder::checksum_of;
 use host::text::Diagnostic;
@@ -36,6 +36,23 @@ pub fn verify(folder: &Path) -> Result<Vec<Verdict>, Diagnostic> {
         fault: fault_of_summary(folder),
     });
     Ok(verdicts)
+}
+
+/// Returns the summary of a frame's folder if its files are complete and the same scene would give
+/// the same ones; checks their lengths, not their checksums.
+pub fn complete_frame(folder: &Path, expected: &FrameSection) -> Option<Summary> {
+    let path = folder.join(summary::FILE);
+    if !path.is_file() {
+        return None;
+    }
+    let summary = Summary::read(&path).ok()?;
+    let found = summary.frame.as_ref()?;
+    let is_same = found.fingerprint == expected.fingerprint;
+    let is_whole = summary.files.iter().all(|file| {
+        let at = folder.join(&file.name).symlink_metadata();
+        at.is_ok_and(|at| at.is_file() && at.len() == file.bytes)
+    });
+    (is_same && is_whole && summary.partial.is_none()).then_some(summary)
 }
 
 fn fault(folder: &Path, listed: &FileEntry) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! Keyframes and their values.
+//! Keyframes, their values, and the interpolation between them.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::de::{Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use super::MAX_FRAMES;
-use super::interpolation::Interpolation;
+use base::keywords;
 use world::integers_as_f64;
 use world::values;
 
@@ -27,6 +27,18 @@ pub struct Keyframe {
     /// The interpolation until the next keyframe.
     #[serde(default)]
     pub interpolation: Option<Interpolation>,
+}
+
+keywords! {
+    /// The interpolation between two keyframes.
+    #[derive(Default)]
+    pub enum Interpolation {
+        /// By the same amount in each frame.
+        #[default]
+        Linear = "linear",
+        /// By a cubic curve that begins and ends at rest and never goes beyond the two values.
+        Smooth = "smooth",
+    }
 }
 
 /// A number, or a list of numbers: a vector or a color.

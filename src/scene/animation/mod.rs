@@ -5,7 +5,6 @@
 //! them in the scene's text, so that each value is read and checked like any other, and a message
 //! about it points at its keyframes.
 
-mod interpolation;
 mod keyframe;
 mod track;
 mod orbit;
@@ -18,8 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use fly_through::FlyThrough;
 pub use frame_range::FrameRange;
-pub use interpolation::Interpolation;
-pub use keyframe::{Keyframe, KeyframeValue};
+pub use keyframe::{Interpolation, Keyframe, KeyframeValue};
 pub use orbit::Orbit;
 
 use crate::yaml::{Document, Fault, FieldPath};

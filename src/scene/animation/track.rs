@@ -1,7 +1,6 @@
 //! The keyframes of one value, and the values between them.
 
-use super::interpolation::Interpolation;
-use super::keyframe::{Keyframe, KeyframeValue};
+use super::keyframe::{Interpolation, Keyframe, KeyframeValue};
 use crate::yaml::{Fault, FieldPath};
 
 /// Checks the keyframes of the value at `path`.

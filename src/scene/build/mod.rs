@@ -4,6 +4,7 @@
 //! two parts of the file contradict each other: an undefined material, a transform without an
 //! inverse.
 
+mod check;
 mod pictures;
 mod arrays;
 mod mesh_material;
@@ -13,16 +14,14 @@ mod vertex_colors;
 mod space;
 mod placement;
 mod lower_level;
-mod fog;
 mod timeline;
 mod sensor;
 
 use crate::config::{Config, Geometry, GeometryFile, Object};
 use crate::yaml::{Fault, FieldPath};
-use base::Keyword;
 use host::text::did_you_mean;
 use world::geometry::RenderSpace;
-use world::material::{ArrayTexture, Material, MaterialKind};
+use world::material::{ArrayTexture, Material};
 use world::scene::{LowerLevel, MaterialId, ObjectId, Scene};
 use world::shading::ShadingModel;
 
@@ -33,19 +32,6 @@ use placement::{Needs, Placement};
 pub use geometries::Geometries;
 pub use sensor::Sensor;
 pub use timeline::{SceneFrame, Timeline};
-
-/// Checks the settings that may contradict each other.
-fn check(config: &Config) -> Result<(), Fault> {
-    if config.objects.is_empty() {
-        let objects = FieldPath::default().key("objects");
-        let fault = Fault::new(objects, "the scene has no objects", "expected at least one");
-        let help = "add `- sphere: { center: [0, 0, 0], radius: 1 }` with a `material`";
-        return Err(fault.with_help(help));
-    }
-    check_materials(config)?;
-    fog::check(config)?;
-    config.image.check_sampling()
-}
 
 /// Creates the scene of a config and the geometries of its objects.
 ///
@@ -65,7 +51,7 @@ pub fn scene_in_space(
     geometries: Geometries,
     space: RenderSpace,
 ) -> Result<Scene, Fault> {
-    check(config)?;
+    check::settings(config)?;
     let mut scene = without_objects(config, &geometries, space)?;
     let lower_level = place_objects(&mut scene, config, geometries)?;
     // The instances, the fog and the lights need all primitives.
@@ -163,38 +149,6 @@ fn place_objects(
     }
     Ok(lower_level)
 }
-
-/// Checks that the shading model supports the materials.
-fn check_materials(config: &Config) -> Result<(), Fault> {
-    let model = config.shading.model;
-    let is_seed = model == ShadingModel::Seed;
-    let is_path = model == ShadingModel::Path;
-    for (name, material) in &config.materials {
-        let is_principled = matches!(material.kind, MaterialKind::Principled { .. });
-        let (key, what, help) = if is_seed && material.kind.medium().is_some() {
-            ("dielectric", "refraction", NOT_SEED)
-        } else if is_seed && material.emits() {
-            ("emission", "surfaces that emit light", NOT_SEED)
-        } else if is_seed && let Some(opacity) = &material.opacity {
-            (opacity.keys()[0], "openings of surfaces", NOT_SEED)
-        } else if is_seed && !material.two_sided {
-            ("two_sided", "sides", NOT_SEED)
-        } else if !is_path && material.kind.roughness() > 0.0 {
-            ("roughness", "rough media and metals", PATH)
-        } else if !is_path && is_principled {
-            ("principled", "principled surfaces", PATH)
-        } else {
-            continue;
-        };
-        let path = FieldPath::default().key("materials").key(name).key(key);
-        let message = format!("the shading model `{}` has no {what}", model.name());
-        return Err(Fault::new(path, message, "expected a material without it").with_help(help));
-    }
-    Ok(())
-}
-
-const NOT_SEED: &str = "remove `model: seed` from `shading`";
-const PATH: &str = "trace paths by `shading: { model: path }`";
 
 fn material_ids(
     config: &Config,

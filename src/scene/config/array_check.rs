@@ -1,4 +1,4 @@
-//! Checks the key `arrays` of the `output` section against the other settings.
+//! Checks the arrays that `output` and `metrics` name against the other settings.
 
 use super::{Config, CostMode, OptionalOutput, PixelArray};
 use crate::yaml::{Fault, FieldPath};
@@ -30,6 +30,28 @@ impl Config {
             if let Some([what, help]) = lacks(array, self) {
                 let message = format!("the array `{name}` requires {what}");
                 return Err(fault(message, "this rendering does not have it").with_help(help));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the names of all metrics, and that a rendering with these settings has their arrays.
+    ///
+    /// # Errors
+    /// The fault of the first wrong one.
+    pub fn check_metrics(&self) -> Result<(), Fault> {
+        for metric in self.metrics.list() {
+            let path = || FieldPath::default().key("metrics").key(&metric.name);
+            if let Some([message, expected]) = metric.name_fault() {
+                return Err(Fault::at_key(path(), message, expected));
+            }
+            for part in metric.parts {
+                if let Some([what, help]) = lacks(part, self) {
+                    let name = part.name();
+                    let message = format!("the metric `{}` requires {what}", metric.name);
+                    let expected = format!("this rendering does not have `{name}`");
+                    return Err(Fault::new(path(), message, expected).with_help(help));
+                }
             }
         }
         Ok(())

@@ -6,7 +6,6 @@
 
 mod adaptive;
 mod isosurface;
-mod metrics;
 mod normals;
 mod file;
 mod film;

@@ -13,7 +13,6 @@ mod meter;
 mod metric;
 mod probe;
 mod ratio;
-mod step_counts;
 mod stopwatch;
 #[cfg(target_arch = "x86_64")]
 mod tsc;
@@ -23,13 +22,12 @@ pub use arrays::{PixelArray, WrittenArrays};
 pub use bounces::{BounceCounts, N_BOUNCES, RaysByBounce};
 pub use clock::Clock;
 pub use cost_mode::CostMode;
-pub use counter::Counter;
+pub use counter::{Counter, StepCounter, StepCounts};
 pub use counters::Counters;
 pub use meter::Meter;
 pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
 pub use ratio::{MAX_METRICS, RatioMetric, RatioMetrics};
-pub use step_counts::{StepCounter, StepCounts};
 pub use stopwatch::Stopwatch;
 pub use traversals::Traversals;
 
