@@ -85,7 +85,7 @@ fn compare_outputs(arguments: &DiffArguments) -> Result<(), Failure> {
         Some(limit) => Some(Gate::new(&diff, limit)?),
         None => None,
     };
-    let out = out(arguments, sides.each_ref().map(Side::label));
+    let out = folder_for(arguments, sides.each_ref().map(Side::label));
     let folder = OutputFolder::create(&out, 0)?;
     diff::refuse_foreign(&folder)?;
     let written = diff::write(&diff, &sides, gate.as_ref(), &folder)?;
@@ -119,7 +119,7 @@ fn compare_with_file(
     })?;
     let label = diff.file.label();
     let labels = foreign::in_order([diff.output.label(), &label], position);
-    let out = out(arguments, labels);
+    let out = folder_for(arguments, labels);
     let folder = OutputFolder::create(&out, 0)?;
     diff::refuse_foreign(&folder)?;
     let written = foreign::write(&diff, &folder)?;
@@ -136,7 +136,7 @@ fn compare_with_file(
 }
 
 /// Returns the folder to write to.
-fn out(arguments: &DiffArguments, [a, b]: [&str; 2]) -> PathBuf {
+fn folder_for(arguments: &DiffArguments, [a, b]: [&str; 2]) -> PathBuf {
     match &arguments.out {
         Some(out) => out.clone(),
         None => Path::new("out").join(format!("diff-{a}-{b}").replace('/', "-")),

@@ -116,7 +116,7 @@ fn files(n_files: u64, n_frames: Option<u64>) -> String {
 ///
 /// # Errors
 /// A file that has changed since it was written, or a frame that is missing.
-pub(super) fn verified(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, Failure> {
+pub(super) fn verify_whole(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutput, Failure> {
     let n_frames = (parts != [folder]).then(|| n_frames_of(folder, parts));
     let is_played = |part: &&PathBuf| match (n_frames, frame_number(part)) {
         (Some(n_frames), Some(number)) => number < n_frames,

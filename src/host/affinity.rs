@@ -59,7 +59,7 @@ pub fn of_threads() -> Vec<Option<String>> {
 pub fn cpus_by_core() -> io::Result<Vec<usize>> {
     let mut cpus = allowed_cpus()?;
     let rank = |&cpu: &usize| {
-        let siblings = siblings(cpu).unwrap_or_default();
+        let siblings = read_siblings(cpu).unwrap_or_default();
         siblings.iter().filter(|&&other| other < cpu).count()
     };
     // The sort is stable: CPUs of the same rank keep their order.
@@ -68,7 +68,7 @@ pub fn cpus_by_core() -> io::Result<Vec<usize>> {
 }
 
 /// Returns the hardware threads of a CPU's core; `None` if the system does not report them.
-fn siblings(cpu: usize) -> Option<Vec<usize>> {
+fn read_siblings(cpu: usize) -> Option<Vec<usize>> {
     let file = format!("/sys/devices/system/cpu/cpu{cpu}/topology/thread_siblings_list");
     parse_cpu_list(&std::fs::read_to_string(file).ok()?)
 }

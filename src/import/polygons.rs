@@ -521,17 +521,17 @@ mod tests {
     #[test]
     fn convex_polygons_stay_fans_and_tangled_ones_end() {
         let corners: Vec<u32> = (0..9).collect();
-        let placed = |polygon: &[[f64; 2]]| placed(polygon, [[1.0, 2.0, 3.0], [9.0; 3]], 1.0);
+        let far_away = |polygon: &[[f64; 2]]| placed(polygon, [[1.0, 2.0, 3.0], [9.0; 3]], 1.0);
         let fan: Vec<_> = fan(&corners).collect();
-        assert_eq!(triangulated(&placed(&star(&[2.0; 9]))), fan);
+        assert_eq!(triangulated(&far_away(&star(&[2.0; 9]))), fan);
         // A star that winds twice, one that crosses itself, and points on a line.
         let around = star(&[1.0; 9]);
         let twice: Vec<[f64; 2]> = (0..9).map(|i| around[2 * i % 9]).collect();
-        assert_eq!(triangulated(&placed(&twice)).len(), 7);
+        assert_eq!(triangulated(&far_away(&twice)).len(), 7);
         let crossing: Vec<[f64; 2]> = (0..9).map(|i| around[i * i % 9]).collect();
-        assert_eq!(triangulated(&placed(&crossing)).len(), 7);
+        assert_eq!(triangulated(&far_away(&crossing)).len(), 7);
         let line: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i), 0.0]).collect();
-        assert_eq!(triangulated(&placed(&line)).len(), 7);
+        assert_eq!(triangulated(&far_away(&line)).len(), 7);
         assert_eq!(triangulated(&[Vec3::NAN; 9]).len(), 7);
     }
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::scene::SceneArguments;
-use super::verify_output::{outputs_in, verified};
+use super::verify_output::{outputs_in, verify_whole};
 use super::{Failure, on_threads, shown, study};
 use crate::job::OpenScene;
 use crate::session::{Frames, Input};
@@ -97,7 +97,7 @@ impl CheckArguments {
             return Err(Diagnostic::new(message)
                 .with_help("a study measures stills: leave out `animation` and data series"));
         }
-        placed(&scene, None)?;
+        place(&scene, None)?;
         scene.files()
     }
 }
@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if let Some(parts) = outputs_in(&arguments.scene.scene)? {
         arguments.refuse_resolved("an output folder")?;
-        let whole = verified(&arguments.scene.scene, &parts)?;
+        let whole = verify_whole(&arguments.scene.scene, &parts)?;
         return print(arguments, || whole.lines(), || whole.json());
     }
     if let Some(limit) = arguments.memory {
@@ -138,7 +138,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
             return Err(study::refuse_flags().into());
         }
         arguments.refuse_resolved("a study")?;
-        let study = study::checked(&source)?;
+        let study = study::check(&source)?;
         return print(arguments, || study.lines(), || study.json());
     }
     let scene = OpenScene::parse(&arguments.scene, source)?;
@@ -150,7 +150,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.resolved {
         return Ok(text::print(&scene.resolved(arguments.frame)?)?);
     }
-    let (config, placed, memory) = placed(&scene, arguments.frame)?;
+    let (config, placed, memory) = place(&scene, arguments.frame)?;
     let expected = Prediction::new(&config, &placed, &memory)
         .map_err(|error| scene.point_at(limits::too_large(error)))?;
     stop::check()?;
@@ -208,7 +208,7 @@ impl CheckedScene<'_> {
 
 /// Returns the config of a frame, or of a still, the scene in render space, and the memory of its
 /// rendering.
-fn placed(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memory), Diagnostic> {
+fn place(scene: &OpenScene, frame: Option<u32>) -> Result<(Config, Scene, Memory), Diagnostic> {
     let Input {
         document,
         config,

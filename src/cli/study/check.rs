@@ -65,7 +65,7 @@ pub(in crate::cli) struct CheckedStudy {
 ///
 /// # Errors
 /// The first fault of the study or of a scene, or if it cannot run here.
-pub(in crate::cli) fn checked(source: &Source) -> Result<CheckedStudy, Failure> {
+pub(in crate::cli) fn check(source: &Source) -> Result<CheckedStudy, Failure> {
     let stem = Path::new(source.name()).file_stem().unwrap_or_default();
     let out = Path::new("out/studies").join(stem);
     let quick = Study::parse(source, PathBuf::new(), true, true)?;

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use serde_json::{Value, json};
 
-pub(super) use check::{checked, is_study, refuse_flags, refuse_study};
+pub(super) use check::{check, is_study, refuse_flags, refuse_study};
 use report::StudyResults;
 use scene_files::SceneFiles;
 

@@ -133,7 +133,7 @@ mod tests {
             assert_eq!(label_digits(values), n_digits, "{values:?}");
             let labels = values
                 .iter()
-                .map(|value| Unit::named("").label(*value, n_digits));
+                .map(|value| Unit::from_name("").label(*value, n_digits));
             let distinct: std::collections::HashSet<String> = labels.collect();
             assert_eq!(distinct.len(), values.len(), "{values:?}");
         }

@@ -6,7 +6,7 @@ use super::ticks::Scale;
 
 /// Returns a line such as "Logarithmic scale; 2 pixels above 9.81 µs, up to 412 µs".
 pub fn line(unit_name: &str, range: &Range) -> String {
-    let unit = Unit::named(unit_name);
+    let unit = Unit::from_name(unit_name);
     let label = |value: f64| unit.label(value, 3);
     let scale = match range.scale {
         Scale::Logarithmic => "Logarithmic scale",

@@ -34,7 +34,7 @@ const COUNT: Unit = Unit {
 
 impl Unit {
     /// Returns units of time for "ns", and powers of 1000 for all others.
-    pub fn named(name: &str) -> Self {
+    pub fn from_name(name: &str) -> Self {
         match name {
             "ns" => TIME,
             _ => COUNT,
@@ -102,7 +102,7 @@ mod tests {
             (-1500.0, "−1.5 µs"),
         ];
         for (value, expected) in table {
-            assert_eq!(Unit::named("ns").label(value, 3), expected);
+            assert_eq!(Unit::from_name("ns").label(value, 3), expected);
         }
     }
 
@@ -116,7 +116,7 @@ mod tests {
             (12_345.0, "12.3 k"),
         ];
         for (value, expected) in table {
-            assert_eq!(Unit::named("node visits").label(value, 3), expected);
+            assert_eq!(Unit::from_name("node visits").label(value, 3), expected);
         }
     }
 

@@ -75,7 +75,12 @@ impl Layout {
         let em = |n: f32| px(n * em_px);
 
         // Place the bar beside the map, which gives the width of the texts.
-        let bar = Bar::beside([width, height], &map.range, Unit::named(map.unit), em_px);
+        let bar = Bar::beside(
+            [width, height],
+            &map.range,
+            Unit::from_name(map.unit),
+            em_px,
+        );
         let [bar_width, bar_height] = bar.size();
         let map_and_bar = match bar.edge {
             AxisEdge::Bottom => bar_width,

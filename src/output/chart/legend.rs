@@ -106,7 +106,7 @@ fn laid_out(key: &LegendKey, [width, height]: [f32; 2], em_px: f32) -> ([f32; 2]
     match key {
         LegendKey::Range { map, range } => {
             let size = [1.0, px(LENGTH * height)];
-            let bar = Bar::beside(size, range, Unit::named(""), em_px);
+            let bar = Bar::beside(size, range, Unit::from_name(""), em_px);
             let colors = Colors::from_map(range, map);
             let size = bar.size();
             (

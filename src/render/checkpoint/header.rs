@@ -91,8 +91,8 @@ impl Header {
     /// Returns the reason why tiles of `self` do not belong to the rendering of `other`, whatever
     /// their parts are, or `None` if they do.
     pub fn foreign_to(&self, other: &Self) -> Option<String> {
-        let program = |header: &Self| program(&header.raycost, header.commit.as_deref());
-        let [found, expected] = [program(self), program(other)];
+        let program_of = |header: &Self| program(&header.raycost, header.commit.as_deref());
+        let [found, expected] = [program_of(self), program_of(other)];
         if found != expected {
             return Some(format!("{found} rendered it, and not {expected}"));
         }

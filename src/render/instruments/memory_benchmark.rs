@@ -41,7 +41,7 @@ struct Line([u32; 16]);
 impl MachineLimits {
     /// Measures this machine on the current rayon pool, which takes about two seconds.
     pub fn measure() -> Self {
-        let caches = caches(Path::new("/sys/devices/system/cpu/cpu0/cache"));
+        let caches = read_caches(Path::new("/sys/devices/system/cpu/cpu0/cache"));
         let n_threads = rayon::current_num_threads();
         // All words are 1.0, so no sum is subnormal.
         let line = Line([1_f32.to_bits(); N_LINE_WORDS]);
@@ -83,7 +83,7 @@ fn max_block_bytes(caches: &[DataCache], available_bytes: u64) -> usize {
 }
 
 /// Returns the data caches of the first CPU as Linux reports them in `folder`, by ascending size.
-fn caches(folder: &Path) -> Vec<DataCache> {
+fn read_caches(folder: &Path) -> Vec<DataCache> {
     let cache = |index: usize| {
         let read = |name: &str| fs::read_to_string(folder.join(format!("index{index}/{name}")));
         let kib = read("size").ok()?;
@@ -243,13 +243,13 @@ mod tests {
                 fs::write(of_index.join(name), format!("{text}\n")).unwrap();
             }
         }
-        let found = caches(folder.path()).into_iter();
+        let found = read_caches(folder.path()).into_iter();
         let found: Vec<(String, u64)> = found.map(|cache| (cache.name, cache.bytes)).collect();
         assert_eq!(
             found,
             [("L1".to_owned(), 48 << 10), ("L2".to_owned(), 2 << 20)]
         );
-        assert!(caches(Path::new("/nowhere")).is_empty());
+        assert!(read_caches(Path::new("/nowhere")).is_empty());
     }
 
     #[test]

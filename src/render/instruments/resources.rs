@@ -13,7 +13,7 @@ impl SystemWork {
     /// Returns the work since the start of the process; `None` if it is unknown.
     #[cfg(unix)]
     pub(super) fn so_far() -> Option<Self> {
-        let usage = usage()?;
+        let usage = read_usage()?;
         let count = |n: i64| u64::try_from(n).unwrap_or_default();
         Some(Self {
             page_faults: count(usage.minor_page_faults() + usage.major_page_faults()),
@@ -53,7 +53,7 @@ pub fn peak_memory_bytes() -> Option<u64> {
 /// it. On macOS `exec` resets `ru_maxrss`.
 #[cfg(target_os = "macos")]
 pub fn peak_memory_bytes() -> Option<u64> {
-    u64::try_from(usage()?.max_rss()).ok()
+    u64::try_from(read_usage()?.max_rss()).ok()
 }
 
 /// Returns `None`: not implemented for this system.
@@ -63,7 +63,7 @@ pub fn peak_memory_bytes() -> Option<u64> {
 }
 
 #[cfg(unix)]
-fn usage() -> Option<nix::sys::resource::Usage> {
+fn read_usage() -> Option<nix::sys::resource::Usage> {
     use nix::sys::resource::{UsageWho, getrusage};
     getrusage(UsageWho::RUSAGE_SELF).ok()
 }

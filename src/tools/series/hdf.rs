@@ -72,8 +72,8 @@ fn arrays<'a>(
     elements: &'a [DataArrayElement],
     n: u64,
 ) -> io::Result<Vec<Array<'a>>> {
-    let array = |element| array(reader, element, n).map_err(failure);
-    elements.iter().map(array).collect()
+    let one = |element| array(reader, element, n).map_err(failure);
+    elements.iter().map(one).collect()
 }
 
 /// Returns an array of `n` entries that is read when it is written.

@@ -41,9 +41,9 @@ pub(super) fn collections(
             names.push(file);
         }
     }
-    let collection = |names: &[&str]| stamped(&collection(frames, n_frames, names), run);
-    let single = |name: &&str| (name_of(name), collection(&[name]));
-    std::iter::once((ALL.to_owned(), collection(&names)))
+    let text_of = |names: &[&str]| stamped(&collection(frames, n_frames, names), run);
+    let single = |name: &&str| (name_of(name), text_of(&[name]));
+    std::iter::once((ALL.to_owned(), text_of(&names)))
         .chain(names.iter().map(single))
         .collect()
 }

@@ -40,7 +40,7 @@ fn rows_of(
         .zip(times)
         .filter(|(_, times)| !times.is_empty())
         .collect();
-    let last = points.last().and_then(|point| picture(out, point));
+    let last = points.last().and_then(|point| read_picture(out, point));
     let mut rows = Vec::new();
     let mut add = |point: &StudyPoint, metric: &str, values: &[f64]| {
         let statistics = SampleStatistics::from_values(values);
@@ -58,14 +58,14 @@ fn rows_of(
             add(point, "speedup_over_step", &before);
             add(point, "speedup_over_start", &start);
         }
-        let difference = difference(picture(out, point).as_ref(), last.as_ref());
+        let difference = difference(read_picture(out, point).as_ref(), last.as_ref());
         add(point, "picture_difference", difference.as_slice());
     }
     rows
 }
 
 /// Reads the picture that a step has left.
-fn picture(out: &Path, point: &StudyPoint) -> Option<image::RgbImage> {
+fn read_picture(out: &Path, point: &StudyPoint) -> Option<image::RgbImage> {
     let bytes = files::read(&out.join(point.picture()?), MAX_PICTURE).ok()?;
     Some(image::load_from_memory(&bytes).ok()?.into_rgb8())
 }

@@ -47,7 +47,7 @@ pub struct CapsuleKeys {
 impl Described for Capsule {
     type Keys = CapsuleKeys;
 
-    fn described(CapsuleKeys { ends, radius }: CapsuleKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(CapsuleKeys { ends, radius }: CapsuleKeys) -> Result<Located<Self>, &'static str> {
         Ok(ends.ends.map(|ends| Self { ends, radius }))
     }
 }

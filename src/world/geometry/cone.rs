@@ -44,7 +44,7 @@ pub struct ConeKeys {
 impl Described for Cone {
     type Keys = ConeKeys;
 
-    fn described(ConeKeys { ends, radius }: ConeKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(ConeKeys { ends, radius }: ConeKeys) -> Result<Located<Self>, &'static str> {
         Ok(ends.ends.map(|ends| Self { ends, radius }))
     }
 }

@@ -36,7 +36,7 @@ pub struct CuboidKeys {
 impl Described for Cuboid {
     type Keys = CuboidKeys;
 
-    fn described(CuboidKeys { min, max }: CuboidKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(CuboidKeys { min, max }: CuboidKeys) -> Result<Located<Self>, &'static str> {
         let corners = located([min, max]);
         let [least, greatest] = corners.geometry;
         if least.cmplt(greatest).all() {

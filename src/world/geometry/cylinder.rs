@@ -37,7 +37,7 @@ pub struct CylinderKeys {
 impl Described for Cylinder {
     type Keys = CylinderKeys;
 
-    fn described(
+    fn from_keys(
         CylinderKeys { ends, radius }: CylinderKeys,
     ) -> Result<Located<Self>, &'static str> {
         Ok(ends.ends.map(|ends| Self::new(ends.0, radius)))

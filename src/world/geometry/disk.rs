@@ -50,7 +50,7 @@ pub struct DiskKeys {
 impl Described for Disk {
     type Keys = DiskKeys;
 
-    fn described(keys: DiskKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(keys: DiskKeys) -> Result<Located<Self>, &'static str> {
         let DiskKeys {
             center,
             normal,

@@ -71,7 +71,7 @@ pub trait Described: Sized {
     ///
     /// # Errors
     /// The keys contradict each other.
-    fn described(keys: Self::Keys) -> Result<Located<Self>, &'static str>;
+    fn from_keys(keys: Self::Keys) -> Result<Located<Self>, &'static str>;
 }
 
 impl<'de, S: Described> Deserialize<'de> for Located<S> {
@@ -96,7 +96,7 @@ pub struct Keyed<S: Described> {
 impl<'de, S: Described> Deserialize<'de> for Keyed<S> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         let keys = S::Keys::deserialize(d)?;
-        let shape = S::described(keys.clone()).map_err(D::Error::custom)?;
+        let shape = S::from_keys(keys.clone()).map_err(D::Error::custom)?;
         Ok(Self { keys, shape })
     }
 }

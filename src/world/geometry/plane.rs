@@ -43,7 +43,7 @@ pub struct PlaneKeys {
 impl Described for Plane {
     type Keys = PlaneKeys;
 
-    fn described(PlaneKeys { point, normal }: PlaneKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(PlaneKeys { point, normal }: PlaneKeys) -> Result<Located<Self>, &'static str> {
         Ok(located([point]).map(|[point]| Self { point, normal }))
     }
 }

@@ -51,7 +51,7 @@ struct Edges(
 impl Described for Rectangle {
     type Keys = RectangleKeys;
 
-    fn described(
+    fn from_keys(
         RectangleKeys { corner, edges }: RectangleKeys,
     ) -> Result<Located<Self>, &'static str> {
         let [u, v] = [edges.0, edges.1].map(|edge| edge.as_vec3());

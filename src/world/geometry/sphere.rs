@@ -43,7 +43,7 @@ pub struct SphereKeys {
 impl Described for Sphere {
     type Keys = SphereKeys;
 
-    fn described(SphereKeys { center, radius }: SphereKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(SphereKeys { center, radius }: SphereKeys) -> Result<Located<Self>, &'static str> {
         Ok(located([center]).map(|[center]| Self { center, radius }))
     }
 }

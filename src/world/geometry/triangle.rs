@@ -68,7 +68,7 @@ impl From<TriangleCorners> for [Corner; 3] {
 impl Described for Triangle {
     type Keys = TriangleKeys;
 
-    fn described(keys: TriangleKeys) -> Result<Located<Self>, &'static str> {
+    fn from_keys(keys: TriangleKeys) -> Result<Located<Self>, &'static str> {
         Ok(keys.vertices.triangle)
     }
 }

@@ -118,7 +118,7 @@ impl AttributeKind {
     }
 
     /// Returns the kind with this number.
-    pub(super) fn numbered(number: u32) -> Self {
+    pub(super) fn from_number(number: u32) -> Self {
         match number {
             16 => Self::Colors,
             17 => Self::Scalars,

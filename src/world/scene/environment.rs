@@ -35,8 +35,8 @@ impl EnvironmentLight {
     /// Creates the light of a map; `None` if it is black.
     pub(super) fn new(map: &EnvironmentMap) -> Option<Self> {
         let ([width, _], texels) = map.picture.reduced(MAX_TEXELS);
-        let luminance = |[r, g, b, _]: [f32; 4]| map.brightness(luminance(Vec3::new(r, g, b)));
-        let texels: Vec<f32> = texels.map(luminance).collect();
+        let brightness = |[r, g, b, _]: [f32; 4]| map.brightness(luminance(Vec3::new(r, g, b)));
+        let texels: Vec<f32> = texels.map(brightness).collect();
         let width = width as usize;
         let mean_luminance = mean(width, &texels);
         Some(Self {

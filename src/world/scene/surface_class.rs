@@ -43,7 +43,7 @@ impl SurfaceClass {
     /// Returns the kind of the attributes.
     #[inline]
     pub fn attributes(self) -> AttributeKind {
-        AttributeKind::numbered(self.0 / N_SHAPES % N_ATTRIBUTES)
+        AttributeKind::from_number(self.0 / N_SHAPES % N_ATTRIBUTES)
     }
 
     /// Returns the material.
