@@ -235,3 +235,17 @@ fn files_of_what_is_not_measured_are_refused() {
     assert!(message.contains("--> asking.yaml"), "{message}");
     assert!(!folder.path().join("out").exists());
 }
+
+#[test]
+fn noise_that_samples_do_not_show_is_refused() {
+    let folder = folder();
+    let one_sample = ["render", "scene.yaml", "--also", "noise"];
+    let message = failure(folder.path(), &one_sample, 2);
+    assert!(message.contains("at least 2 samples"), "{message}");
+    assert!(message.contains("--spp 16"), "{message}");
+    let by_time = ["--set", "output=[noise: { cost: time_ns }]"];
+    let untimed = ["check", "scene.yaml", "--spp", "4", "--cost", "counters"];
+    let message = failure(folder.path(), &[&untimed[..], &by_time].concat(), 2);
+    assert!(message.contains("requires `cost: time`"), "{message}");
+    assert!(!folder.path().join("out").exists());
+}

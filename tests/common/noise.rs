@@ -15,6 +15,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         radiance: true,
         radiance_in_vtk: true,
         albedo: true,
+        noise: None,
         bounces: true,
         instance: true,
         written: WrittenArrays::default(),

@@ -21,6 +21,7 @@ mod invariance;
 mod media;
 mod attribution;
 mod meshes;
+mod noise;
 mod mirrored;
 mod observe;
 mod opacity;

@@ -32,8 +32,8 @@ enum Origin {
     Position,
     /// The counters of the tiles.
     Counted(Metric),
-    /// The ratios of two metrics.
-    Ratio(Metric),
+    /// A metric that is computed of others.
+    Computed(Metric),
     /// The tiles of the image.
     Tile,
     /// The threads that rendered the tiles.
@@ -128,17 +128,21 @@ pub(super) fn kept_columns(
     extra: ExtraArrays,
 ) -> impl Iterator<Item = Column> {
     let radiance = extra.radiance_in_vtk.then_some(Column::RADIANCE);
+    let noise = extra.noise.map(|_| Column::NOISE);
+    let efficiency = (noise.is_some() && cost.has_counters()).then_some(Metric::EFFICIENCY);
     let bounces = extra.bounces.then_some(Column::BOUNCES);
     let instance = extra.instance.then_some(Column::INSTANCE);
     let groups = extra.groups.then_some(Column::GROUP);
     let tests = extra.tests.then(|| Metric::observed().map(Column::counted));
     all_columns(cost, repeats, counts_samples)
         .chain(radiance)
+        .chain(noise)
+        .chain(efficiency.map(Column::computed))
         .chain(bounces)
         .chain(instance)
         .chain(groups)
         .chain(tests.into_iter().flatten())
-        .chain(Metric::ratios(extra.metrics).map(Column::ratio))
+        .chain(Metric::ratios(extra.metrics).map(Column::computed))
 }
 
 /// Returns [`columns`], with the numbers of samples if they are counted.
@@ -165,9 +169,9 @@ impl Column {
         }
     }
 
-    /// Returns the array of a metric that the scene defines.
-    fn ratio(metric: Metric) -> Self {
-        computed(metric.name, ScalarType::F32, Origin::Ratio(metric))
+    /// Returns the array of a metric that is computed of others.
+    fn computed(metric: Metric) -> Self {
+        computed(metric.name, ScalarType::F32, Origin::Computed(metric))
     }
 
     /// The hit points in world space: three numbers per pixel; NaN without a hit.
@@ -191,6 +195,9 @@ impl Column {
 
     /// The linear light of the pixel, with the primaries of sRGB; on request.
     pub const RADIANCE: Self = column!("radiance", radiance, F32 x 3);
+
+    /// The standard error of the linear light, as the root of the mean over the channels; on request.
+    pub const NOISE: Self = column!(Metric::NOISE.name, noise, F32 x 1);
 
     /// The rays after 0, 1, … 6, and after 7 or more bounces; on request.
     pub const BOUNCES: Self =
@@ -222,7 +229,7 @@ impl Column {
         match self.origin {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
-            Origin::Coordinate(_) | Origin::Position | Origin::Ratio(_) => false,
+            Origin::Coordinate(_) | Origin::Position | Origin::Computed(_) => false,
             Origin::Tile | Origin::Thread | Origin::Group => false,
         }
     }
@@ -243,11 +250,11 @@ impl Column {
             Origin::Tile => film.tile_numbers(strip, buffer),
             Origin::Thread => film.threads(strip, buffer),
             Origin::Group => film.groups(strip, buffer),
-            Origin::Ratio(metric) => {
-                let mut ratios = Vec::new();
-                film.costs(strip, metric, &mut ratios);
+            Origin::Computed(metric) => {
+                let mut values = Vec::new();
+                film.costs(strip, metric, &mut values);
                 buffer.clear();
-                buffer.extend(ratios.iter().map(|ratio| ratio.to_bits()));
+                buffer.extend(values.iter().map(|value| value.to_bits()));
             }
         }
         let n_pixels = (strip.n_rows * film.grid.width) as usize;
@@ -261,7 +268,7 @@ mod tests {
     use crate::film::stored_bytes_per_pixel;
     use crate::schedule::TileGrid;
     use base::Keyword;
-    use scene::config::{PixelArray, WrittenArrays};
+    use scene::config::{PixelArray, SampleCost, WrittenArrays};
 
     #[test]
     fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
@@ -295,6 +302,7 @@ mod tests {
     fn every_array_can_be_chosen_by_its_name() {
         let extra = ExtraArrays {
             radiance_in_vtk: true,
+            noise: Some(SampleCost::default()),
             bounces: true,
             instance: true,
             groups: true,

@@ -1,6 +1,7 @@
 //! The cost metrics of a film.
 
 use super::{Film, Strip};
+use base::Keyword;
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
 impl Film {
@@ -14,6 +15,7 @@ impl Film {
         counts.clear();
         match metric.source {
             MetricSource::Clock | MetricSource::Ratio(_) => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Noise | MetricSource::Efficiency => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::Observed(counter) => {
                 let observed = strip.step_counts.iter();
@@ -61,8 +63,11 @@ impl Film {
     /// Overwrites `values` with a metric of the pixels of a strip; counts above 2^24 are rounded.
     pub fn costs(&self, strip: &Strip, metric: Metric, values: &mut Vec<f32>) {
         values.clear();
-        if metric.is_timed() {
-            return values.extend_from_slice(&strip.time_ns);
+        match metric.source {
+            MetricSource::Clock => return values.extend_from_slice(&strip.time_ns),
+            MetricSource::Noise => return values.extend_from_slice(&strip.noise),
+            MetricSource::Efficiency => return self.efficiency(strip, values),
+            _ => {}
         }
         let Some(parts) = metric.parts() else {
             let mut counts = Vec::new();
@@ -76,6 +81,36 @@ impl Film {
         });
         let ratio = |(&above, &below): (&f32, &f32)| if below > 0.0 { above / below } else { 0.0 };
         values.extend(above.iter().zip(&below).map(ratio));
+    }
+
+    /// Appends one over the variance and the cost of a sample, for the pixels of a strip; NaN where
+    /// all samples are equal.
+    fn efficiency(&self, strip: &Strip, values: &mut Vec<f32>) {
+        // Variance of the mean times cost of all samples: both have the number of samples as a
+        // factor, once as divisor.
+        let chosen = self.extra.noise.and_then(|noise| noise.cost);
+        let costs = chosen.map_or(
+            vec![Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS],
+            |array| {
+                Metric::ALL
+                    .into_iter()
+                    .filter(|metric| metric.name == array.name())
+                    .collect()
+            },
+        );
+        let mut sums = vec![0.0; strip.noise.len()];
+        for cost in costs {
+            self.costs(strip, cost, values);
+            sums.iter_mut()
+                .zip(&*values)
+                .for_each(|(sum, cost)| *sum += cost);
+        }
+        values.clear();
+        let efficiency = |(noise, cost): (&f32, &f32)| match noise * noise * cost {
+            0.0 => f32::NAN,
+            product => 1.0 / product,
+        };
+        values.extend(strip.noise.iter().zip(&sums).map(efficiency));
     }
 
     /// Returns a metric of all pixels, row-major, row 0 on top; counts above 2^24 are rounded.
@@ -117,6 +152,7 @@ impl Film {
             MetricSource::Clock => Metric::measured_by(self.cost) == Some(metric),
             MetricSource::Observed(counter) => self.total_steps(counter) > 0,
             MetricSource::Counter(_) | MetricSource::AllRays => metric.value(&self.totals) > 0,
+            MetricSource::Noise | MetricSource::Efficiency => self.extra.noise.is_some(),
             MetricSource::Ratio(_) => (metric.parts())
                 .is_some_and(|parts| parts.into_iter().all(|part| self.has_any(part))),
         }

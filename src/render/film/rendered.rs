@@ -26,6 +26,9 @@ pub struct Rendered<'a> {
 pub struct Pixel {
     /// The mean radiance of the samples: linear and not clamped.
     pub color: Vec3,
+    /// The standard error of the color, as the root of the mean over the channels; NaN with less
+    /// than two samples, or if it is not measured.
+    pub noise: f32,
     /// The point that the camera ray of the center sample hit, in render space; NaN without a hit.
     pub position: Vec3,
     /// The shading normal at the point; NaN without a hit.
@@ -49,6 +52,7 @@ impl Default for Pixel {
     fn default() -> Self {
         Self {
             color: Vec3::ZERO,
+            noise: f32::NAN,
             position: Vec3::NAN,
             normal: Vec3::NAN,
             albedo: Vec3::ZERO,
@@ -87,6 +91,7 @@ impl Pixel {
 #[expect(missing_docs, reason = "`Pixel` documents each array")]
 pub struct PixelColumns {
     pub color: Vec<Vec3>,
+    pub noise: Vec<f32>,
     pub position: Vec<Vec3>,
     pub normal: Vec<Vec3>,
     pub albedo: Vec<Vec3>,
@@ -109,6 +114,7 @@ impl PixelColumns {
     pub fn resize(&mut self, n: usize) {
         let new = Pixel::default();
         self.color.resize(n, new.color);
+        self.noise.resize(n, new.noise);
         self.position.resize(n, new.position);
         self.normal.resize(n, new.normal);
         self.albedo.resize(n, new.albedo);
@@ -123,6 +129,7 @@ impl PixelColumns {
     #[inline(always)]
     pub fn set(&mut self, i: usize, pixel: &Pixel) {
         self.color[i] = pixel.color;
+        self.noise[i] = pixel.noise;
         self.position[i] = pixel.position;
         self.normal[i] = pixel.normal;
         self.albedo[i] = pixel.albedo;

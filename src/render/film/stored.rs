@@ -6,7 +6,7 @@ use super::Strip;
 use crate::schedule::Tile;
 
 /// Number of arrays that a rendering writes.
-const N_ARRAYS: usize = 12;
+const N_ARRAYS: usize = 13;
 
 /// The arrays of a strip that a rendering writes, as bytes, shared or for writing. The spread of
 /// repeated times is not among them: it is computed after all renderings.
@@ -15,6 +15,7 @@ macro_rules! arrays {
         [
             bytemuck::$cast($($reference)+ $strip.rgb[..]),
             bytemuck::$cast($($reference)+ $strip.radiance[..]),
+            bytemuck::$cast($($reference)+ $strip.noise[..]),
             bytemuck::$cast($($reference)+ $strip.albedo[..]),
             bytemuck::$cast($($reference)+ $strip.bounces[..]),
             bytemuck::$cast($($reference)+ $strip.instance[..]),

@@ -21,6 +21,8 @@ pub struct Strip {
     pub rgb: Vec<[u8; 3]>,
     /// The mean radiance of the samples; empty if the film does not keep it.
     pub radiance: Vec<Vec3>,
+    /// The standard error of the radiance; empty if the film does not keep it.
+    pub noise: Vec<f32>,
     /// The color of the surface at the pixel's hit; empty if the film does not keep it.
     pub albedo: Vec<Vec3>,
     /// The rays by bounce; empty if the film does not keep them.
@@ -57,6 +59,7 @@ impl Strip {
             n_rows,
             rgb: Vec::with_capacity(n),
             radiance: Vec::with_capacity(n_if(extra.radiance)),
+            noise: Vec::with_capacity(n_if(extra.noise.is_some())),
             albedo: Vec::with_capacity(n_if(extra.albedo)),
             bounces: Vec::with_capacity(n_if(extra.bounces)),
             step_counts: Vec::new(),
@@ -80,7 +83,9 @@ impl Strip {
                 $(self.$field.resize(n.min(self.$field.capacity()), Default::default());)*
             };
         }
-        fill!(rgb, radiance, albedo, bounces, instance, position, normal);
+        fill!(
+            rgb, radiance, noise, albedo, bounces, instance, position, normal
+        );
         fill!(distance, footprint, object, material, time_ns);
     }
 
@@ -117,6 +122,9 @@ impl Strip {
         put!(footprint);
         put!(object);
         put!(material);
+        if !self.noise.is_empty() {
+            put!(noise);
+        }
         if !self.albedo.is_empty() {
             put!(albedo);
         }

@@ -38,7 +38,7 @@ pub(crate) fn follow(
             paths.clear();
             paths.push(view.camera_path(at.0, at.1, sample));
             let color = radiance(view, paths, probe);
-            sums.add(view.limited(color.into()));
+            sums.add(view.limited(color.into()), sample == 0);
         }
         round = view.rounds.next(&sums, round.end);
     }

@@ -1,5 +1,7 @@
 //! The pixels of a tile that adaptive sampling has not finished.
 
+use std::ops::Range;
+
 use super::camera_rays::Places;
 use super::rounds::{Rounds, SampleSums};
 use super::view::View;
@@ -14,7 +16,9 @@ pub(super) struct NoisyPixels {
     all: Places,
     /// Position among all pixels of each pixel that gets more samples.
     positions: Vec<u32>,
-    /// The sums of the squares of each pixel's samples.
+    /// The first sample of each pixel.
+    firsts: VectorColumn,
+    /// The sums of the squares of the samples' differences from the first one.
     squares: VectorColumn,
     /// The number of samples of each pixel.
     n_samples: Vec<f32>,
@@ -27,6 +31,7 @@ impl NoisyPixels {
         self.all.clone_from(places);
         self.positions.clear();
         self.positions.extend(0..n as u32);
+        self.firsts.reset(n);
         self.squares.reset(n);
         self.n_samples.clear();
         // After the last pixel, a number that makes no quotient infinite.
@@ -45,16 +50,14 @@ impl NoisyPixels {
         let Self {
             all,
             positions,
+            firsts,
             squares,
             n_samples,
         } = self;
         positions.retain(|&position| {
             let position = position as usize;
             n_samples[position] = n as f32;
-            let sums = SampleSums {
-                colors: Vector::from(colors.get(position)),
-                squares: Vector::from(squares.get(position)),
-            };
+            let sums = sums_at(position, [colors, firsts, squares]);
             !rounds.next(&sums, n).is_empty()
         });
         places.fill(positions.iter().map(|&position| {
@@ -73,22 +76,29 @@ impl NoisyPixels {
         &self.n_samples
     }
 
-    /// Adds `n_samples` samples of each pixel of `places` to the sums of their `colors`, by slot,
-    /// and to the sums of the squares.
+    /// Returns the noise of the pixel that started at this position, with these sums of colors.
+    pub(super) fn noise(&self, position: usize, colors: &VectorColumn) -> f32 {
+        let sums = sums_at(position, [colors, &self.firsts, &self.squares]);
+        sums.noise(self.n_samples[position] as u32)
+    }
+
+    /// Adds these samples of each pixel of `places` to the sums of their `colors`, by slot, and to
+    /// the sums of the squares.
     pub(super) fn add<'a>(
         &'a mut self,
         view: &'a View<'a>,
         places: &'a Places,
-        n_samples: usize,
+        samples: Range<u32>,
         [colors, sums]: [&'a mut VectorColumn; 2],
     ) -> AddToPositions<'a> {
         AddToPositions {
             view,
             places,
             positions: &self.positions,
-            n_samples,
+            samples,
             colors,
             sums,
+            firsts: &mut self.firsts,
             squares: &mut self.squares,
         }
     }
@@ -99,9 +109,10 @@ pub(super) struct AddToPositions<'a> {
     view: &'a View<'a>,
     places: &'a Places,
     positions: &'a [u32],
-    n_samples: usize,
+    samples: Range<u32>,
     colors: &'a VectorColumn,
     sums: &'a mut VectorColumn,
+    firsts: &'a mut VectorColumn,
     squares: &'a mut VectorColumn,
 }
 
@@ -110,19 +121,34 @@ impl SimdKernel for AddToPositions<'_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) {
+        let n_samples = self.samples.len();
         for block in 0..self.places.n_blocks() {
             let positions = &self.positions[N_LANES * block..][..self.places.in_block(block)];
             let mut sums = SampleSums {
                 colors: gathered(set, self.sums, positions),
+                first: gathered(set, self.firsts, positions),
                 squares: gathered(set, self.squares, positions),
             };
-            for sample in 0..self.n_samples {
-                let slot = N_LANES * (block * self.n_samples + sample);
-                sums.add(self.view.limited(self.colors.load(set, slot)));
+            for (i, sample) in self.samples.clone().enumerate() {
+                let slot = N_LANES * (block * n_samples + i);
+                let color = self.view.limited(self.colors.load(set, slot));
+                sums.add(color, sample == 0);
             }
             scatter::<I>(sums.colors, self.sums, positions);
+            scatter::<I>(sums.first, self.firsts, positions);
             scatter::<I>(sums.squares, self.squares, positions);
         }
+    }
+}
+
+/// Returns the sums of the samples of the pixel at this position of the columns: of colors, first
+/// samples and squares.
+fn sums_at(position: usize, columns: [&VectorColumn; 3]) -> SampleSums<f32> {
+    let [colors, first, squares] = columns.map(|column| Vector::from(column.get(position)));
+    SampleSums {
+        colors,
+        first,
+        squares,
     }
 }
 

@@ -7,7 +7,7 @@ use super::stream::StreamRenderer;
 use super::view::View;
 use crate::schedule::{Tile, TileGrid};
 use scene::build::Sensor;
-use scene::config::Image;
+use scene::config::{ExtraArrays, Image};
 use tracer::cost::{Cost, Counters, RayKind};
 use tracer::trace::Tracer;
 
@@ -74,7 +74,11 @@ fn with_one_sample(sensor: &Sensor) -> Sensor {
         adaptive: None,
         ..sensor.image
     };
-    Sensor { image, ..*sensor }
+    Sensor {
+        image,
+        extra_arrays: ExtraArrays::default(),
+        ..*sensor
+    }
 }
 
 /// Calls `of_chunk` with the tiles of the grid, some at a time, with `n_probed` pixels of each, on

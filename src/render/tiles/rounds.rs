@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use math::simd::{Real, Vector};
-use scene::config::Image;
+use scene::build::Sensor;
 
 /// Light below which the curve of a display is a straight line.
 const DARK: f32 = 0.0015;
@@ -18,6 +18,8 @@ pub struct Rounds {
     /// Greatest number of samples.
     n_most: u32,
     limit: Option<NoiseLimit>,
+    /// True if the film has the noise of each pixel.
+    keeps_noise: bool,
 }
 
 /// The noise of a pixel that needs no more samples.
@@ -34,13 +36,17 @@ struct NoiseLimit {
 #[derive(Debug, Clone, Copy)]
 pub struct SampleSums<R> {
     pub colors: Vector<R>,
-    /// Sum of the colors' squares.
+    /// The color of the first sample.
+    pub first: Vector<R>,
+    /// Sum of the squares of the colors' differences from the first one: squares of the colors
+    /// themselves would lose the digits of low noise in bright light.
     pub squares: Vector<R>,
 }
 
 impl Rounds {
-    /// Creates the rounds of the pixels of an image, whose picture scales light by this gain.
-    pub fn new(image: &Image, gain: f32) -> Self {
+    /// Creates the rounds of the pixels that a sensor sees.
+    pub fn new(sensor: &Sensor) -> Self {
+        let image = &sensor.image;
         let n_most = image.samples_per_pixel;
         let n_first = image
             .adaptive
@@ -50,14 +56,20 @@ impl Rounds {
             n_most,
             limit: image.adaptive.map(|adaptive| NoiseLimit {
                 variance: (2.0 * adaptive.noise).powi(2),
-                gain,
+                gain: sensor.development.gain(),
             }),
+            keeps_noise: sensor.extra_arrays.noise.is_some(),
         }
     }
 
     /// Returns true if pixels may have different numbers of samples.
     pub(crate) fn are_adaptive(&self) -> bool {
         self.limit.is_some()
+    }
+
+    /// Returns true if the squares of samples are summed up.
+    pub(crate) fn measure_noise(&self) -> bool {
+        self.keeps_noise || self.are_adaptive()
     }
 
     /// Returns the samples that each pixel gets.
@@ -99,19 +111,32 @@ impl Rounds {
 
 impl NoiseLimit {
     /// Returns true if a pixel with these sums of `n` samples, at least 2, is noisier.
-    ///
-    /// The variance is estimated as if samples were independent: evenly spread samples have a lower
-    /// variance.
     fn is_exceeded(&self, sums: &SampleSums<f32>, n: u32) -> bool {
+        let mean = Vec3::from(sums.colors) / n as f32;
+        let light = (self.gain * mean).max(Vec3::splat(DARK));
+        let noise = self.gain * self.gain * sums.variance_of_mean(n);
+        noise.cmpgt(self.variance * light).any()
+    }
+}
+
+impl SampleSums<f32> {
+    /// Returns the variance of the mean of `n` samples, at least 2, for each channel.
+    ///
+    /// It is estimated as if samples were independent: evenly spread samples have a lower variance.
+    fn variance_of_mean(&self, n: u32) -> Vec3 {
         let n = n as f32;
-        let exceeds = |sum: f32, square: f32| {
-            let mean = sum / n;
-            let variance = (square / n - mean * mean) / (n - 1.0);
-            let light = (self.gain * mean).max(DARK);
-            self.gain * self.gain * variance > self.variance * light
-        };
-        let SampleSums { colors, squares } = sums;
-        exceeds(colors.x, squares.x) || exceeds(colors.y, squares.y) || exceeds(colors.z, squares.z)
+        let [colors, first, squares] = [self.colors, self.first, self.squares].map(Vec3::from);
+        let shift = colors / n - first;
+        ((squares / n - shift * shift) / (n - 1.0)).max(Vec3::ZERO)
+    }
+
+    /// Returns the standard error of the mean of `n` samples, as the root of the mean over the
+    /// channels; NaN for less than 2.
+    pub fn noise(&self, n: u32) -> f32 {
+        match n {
+            0 | 1 => f32::NAN,
+            _ => (self.variance_of_mean(n).element_sum() / 3.0).sqrt(),
+        }
     }
 }
 
@@ -121,14 +146,67 @@ impl<R: Real> SampleSums<R> {
         let zero = Vector::splat(like, Vec3::ZERO);
         Self {
             colors: zero,
+            first: zero,
             squares: zero,
         }
     }
 
-    /// Adds a sample.
+    /// Adds a sample, or the first one.
     #[inline(always)]
-    pub fn add(&mut self, color: Vector<R>) {
+    pub fn add(&mut self, color: Vector<R>, is_first: bool) {
+        if is_first {
+            self.first = color;
+        }
+        let difference = color - self.first;
         self.colors = self.colors + color;
-        self.squares = self.squares + color.times(color);
+        self.squares = self.squares + difference.times(difference);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Returns the noise of samples in two passes, with 64 bits.
+    fn noise(samples: &[[f32; 3]]) -> f64 {
+        let n = samples.len() as f64;
+        let channel = |i: usize| {
+            let values = || samples.iter().map(|sample| f64::from(sample[i]));
+            let mean = values().sum::<f64>() / n;
+            values().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n
+        };
+        ((channel(0) + channel(1) + channel(2)) / 3.0).sqrt()
+    }
+
+    proptest! {
+        #[test]
+        fn noise_equals_that_of_the_slow_twin(
+            light in 0.0_f32..1e4,
+            spread in 1e-3_f32..1.0,
+            samples in prop::collection::vec(prop::array::uniform3(0.0_f32..1.0), 2..200),
+        ) {
+            // Also where the light is far above its noise.
+            let samples: Vec<[f32; 3]> = samples
+                .iter()
+                .map(|sample| sample.map(|x| light * (1.0 + spread * x)))
+                .collect();
+            let mut sums = SampleSums::zero(0.0);
+            for (i, &sample) in samples.iter().enumerate() {
+                sums.add(Vec3::from(sample).into(), i == 0);
+            }
+            let [found, expected] = [f64::from(sums.noise(samples.len() as u32)), noise(&samples)];
+            prop_assert!((found - expected).abs() <= 1e-2 * expected + 1e-7 * f64::from(light));
+        }
+    }
+
+    #[test]
+    fn one_sample_shows_no_noise_and_equal_ones_have_none() {
+        let mut sums = SampleSums::zero(0.0);
+        sums.add(Vec3::splat(0.1).into(), true);
+        assert!(sums.noise(1).is_nan());
+        (1..100).for_each(|_| sums.add(Vec3::splat(0.1).into(), false));
+        assert_eq!(sums.noise(100), 0.0);
     }
 }

@@ -134,7 +134,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.distances.clear();
         self.distances.resize(n_pixels + N_LANES, f32::NAN);
         let first = self.view.rounds.first();
-        if self.view.rounds.are_adaptive() {
+        if self.view.rounds.measure_noise() {
             self.render_adaptively(first);
         } else {
             self.render_round(first);
@@ -147,9 +147,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         while self.places.len() > 0 && !round.is_empty() && !stop::is_requested() {
             // Render one round of the noisy pixels, and count its samples.
             self.render_round(round.clone());
-            for i in 0..self.places.len() {
-                let (number, _) = self.places.get(i);
-                self.probe.camera_rays(number, round.len());
+            if self.view.rounds.are_adaptive() {
+                for i in 0..self.places.len() {
+                    let (number, _) = self.places.get(i);
+                    self.probe.camera_rays(number, round.len());
+                }
             }
             // Remove the pixels that are no longer noisy.
             let rounds = &self.view.rounds;
@@ -158,6 +160,10 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             round = rounds.after(round.end);
         }
         self.noisy.end(&mut self.places);
+        for i in 0..self.places.len() {
+            let (number, _) = self.places.get(i);
+            self.pixels.noise[number] = self.noisy.noise(i, &self.means);
+        }
     }
 
     /// Renders these samples of all pixels in waves.
@@ -201,11 +207,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             self.shade();
         }
         // Add the colors of the paths to their pixels.
-        if self.view.rounds.are_adaptive() {
+        if self.view.rounds.measure_noise() {
             let sums = [&mut self.colors, &mut self.means];
-            let add = self
-                .noisy
-                .add(&self.view, &self.places, samples.len(), sums);
+            let add = self.noisy.add(&self.view, &self.places, samples, sums);
             return self.simd.run(add);
         }
         self.simd.run(AddSamples {
@@ -427,7 +431,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         self.simd.run(FinishPixels {
             view: &self.view,
             places: &self.places,
-            n_samples: rounds.are_adaptive().then(|| self.noisy.n_samples()),
+            n_samples: rounds.measure_noise().then(|| self.noisy.n_samples()),
             colors: &mut self.means,
             distances: &self.distances,
             footprints: &mut self.footprints,

@@ -51,7 +51,7 @@ impl<'a> View<'a> {
             tracer: tracer.with_cone(sensor.cone),
             shader: Shader::new(scene, sampler),
             eye_media: EyeMedia::new(tracer, &plane, image.filter_radius()),
-            rounds: Rounds::new(image, sensor.development.gain()),
+            rounds: Rounds::new(sensor),
             middle: sampler.center(),
             sample_limit: sensor.sample_limit,
             counts_bounces: sensor.extra_arrays.bounces,

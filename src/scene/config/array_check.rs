@@ -58,6 +58,38 @@ impl Config {
     }
 }
 
+impl Config {
+    /// Checks that pixels have enough samples to show their noise, if it is requested, and the cost
+    /// that their efficiency is computed from.
+    ///
+    /// # Errors
+    /// The fault of the section `output`.
+    pub(super) fn check_noise(&self) -> Result<(), Fault> {
+        if !self.output.has(OptionalOutput::Noise) {
+            return Ok(());
+        }
+        let fault = |message: &str, found: String, help: &str| {
+            let output = FieldPath::default().key("output");
+            Err(Fault::at_key(output, message, found).with_help(help))
+        };
+        if self.image.samples_per_pixel < 2 {
+            let message = "`noise` requires at least 2 samples per pixel: one alone has no spread";
+            return fault(message, "requests `noise`".to_owned(), "use `--spp 16`");
+        }
+        let Some(cost) = self.output.noise.cost else {
+            return Ok(());
+        };
+        let name = cost.name();
+        match lacks(cost, self) {
+            Some([what, help]) => {
+                let message = format!("the efficiency by `{name}` requires {what}");
+                fault(&message, "names it".to_owned(), &help)
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 /// Returns the missing condition for a rendering with these settings to have the array, and the
 /// setting that fulfills it; `None` if the array is available.
 pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
@@ -85,6 +117,8 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
             "only scenes with `image.adaptive` have it: all pixels have as many samples",
         ),
         PixelArray::Radiance => asks_for(OptionalOutput::Radiance),
+        PixelArray::Noise => asks_for(OptionalOutput::Noise),
+        PixelArray::Efficiency if cost.has_counters() => asks_for(OptionalOutput::Noise),
         PixelArray::RaysByBounce => asks_for(OptionalOutput::Bounces),
         PixelArray::Group => asks_for(OptionalOutput::Groups),
         PixelArray::BoxTests

@@ -42,7 +42,7 @@ pub use isosurface::Isosurface;
 pub use kernels::{Pinning, SimdSet};
 pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
-pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs};
+pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs, SampleCost};
 pub use place_scale::{PlaceScale, ScaleArray};
 pub use repeats::Repeats;
 pub use same_or_array::SameOrArray;
@@ -162,6 +162,7 @@ impl Config {
         ExtraArrays {
             radiance: radiance_in_vtk || has_exr || self.film.bits > 8,
             radiance_in_vtk,
+            noise: (self.output.has(OptionalOutput::Noise)).then_some(self.output.noise),
             albedo: has_exr,
             bounces: self.output.has(OptionalOutput::Bounces),
             groups: self.output.has(OptionalOutput::Groups),
@@ -189,7 +190,8 @@ impl Config {
     /// # Errors
     /// The impossible output, and the fault in the section `output`.
     pub fn check_output(&self) -> Result<(), (OptionalOutput, Fault)> {
-        self.output.check(self.cost)
+        self.output.check(self.cost)?;
+        (self.check_noise()).map_err(|fault| (OptionalOutput::Noise, fault))
     }
 
     /// Checks the sizes of the image and of its tiles, which a program may have

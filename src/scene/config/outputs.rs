@@ -2,9 +2,12 @@
 
 use std::fmt;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{
+    DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+    Visitor,
+};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
@@ -34,6 +37,8 @@ pub struct Outputs {
     arrays: Option<Vec<PixelArray>>,
     /// The nodes of the hierarchy that are written.
     pub bvh: BvhLimits,
+    /// The cost that `efficiency` divides by.
+    pub noise: SampleCost,
     /// Requested outputs that have nothing to show.
     left_out: Vec<OptionalOutput>,
 }
@@ -51,6 +56,9 @@ keywords! {
         Bvh = "bvh",
         /// The linear light of each pixel, as an array of the VTK files
         Radiance = "radiance",
+        /// The standard error of each pixel and the efficiency of its samples, as arrays of the VTK
+        /// files
+        Noise = "noise",
         /// The rays of each pixel by bounce, as an array of the VTK files
         Bounces = "bounces",
         /// The group of each pixel that was timed as a whole, as an array of the VTK files
@@ -69,6 +77,8 @@ pub struct ExtraArrays {
     pub radiance: bool,
     /// True if VTK files also have the radiance.
     pub radiance_in_vtk: bool,
+    /// The cost that `efficiency` divides by, if the noise of pixels is kept.
+    pub noise: Option<SampleCost>,
     /// True to keep the color of the surface that the center sample hit.
     pub albedo: bool,
     /// True to keep the numbers of rays by bounce.
@@ -95,6 +105,41 @@ pub struct BvhLimits {
     /// Least number of rays that visited a node.
     #[serde(with = "values::Unsigned")]
     pub min_visits: u64,
+}
+
+/// The cost of a sample, for the array `efficiency`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SampleCost {
+    /// A cost array, such as `time_ns`; the sum of node visits and primitive tests if not given.
+    #[serde(default, with = "CostName")]
+    pub cost: Option<PixelArray>,
+}
+
+world::kinds! {
+    CostName: PixelArray = CostForm;
+}
+
+/// The name of a cost array.
+struct CostForm;
+
+impl<'de> DeserializeSeed<'de> for CostForm {
+    type Value = PixelArray;
+
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<PixelArray, D::Error> {
+        let word = String::deserialize(d)?;
+        let array = PixelArray::from_name(&word).filter(|array| array.is_cost());
+        array.ok_or_else(|| {
+            let expected = format!("a cost: {}", PixelArray::cost_names().join(", "));
+            Error::invalid_value(Unexpected::Str(&word), &expected.as_str())
+        })
+    }
+}
+
+impl values::Form for CostForm {
+    fn schema(&self, _: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "enum": PixelArray::cost_names() })
+    }
 }
 
 impl OptionalOutput {
@@ -202,6 +247,7 @@ impl Outputs {
 #[serde(rename_all = "snake_case")]
 enum OutputEntry {
     Bvh(BvhLimits),
+    Noise(SampleCost),
     #[serde(untagged)]
     Plain(OptionalOutput),
 }
@@ -216,6 +262,10 @@ impl From<Vec<OutputEntry>> for Outputs {
                     outputs.add(OptionalOutput::Bvh);
                     outputs.bvh = limits;
                 }
+                OutputEntry::Noise(cost) => {
+                    outputs.add(OptionalOutput::Noise);
+                    outputs.noise = cost;
+                }
             }
         }
         outputs
@@ -227,6 +277,7 @@ impl Serialize for Outputs {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
         let entry = |output: OptionalOutput| match output {
             OptionalOutput::Bvh => OutputEntry::Bvh(self.bvh),
+            OptionalOutput::Noise => OutputEntry::Noise(self.noise),
             plain => OutputEntry::Plain(plain),
         };
         let keys = OutputKeys {
@@ -294,7 +345,7 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
         let names: Vec<String> = outputs
             .map(|output| format!("`{}`", output.name()))
             .collect();
-        write!(f, "{} or {{ bvh: … }}", names.join(", "))
+        write!(f, "{}, {{ bvh: … }} or {{ noise: … }}", names.join(", "))
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<OutputEntry, E> {
@@ -302,15 +353,21 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<OutputEntry, A::Error> {
-        let settings = Settings::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(OutputEntry::Bvh(settings.bvh))
+        Ok(
+            match Settings::deserialize(MapAccessDeserializer::new(map))? {
+                Settings::Bvh(limits) => OutputEntry::Bvh(limits),
+                Settings::Noise(cost) => OutputEntry::Noise(cost),
+            },
+        )
     }
 }
 
 /// The YAML mapping of an entry with settings.
 #[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Settings {
+#[serde(rename_all = "snake_case")]
+enum Settings {
     /// The boxes of the hierarchy and the cost of each, within these limits.
-    bvh: BvhLimits,
+    Bvh(BvhLimits),
+    /// The standard error of each pixel, and the efficiency of its samples by this cost.
+    Noise(SampleCost),
 }

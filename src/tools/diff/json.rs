@@ -11,7 +11,8 @@ use super::gate::Gate;
 use super::group::PixelBounds;
 use super::settings::Setting;
 use super::{
-    CostGroup, Diff, LightDifference, Noise, PictureDifference, Side, Total, Totals, ratio,
+    CostGroup, Diff, EqualNoise, LightDifference, Noise, PictureDifference, Side, Total, Totals,
+    ratio,
 };
 use host::provenance::RunId;
 use math::statistics::CONFIDENCE;
@@ -43,6 +44,7 @@ pub struct DiffJson<'a> {
     tiles: &'a [CostGroup],
     picture: &'a PictureDifference,
     light: Option<&'a LightDifference>,
+    equal_noise: Option<EqualNoise>,
     n_pixels_of_other_objects: u64,
     settings: &'a [Setting],
     machine: &'a [Setting],
@@ -98,6 +100,7 @@ impl<'a> DiffJson<'a> {
             tiles: &diff.tiles,
             picture: &diff.picture,
             light: diff.light.as_ref(),
+            equal_noise: diff.equal_noise,
             n_pixels_of_other_objects: diff.n_other_objects,
             settings: &diff.settings,
             machine: &diff.machine,

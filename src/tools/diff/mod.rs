@@ -10,6 +10,7 @@ mod noise;
 mod group;
 mod picture;
 mod light;
+mod equal_noise;
 mod settings;
 mod reached;
 mod side;
@@ -25,6 +26,7 @@ mod files;
 pub mod foreign;
 
 pub use change::Change;
+pub use equal_noise::EqualNoise;
 pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::PixelBounds;
@@ -67,6 +69,8 @@ pub struct Diff {
     pub picture: PictureDifference,
     /// The difference of the light; `None` unless both outputs have the array `radiance`.
     pub light: Option<LightDifference>,
+    /// The work for equal noise; `None` unless both outputs have the array `noise` and counters.
+    pub equal_noise: Option<EqualNoise>,
     /// Pixels that show different objects in A and B.
     pub n_other_objects: u64,
     /// The settings that differ.
@@ -185,6 +189,7 @@ impl Diff {
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
+        let equal_noise = EqualNoise::measure(sides, &totals)?;
         let objects = sorted(groups.objects(sides), &ratios);
         let tiles = sorted(groups.tiles(), &ratios);
         let noise = match totals.cost(Metric::TIME) {
@@ -204,6 +209,7 @@ impl Diff {
             tiles,
             picture: PictureDifference::measure(sides)?,
             light: LightDifference::measure(sides)?,
+            equal_noise,
             n_other_objects: groups.n_other_objects,
             settings: settings::compare_runs(&values),
             machine: settings::compare_machines(&values),

@@ -4,7 +4,7 @@ use super::gate::Gate;
 use super::group::PixelBounds;
 use super::noise::{Noise, Test};
 use super::settings::Setting;
-use super::{CostGroup, Diff, LightDifference, PictureDifference, Side, Total, ratio};
+use super::{CostGroup, Diff, EqualNoise, LightDifference, PictureDifference, Side, Total, ratio};
 use base::numbers::{count, counted};
 use host::text::one_line;
 use math::statistics::CONFIDENCE;
@@ -36,6 +36,8 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     text += &entry("picture", &[picture_sentence(diff)]);
     let light = diff.light.as_ref().map(light_sentence);
     text += &entry("light", light.as_slice());
+    let work = diff.equal_noise.as_ref().map(work_sentence);
+    text += &entry("work", work.as_slice());
     text += &entry("settings", &setting_lines(&diff.settings));
     text += &entry("machine", &setting_lines(&diff.machine));
     text
@@ -122,6 +124,16 @@ fn name_and_place(group: &CostGroup) -> String {
             format!("{}, x {}..{}, y {}..{}", group.name, x[0], x[1], y[0], y[1])
         }
     }
+}
+
+fn work_sentence(found: &EqualNoise) -> String {
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    let [low, high] = found.interval.map(percent);
+    format!(
+        "B has the noise of A for {} % of its node visits and tests ({:.0} % confidence: {low} to {high} %)",
+        percent(found.work),
+        100.0 * CONFIDENCE,
+    )
 }
 
 /// Formats a ratio, such as `0.902`; `new` if A's cost is 0.

@@ -203,6 +203,11 @@ impl Side {
         self.numbers(Column::RADIANCE.name, 3, rows)
     }
 
+    /// Reads the standard errors of the pixels in `rows`, row-major.
+    pub(super) fn noise(&self, rows: Range<u32>) -> Result<Vec<f32>, Diagnostic> {
+        self.numbers(Column::NOISE.name, 1, rows)
+    }
+
     fn numbers<T: Scalar>(
         &self,
         name: &str,

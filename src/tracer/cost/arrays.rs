@@ -62,6 +62,10 @@ keywords! {
         Thread = "thread",
         /// The linear light
         Radiance = "radiance",
+        /// The standard error of the linear light
+        Noise = "noise",
+        /// One over variance and cost of a sample
+        Efficiency = "efficiency",
         /// The rays by bounce
         RaysByBounce = "rays_by_bounce",
         /// The group that was timed as a whole
@@ -81,7 +85,7 @@ keywords! {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WrittenArrays {
     /// One bit per [`PixelArray`].
-    left_out: u32,
+    left_out: u64,
 }
 
 impl WrittenArrays {
@@ -116,12 +120,18 @@ impl PixelArray {
             | RefractionRays | DiffuseRays | Depth | Samples | BoxTests | BoxHits
             | PrimitiveHits | InstanceVisits => true,
             PixelX | PixelY | Rgb | Normals | Distance | Footprint | Object | Material
-            | Instance | Pixel | Horizon | TimeMadNs | Tile | Thread | Radiance | RaysByBounce
-            | Group => false,
+            | Instance | Pixel | Horizon | TimeMadNs | Tile | Thread | Radiance | Noise
+            | Efficiency | RaysByBounce | Group => false,
         }
     }
 
-    fn bit(self) -> u32 {
-        1 << self as u32
+    /// Returns the names of the costs.
+    pub fn cost_names() -> Vec<&'static str> {
+        let costs = Self::KEYWORDS.iter().filter(|array| array.is_cost());
+        costs.map(|array| array.name()).collect()
+    }
+
+    fn bit(self) -> u64 {
+        1 << self as u64
     }
 }

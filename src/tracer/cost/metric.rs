@@ -67,6 +67,10 @@ pub enum MetricSource {
     Observed(StepCounter),
     /// The ratio of two metrics of the pixel; 0 if the second is 0.
     Ratio(&'static RatioMetric),
+    /// The spread of the pixel's samples, on request.
+    Noise,
+    /// The spread of the samples and a cost, on request.
+    Efficiency,
 }
 
 const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
@@ -137,6 +141,27 @@ impl Metric {
         about: "bounces of the longest path of the pixel",
         aggregation: Aggregation::Max,
         ..counter("depth", "bounces", Counter::Depth)
+    };
+
+    /// The standard error of the pixel's light, on request.
+    pub const NOISE: Self = Self {
+        title: "standard error of the light per pixel",
+        about: "standard error of the linear light of the pixel",
+        unit: MetricUnit::Ratio,
+        aggregation: Aggregation::Ratio,
+        spans_decades: true,
+        source: MetricSource::Noise,
+        ..counter("noise", "noise", Counter::NodeVisits)
+    };
+    /// One over the variance of a sample and its cost, on request (M. Pharr, W. Jakob, G. Humphreys,
+    /// Physically Based Rendering, 4th edition, section 2.1.3).
+    pub const EFFICIENCY: Self = Self {
+        title: "efficiency of the samples per pixel",
+        about: "1 / (variance of a sample × cost of a sample)",
+        source: MetricSource::Efficiency,
+        name: "efficiency",
+        label: "efficiency",
+        ..Self::NOISE
     };
 
     /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
@@ -260,11 +285,12 @@ impl Metric {
         self.source == MetricSource::Clock
     }
 
-    /// Returns the value of a counted cost; 0 for a time, for counts of observed rays and for
-    /// ratios.
+    /// Returns the value of a counted cost; 0 for a time, for counts of observed rays, for ratios
+    /// and for noise.
     pub fn value(self, cost: &Cost) -> u64 {
         match self.source {
             MetricSource::Clock | MetricSource::Observed(_) | MetricSource::Ratio(_) => 0,
+            MetricSource::Noise | MetricSource::Efficiency => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }

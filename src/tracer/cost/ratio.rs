@@ -83,12 +83,6 @@ impl RatioMetrics {
 }
 
 impl RatioMetric {
-    /// Returns the arrays that can be parts.
-    fn costs() -> impl Iterator<Item = PixelArray> {
-        let arrays = PixelArray::KEYWORDS.iter().copied();
-        arrays.filter(|array| array.is_cost())
-    }
-
     fn new(name: &str, RatioParts(parts): RatioParts) -> Self {
         let [above, below] = parts.map(PixelArray::name);
         Self {
@@ -136,8 +130,7 @@ impl<'de> Deserialize<'de> for RatioParts {
 
 #[cfg(feature = "schema")]
 world::schema_of_form!(RatioParts, |_: &mut schemars::SchemaGenerator| {
-    let costs: Vec<&str> = RatioMetric::costs().map(PixelArray::name).collect();
-    let cost = format!("({})", costs.join("|"));
+    let cost = format!("({})", PixelArray::cost_names().join("|"));
     schemars::json_schema!({ "type": "string", "pattern": format!("^ *{cost} */ *{cost} *$") })
 });
 
@@ -147,8 +140,11 @@ impl Visitor<'_> for RatioPartsVisitor {
     type Value = RatioParts;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let names: Vec<&str> = RatioMetric::costs().map(PixelArray::name).collect();
-        write!(f, "a ratio `a / b` of {}", names.join(", "))
+        write!(
+            f,
+            "a ratio `a / b` of {}",
+            PixelArray::cost_names().join(", ")
+        )
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<RatioParts, E> {
