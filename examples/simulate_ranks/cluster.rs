@@ -2,9 +2,9 @@
 //!
 //! Rank 0 deals tiles in their order to its own threads and, by messages, to the other ranks, as
 //! [`render::ranks`] does with MPI: both ends of a message poll for the next one from time to time
-//! ([`pause`]), and workers have some milliseconds of tiles ahead. The simulation covers the times
-//! of tiles, messages and the film of rank 0, but not that the threads of a machine, and messages,
-//! slow each other down.
+//! ([`pause`]), and workers have some milliseconds of tiles ahead. The threads of rank 0 store the
+//! tiles of the others between two of their own, and so does the one that deals. The simulation covers the times of tiles, messages
+//! and the film of rank 0, but not that the threads of a machine, and messages, slow each other down.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -89,7 +89,7 @@ impl Cluster {
 enum Next {
     /// Thread `.1` of rank `.0` has no tile.
     Idle(u32, u32),
-    /// Rank 0 receives, stores and deals.
+    /// Rank 0 receives, deals or stores.
     Lead,
     /// A worker receives and sends.
     Carry(u32),
@@ -98,7 +98,7 @@ enum Next {
 /// A simulated rank.
 #[derive(Debug, Default)]
 struct SimulatedRank {
-    /// Tiles that no thread has started.
+    /// Tiles that no thread has started; of rank 0 the tiles of others that it has not stored.
     queue: VecDeque<usize>,
     /// The threads that wait for tiles.
     idle: Vec<u32>,
@@ -167,9 +167,16 @@ impl<'a> Simulation<'a> {
 
     /// Starts the next tile of a rank on a thread.
     fn begin_tile(&mut self, now: u64, number: u32, thread: u32) {
+        let waiting = self.ranks[number as usize].queue.pop_front();
+        if let Some(tile) = waiting.filter(|_| number == 0) {
+            let end = now + self.runs[tile].film_ns;
+            self.store(end);
+            self.events.push(Reverse((end, Next::Idle(number, thread))));
+            return;
+        }
         let tile = match number {
             0 => self.take_tile(),
-            _ => self.ranks[number as usize].queue.pop_front(),
+            _ => waiting,
         };
         let rank = &mut self.ranks[number as usize];
         let Some(tile) = tile else {
@@ -180,9 +187,9 @@ impl<'a> Simulation<'a> {
         let end = now + duration_ns;
         rank.busy_ns[thread as usize] += duration_ns;
         if number == 0 {
-            self.n_stored += 1;
-            self.stored_ns = self.stored_ns.max(end);
+            self.store(end);
         } else {
+            let rank = &mut self.ranks[number as usize];
             let at = rank.rendered.partition_point(|&(before, _)| before <= end);
             rank.rendered.insert(at, (end, tile));
         }
@@ -195,21 +202,34 @@ impl<'a> Simulation<'a> {
         Some(tile)
     }
 
-    /// Lets rank 0 store the tiles that have arrived, and deal others.
+    /// Counts a tile as stored at this time.
+    fn store(&mut self, end: u64) {
+        self.n_stored += 1;
+        self.stored_ns = self.stored_ns.max(end);
+    }
+
+    /// Lets rank 0 give its threads the tiles that have arrived, and deal others; or store one.
     fn lead(&mut self, now: u64) {
         let mut end = now;
         while let Some(&Reverse((arrival, rank, tile))) = self.returned.peek()
-            && arrival <= end
+            && arrival <= now
         {
             self.returned.pop();
-            end += self.runs[tile].film_ns;
-            self.n_stored += 1;
-            self.stored_ns = self.stored_ns.max(end);
             let share = &mut self.ranks[rank as usize].share;
             share.returned(self.runs[tile].busy_ns());
+            self.ranks[0].queue.push_back(tile);
+            if let Some(thread) = self.ranks[0].idle.pop() {
+                self.events.push(Reverse((now, Next::Idle(0, thread))));
+            }
         }
         for rank in 1..self.cluster.n_ranks {
             end += self.deal_to(end, rank);
+        }
+        if end == now
+            && let Some(tile) = self.ranks[0].queue.pop_front()
+        {
+            end += self.runs[tile].film_ns;
+            self.store(end);
         }
         let has_tiles = self.next < self.runs.len();
         let next = next_look(now, end, has_tiles);

@@ -38,8 +38,8 @@ pub struct RankEntry {
     pub busy_ms: f64,
     /// Bytes of the rank's messages with tiles, or with their numbers, in all renderings.
     pub sent_bytes: u64,
-    /// Time spent packing, sending, receiving and storing tiles, in milliseconds, in parallel with
-    /// the rendering threads.
+    /// Time spent packing, sending, receiving and storing tiles, in milliseconds, summed over all
+    /// threads.
     pub communication_ms: f64,
 }
 

@@ -63,35 +63,21 @@ impl<'a> TileRecord<'a> {
     /// are not a record.
     pub fn parse(bytes: &'a [u8], layout: &RecordLayout) -> Option<Self> {
         let mut bytes = Bytes(bytes);
-        let [rendering] = bytes.array()?;
-        let [tile, rank, thread] = [bytes.u32()?, bytes.u32()?, bytes.u32()?];
-        let grid = layout.grid(rendering);
-        if rendering >= layout.n_renderings || tile >= grid.n_tiles() {
-            return None;
-        }
-        let run = TileRun {
-            is_missing: false,
-            rank: Some(rank).filter(|&rank| rank < MAX_THREADS)?,
-            thread: Some(thread).filter(|&thread| thread < MAX_THREADS)?,
-            position: 0,
-            start_ns: bytes.time()?,
-            end_ns: bytes.time()?,
-            film_ns: bytes.time()?,
-            warm_up_ns: bytes.time()?,
-            waiting_ns: bytes.time()?,
-            counted: bytes.cost()?,
-        };
-        let place = grid.tile(tile);
+        let record = bytes.head(layout)?;
+        let place = layout.grid(record.rendering).tile(record.tile);
         let counters = bytes.counters(&place)?;
         let n_bytes = place.n_pixels() * layout.bytes_per_pixel as usize;
-        let is_whole = run.start_ns <= run.end_ns && bytes.0.len() == n_bytes;
-        is_whole.then(|| Self {
-            rendering,
-            tile,
-            run,
+        (bytes.0.len() == n_bytes).then(|| Self {
             counters,
             pixels: bytes.0.into(),
+            ..record
         })
+    }
+
+    /// Reads the start of a record's bytes: all but the counters and the pixels. Returns `None` if
+    /// they are not a record.
+    pub(crate) fn parse_head(bytes: &[u8], layout: &RecordLayout) -> Option<TileRecord<'static>> {
+        Bytes(bytes).head(layout)
     }
 
     /// Returns the record with owned pixels.
@@ -146,6 +132,37 @@ impl Bytes<'_> {
             primitive_tests,
             rays,
             depth,
+        })
+    }
+
+    /// Reads a record without its counters and its pixels.
+    fn head(&mut self, layout: &RecordLayout) -> Option<TileRecord<'static>> {
+        let [rendering] = self.array()?;
+        let [tile, rank, thread] = [self.u32()?, self.u32()?, self.u32()?];
+        let is_there = rendering < layout.n_renderings
+            && tile < layout.grid(rendering).n_tiles()
+            && rank.max(thread) < MAX_THREADS;
+        if !is_there {
+            return None;
+        }
+        let run = TileRun {
+            is_missing: false,
+            rank,
+            thread,
+            position: 0,
+            start_ns: self.time()?,
+            end_ns: self.time()?,
+            film_ns: self.time()?,
+            warm_up_ns: self.time()?,
+            waiting_ns: self.time()?,
+            counted: self.cost()?,
+        };
+        (run.start_ns <= run.end_ns).then_some(TileRecord {
+            rendering,
+            tile,
+            run,
+            counters: Vec::new(),
+            pixels: Cow::Borrowed(&[]),
         })
     }
 

@@ -59,6 +59,14 @@ impl RankFailure {
             message: message.into(),
         }
     }
+
+    /// Returns the failure of a rank that has sent a tile that was not dealt to it.
+    pub(crate) fn foreign_tile() -> Self {
+        Self {
+            exit_code: 1,
+            message: "it has sent a tile of another picture".to_owned(),
+        }
+    }
 }
 
 impl MessageKind {

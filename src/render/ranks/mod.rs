@@ -94,14 +94,9 @@ impl Ranks {
 
     /// Returns the next message, if one has arrived.
     pub fn receive(&self) -> Option<Message> {
-        self.receive_into(&mut Vec::new())
-    }
-
-    /// Returns the next message, reusing the memory of this buffer, which is left empty.
-    pub fn receive_into(&self, buffer: &mut Vec<u8>) -> Option<Message> {
-        let (from, tag) = self.world.receive(buffer)?;
+        let mut bytes = Vec::new();
+        let (from, tag) = self.world.receive(&mut bytes)?;
         let kind = MessageKind::from_tag(tag)?;
-        let bytes = std::mem::take(buffer);
         Some(Message { from, kind, bytes })
     }
 

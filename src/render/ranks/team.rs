@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -26,8 +27,8 @@ pub struct Team<'a> {
     failure: OnceLock<(u32, RankFailure)>,
     /// Bytes of the messages that rank 0 has sent.
     pub sent_bytes: AtomicU64,
-    /// Time in which rank 0 has sent, received and stored tiles, in nanoseconds.
-    pub communication_ns: AtomicU64,
+    /// Time in which the threads of rank 0 have sent, received and stored tiles, in nanoseconds.
+    communication_ns: AtomicU64,
 }
 
 /// A rank.
@@ -145,6 +146,12 @@ impl<'a> Team<'a> {
             MessageKind::Failure => self.fail(message.from, failure_of(message)),
             _ => {}
         }
+    }
+
+    /// Adds the time since `begin` to the time of communication.
+    pub fn add_communication(&self, begin: Instant) {
+        let spent_ns = begin.elapsed().as_nanos() as u64;
+        self.communication_ns.fetch_add(spent_ns, Ordering::Relaxed);
     }
 
     /// Ends the rendering because a rank has failed.

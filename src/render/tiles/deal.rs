@@ -1,83 +1,81 @@
 //! Rank 0 deals tiles to the other ranks while its threads render.
+//!
+//! One thread sends and receives. The pixels that it receives are written to the film by itself, if it
+//! has nothing else to do, and by the threads that render, between two tiles of their own: one thread
+//! could not write the pixels of many ranks.
 
 use std::collections::HashMap;
 use std::sync::atomic::Ordering;
+use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::Instant;
 
 use super::canvas::Canvas;
+use super::tile_batch::{self, TileBatch};
 use super::tile_queue::{TileQueue, TileRuns};
 use crate::checkpoint::TileRecord;
 use crate::ranks::{Member, Message, MessageKind, RankFailure, Team};
-use crate::schedule::{Tile, TileRun, WorkerShare, pause};
+use crate::schedule::{WorkerShare, pause};
+
+/// Greatest number of batches of tiles that wait for a thread: with as many, the one that receives
+/// them stores the next one before it goes on.
+pub(super) const MAX_BATCHES: usize = 64;
 
 /// Deals tiles and receives them, until none is left.
 struct Dealer<'a, 'f> {
     team: &'a Team<'a>,
     queue: &'a TileQueue<'a, 'f>,
+    /// To the threads that store tiles.
+    to_threads: SyncSender<TileBatch>,
     shares: Vec<WorkerShare>,
     runs: TileRuns,
     /// The rank and the position of each tile that was dealt and has not been returned.
     dealt: HashMap<u32, (u32, u32)>,
-    /// Tiles that were returned before there was a canvas.
-    early: Vec<(Tile, TileRun, TileRecord<'static>)>,
-    /// Memory for messages.
-    buffer: Vec<u8>,
 }
 
 /// Deals tiles of the queue to the workers of a team until all have returned theirs and none is
-/// left. Returns the tiles that they have rendered.
-pub(super) fn deal(team: &Team, queue: &TileQueue) -> TileRuns {
+/// left. Returns the tiles that this thread has taken over or stored.
+pub(super) fn deal(team: &Team, queue: &TileQueue, to_threads: SyncSender<TileBatch>) -> TileRuns {
     let mut dealer = Dealer {
         team,
         queue,
+        to_threads,
         shares: vec![WorkerShare::default(); team.members.len()],
         runs: TileRuns::new(),
         dealt: HashMap::new(),
-        early: Vec::new(),
-        buffer: Vec::new(),
     };
-    // Workers render while rank 0 makes its film, unless it takes over tiles first.
-    if queue.pass.limits.checkpoint.is_none() {
-        while dealer.is_needed() && !queue.has_target() {
-            dealer.carry(None);
-        }
+    match queue.pass.limits.checkpoint {
+        Some(_) => queue.with_canvas(|canvas| dealer.deal_all(Some(canvas))),
+        // Without tiles to take over, workers render while rank 0 makes its film.
+        None => dealer.deal_all(None),
     }
-    queue.with_canvas(|canvas| {
-        dealer.store_early(canvas);
-        while dealer.is_needed() {
-            dealer.carry(Some(canvas));
-        }
-    });
     dealer.runs
 }
 
 impl Dealer<'_, '_> {
-    /// Takes the messages that have arrived and gives workers tiles; sleeps if there was nothing to
-    /// do.
-    fn carry(&mut self, canvas: Option<&Canvas>) {
-        let begin = Instant::now();
-        let mut is_idle = true;
-        while let Some(message) = self.team.ranks.receive_into(&mut self.buffer) {
-            self.take(&message, canvas);
-            self.buffer = message.bytes;
-            is_idle = false;
-        }
-        for rank in 1..self.team.ranks.n() {
-            is_idle &= !self.deal_to(rank, canvas);
-        }
-        if is_idle {
-            std::thread::sleep(pause(self.has_tiles()));
-        } else {
-            let spent_ns = begin.elapsed().as_nanos() as u64;
-            let total = &self.team.communication_ns;
-            total.fetch_add(spent_ns, Ordering::Relaxed);
+    /// Receives and deals tiles until none is left; meanwhile stores tiles, or sleeps if there is
+    /// nothing to do.
+    fn deal_all(&mut self, canvas: Option<&Canvas>) {
+        while self.is_needed() {
+            let begin = Instant::now();
+            let mut is_idle = true;
+            while let Some(message) = self.team.ranks.receive() {
+                self.take(message);
+                is_idle = false;
+            }
+            for rank in 1..self.team.ranks.n() {
+                is_idle &= !self.deal_to(rank, canvas);
+            }
+            if is_idle && !self.queue.store_next(&mut self.runs) {
+                std::thread::sleep(pause(self.has_tiles()));
+            } else {
+                self.team.add_communication(begin);
+            }
         }
     }
 
     /// Returns true if a tile is left, or has not been returned.
     fn is_needed(&self) -> bool {
-        let is_dealt = self.shares.iter().any(|share| share.n_dealt > 0);
-        (is_dealt || self.queue.n_left() > 0) && !self.queue.pass.is_canceled()
+        (!self.dealt.is_empty() || self.queue.n_left() > 0) && !self.queue.pass.is_canceled()
     }
 
     /// Returns true if all threads have tiles to render, as far as rank 0 knows.
@@ -119,97 +117,39 @@ impl Dealer<'_, '_> {
         self.team.sent_bytes.fetch_add(n_bytes, Ordering::Relaxed);
     }
 
-    /// Handles a message: writes tiles to the film, and records everything else.
-    fn take(&mut self, message: &Message, canvas: Option<&Canvas>) {
-        self.team.note(message);
+    /// Handles a message: gives tiles to the threads, and records everything else.
+    fn take(&mut self, message: Message) {
+        self.team.note(&message);
         if message.kind != MessageKind::Records {
             return;
         }
-        let mut bytes = &message.bytes[..];
-        while let Some((length, rest)) = bytes.split_first_chunk() {
-            let length = u32::from_le_bytes(*length) as usize;
-            let record = rest.split_at_checked(length).and_then(|(record, rest)| {
-                bytes = rest;
-                TileRecord::parse(record, &self.team.layout)
-            });
-            if record
-                .and_then(|record| self.accept(message.from, record, canvas))
-                .is_none()
-            {
-                return self.fail(message.from);
-            }
+        let Message { from, bytes, .. } = message;
+        let positions: Option<Vec<u32>> = tile_batch::split(&bytes)
+            .map(|record| self.accept(from, record?))
+            .collect();
+        let Some(positions) = positions else {
+            return self.team.fail(from, RankFailure::foreign_tile());
+        };
+        let batch = TileBatch {
+            rank: from,
+            positions,
+            bytes,
+        };
+        if let Err(TrySendError::Full(batch)) = self.to_threads.try_send(batch) {
+            let queue = self.queue;
+            queue.with_canvas(|canvas| queue.store(&batch, &mut self.runs, canvas));
         }
     }
 
-    /// Takes a tile that a worker has rendered. Returns `None` if it does not fit.
-    fn accept(&mut self, rank: u32, record: TileRecord, canvas: Option<&Canvas>) -> Option<()> {
-        let tile = self.queue.plan.grid.tile(record.tile);
+    /// Notes that a worker has returned a tile. Returns its position, or `None` if it was not dealt
+    /// to it.
+    fn accept(&mut self, rank: u32, record: &[u8]) -> Option<u32> {
+        let record = TileRecord::parse_head(record, &self.team.layout)?;
         let (_, position) = self.dealt.remove(&record.tile).filter(|to| to.0 == rank)?;
         if record.run.thread >= self.team.members[rank as usize].n_threads() {
             return None;
         }
-        let run = self.on_our_clock(
-            rank,
-            TileRun {
-                position,
-                ..record.run
-            },
-        );
-        self.shares[rank as usize].returned(run.duration_ns());
-        match canvas {
-            Some(canvas) => self.store(tile, run, record, canvas),
-            None => {
-                self.early.push((tile, run, record.into_owned()));
-                Some(())
-            }
-        }
-    }
-
-    /// Writes a tile to the film. Returns `None` if it does not fit.
-    fn store(
-        &mut self,
-        tile: Tile,
-        run: TileRun,
-        record: TileRecord,
-        canvas: &Canvas,
-    ) -> Option<()> {
-        if !self.queue.pass.store(&tile, record, canvas) {
-            return None;
-        }
-        self.queue.add(&mut self.runs, tile, run, canvas);
-        Some(())
-    }
-
-    fn store_early(&mut self, canvas: &Canvas) {
-        for (tile, run, record) in std::mem::take(&mut self.early) {
-            if self.store(tile, run, record, canvas).is_none() {
-                self.fail(run.rank);
-            }
-        }
-    }
-
-    /// Ends the rendering because of a message from a worker.
-    fn fail(&self, rank: u32) {
-        let failure = RankFailure {
-            exit_code: 1,
-            message: "it has sent a tile of another picture".to_owned(),
-        };
-        self.team.fail(rank, failure);
-    }
-
-    /// Returns a worker's run with the rank, the number of its thread among the threads of all
-    /// ranks, and times since this rendering started.
-    fn on_our_clock(&self, rank: u32, run: TileRun) -> TileRun {
-        let member = &self.team.members[rank as usize];
-        let begin_ns = self.queue.begin - self.team.ranks.epoch;
-        let begin_ns = begin_ns.as_nanos() as i64 + member.clock_ns;
-        let start_ns = (run.start_ns as i64 - begin_ns).max(0) as u64;
-        self.queue.pass.after_restored(TileRun {
-            rank,
-            thread: member.first_thread + run.thread,
-            start_ns,
-            end_ns: start_ns + run.duration_ns(),
-            ..run
-        })
+        self.shares[rank as usize].returned(record.run.duration_ns());
+        Some(position)
     }
 }

@@ -7,6 +7,7 @@
 
 mod canvas;
 mod pass;
+mod tile_batch;
 mod tile_queue;
 mod deal;
 mod worker;
@@ -28,7 +29,7 @@ mod repeat;
 mod stored;
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{OnceLock, mpsc};
 use std::thread;
 use std::time::Instant;
 
@@ -38,7 +39,7 @@ use crate::film::{Film, Rendered};
 use crate::ranks::RankFailure;
 use crate::schedule::{MAX_PIXELS, Schedule, Tile, TileRun};
 use canvas::Canvas;
-use deal::deal;
+use deal::{MAX_BATCHES, deal};
 pub(crate) use follow::{PathProbe, follow};
 use groups::GroupRenderer;
 use host::start_in_scope;
@@ -145,7 +146,8 @@ fn render_onto(
     let film_to_fill = &mut film;
     let (begin, runs) = pass.keeping(|| {
         // Render: rank 0 deals tiles to the other ranks meanwhile.
-        let queue = TileQueue::new(plan, pass, &target, report);
+        let (to_threads, batches) = mpsc::sync_channel(MAX_BATCHES);
+        let queue = TileQueue::new(plan, pass, &target, report, batches);
         let render_some = |context: rayon::BroadcastContext| {
             let renderer = &mut *renderer(view, meter, plan);
             queue.render(context.index() as u32, renderer)
@@ -156,9 +158,12 @@ fn render_onto(
             rayon::broadcast(render_some)
         };
         let runs = match pass.limits.team {
-            None => render(),
+            None => {
+                drop(to_threads);
+                render()
+            }
             Some(team) => thread::scope(|scope| {
-                let by_workers = start_in_scope(scope, || deal(team, &queue));
+                let by_workers = start_in_scope(scope, || deal(team, &queue, to_threads));
                 // Without the thread, the rendering ends at once.
                 let by_workers = by_workers.map_err(|error| {
                     let (exit_code, message) = (1, error.to_string());

@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::canvas::Canvas;
+use super::tile_batch;
 use super::{TilePlan, TileRenderer, View, render_tile, renderer};
 use crate::checkpoint::TileRecord;
 use crate::film::Film;
@@ -17,8 +18,8 @@ use host::start_in_scope;
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
-/// Greatest number of bytes of tiles in a message: more would keep rank 0 from the other workers.
-const MAX_BYTES: usize = 1 << 20;
+/// Greatest number of bytes of tiles in a message, which one thread of rank 0 stores.
+const MAX_BYTES: usize = 1 << 18;
 
 /// Bytes of a tile in a message: the numbers of its rendering and of the tile.
 const DEALT_BYTES: usize = size_of::<u8>() + size_of::<u32>();
@@ -150,11 +151,7 @@ impl Post<'_> {
     fn send_rendered(&mut self) -> bool {
         let mut bytes = Vec::new();
         while let Some(record) = self.next_rendered(bytes.len()) {
-            let begin = bytes.len();
-            bytes.extend([0; size_of::<u32>()]);
-            record.append_to(&mut bytes);
-            let length = (bytes.len() - begin - size_of::<u32>()) as u32;
-            bytes[begin..begin + size_of::<u32>()].copy_from_slice(&length.to_le_bytes());
+            tile_batch::append(&mut bytes, &record);
         }
         if !bytes.is_empty() {
             self.ranks.send(0, MessageKind::Records, &bytes);
