@@ -7,7 +7,7 @@ use base::stop;
 use host::affinity;
 use output::estimate::Memory;
 use render::instruments::{HardwareCounters, Stages};
-use render::ranks::{Hello, Order, RankFailure, Ranks, SceneText, Team};
+use render::ranks::{Hello, MessageKind, Order, RankFailure, Ranks, SceneText, Team};
 use scene::yaml::Source;
 
 /// Renders the tiles that rank 0 deals to this rank. It writes no file and prints nothing: rank 0
@@ -27,8 +27,8 @@ pub(super) fn work(job: &Job, ranks: Ranks) -> Result<Report, RenderError> {
 
 /// Renders tiles of each picture that rank 0 orders, until it dismisses this rank.
 fn follow(job: &Job, ranks: &Ranks) -> Result<(), RenderError> {
-    ranks.introduce(&hello(job, ranks)?);
-    let Some(SceneText { name, text }) = ranks.receive_scene() else {
+    ranks.send_value(0, MessageKind::Value, &hello(job, ranks)?);
+    let Some(SceneText { name, text }) = ranks.receive_value() else {
         return Ok(stop::check()?);
     };
     let scene = OpenScene::parse(job.scene, Source::new(name, text))?;
@@ -39,7 +39,7 @@ fn follow(job: &Job, ranks: &Ranks) -> Result<(), RenderError> {
     let mut hierarchies = FrameHierarchies::new(&scene)?;
     loop {
         let stages = Stages::start(HardwareCounters::none());
-        match (ranks.receive_order(), &scene.frames) {
+        match (ranks.receive_value(), &scene.frames) {
             (Some(Order::Still(frame)), _) => {
                 let input = scene.load(frame, Memory::estimate_part)?;
                 work_on(&Session::new(input, stages)?)?;
@@ -73,7 +73,7 @@ impl Crew {
 
     /// Sends the text of the scene to the ranks.
     pub(super) fn send_scene(&self, scene: &Source) {
-        self.ranks.send_scene(&SceneText {
+        self.ranks.send_to_all(&SceneText {
             name: scene.name().to_owned(),
             text: scene.text().to_owned(),
         });
@@ -81,7 +81,7 @@ impl Crew {
 
     /// Lets the ranks read the files of a picture.
     pub(super) fn begin(&self, picture: Order) {
-        self.ranks.send_order(picture);
+        self.ranks.send_to_all(&picture);
     }
 
     /// Waits until the ranks have read the files of the picture, and compares them with a session.
@@ -93,7 +93,7 @@ impl Crew {
 
     /// Dismisses the ranks.
     pub(super) fn leave(self) {
-        self.ranks.send_order(Order::Leave);
+        self.ranks.send_to_all(&Order::Leave);
         self.ranks.leave();
     }
 }

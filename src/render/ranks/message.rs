@@ -5,18 +5,10 @@ use serde::{Deserialize, Serialize};
 /// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageKind {
-    /// From a worker: its identity and what it is about to render.
-    Hello,
-    /// From rank 0: the text of the scene.
-    Scene,
-    /// From rank 0: the next picture, or the end.
-    Order,
-    /// From a worker: what it renders, now that it has read the files of the scene.
-    Header,
-    /// From rank 0: a request for the time on the worker's clock.
+    /// A value that the other side waits for: introductions, the scene, orders, headers.
+    Value,
+    /// From rank 0: a request for the time on the worker's clock. From a worker: the time.
     Clock,
-    /// From a worker: the time on its clock.
-    Time,
     /// From a worker: its threads are waiting for tiles.
     Ready,
     /// From rank 0: tiles to render.
@@ -25,10 +17,8 @@ pub enum MessageKind {
     Records,
     /// From a worker: it cannot render.
     Failure,
-    /// From rank 0: all tiles of the picture are dealt.
+    /// From rank 0: all tiles of the picture are dealt. From a worker: its work on the picture.
     End,
-    /// From a worker: its work on the picture.
-    Work,
 }
 
 /// A message that has arrived.
@@ -70,19 +60,14 @@ impl RankFailure {
 }
 
 impl MessageKind {
-    const ALL: [Self; 12] = [
-        Self::Hello,
-        Self::Scene,
-        Self::Order,
-        Self::Header,
+    const ALL: [Self; 7] = [
+        Self::Value,
         Self::Clock,
-        Self::Time,
         Self::Ready,
         Self::Tiles,
         Self::Records,
         Self::Failure,
         Self::End,
-        Self::Work,
     ];
 
     pub(super) fn tag(self) -> i32 {
@@ -92,9 +77,4 @@ impl MessageKind {
     pub(super) fn from_tag(tag: i32) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.tag() == tag)
     }
-}
-
-/// Returns a value as the bytes of a message.
-pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
-    serde_json::to_vec(value).unwrap_or_default()
 }

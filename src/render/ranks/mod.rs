@@ -27,6 +27,9 @@ use mpi_world::MpiWorld;
 #[cfg(not(feature = "mpi"))]
 use no_mpi_world::NoMpiWorld as MpiWorld;
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
 use crate::checkpoint::Header;
 use base::stop;
 use host::text::Diagnostic;
@@ -92,6 +95,21 @@ impl Ranks {
         self.world.send(to, kind.tag(), bytes);
     }
 
+    /// Sends a value, as a message of this kind.
+    pub fn send_value(&self, to: u32, kind: MessageKind, value: &impl Serialize) {
+        self.send(to, kind, &serde_json::to_vec(value).unwrap_or_default());
+    }
+
+    /// Sends a value to all others, which wait for it ([`Self::receive_value`]).
+    pub fn send_to_all(&self, value: &impl Serialize) {
+        (1..self.n()).for_each(|rank| self.send_value(rank, MessageKind::Value, value));
+    }
+
+    /// Waits for a value from rank 0. Returns `None` if the program is asked to end.
+    pub fn receive_value<T: DeserializeOwned>(&self) -> Option<T> {
+        serde_json::from_slice(&self.wait()?.bytes).ok()
+    }
+
     /// Returns the next message, if one has arrived.
     pub fn receive(&self) -> Option<Message> {
         let mut bytes = Vec::new();
@@ -119,7 +137,7 @@ impl Ranks {
 
     /// Reports to rank 0 that this worker cannot render, and waits until rank 0 ends the job.
     pub fn fail(&self, failure: &RankFailure) {
-        self.send(0, MessageKind::Failure, &message::to_json(failure));
+        self.send_value(0, MessageKind::Failure, failure);
         while self.wait().is_some() {}
     }
 
@@ -131,49 +149,15 @@ impl Ranks {
         team::meet(self, leader)
     }
 
-    /// Introduces this worker to rank 0.
-    pub fn introduce(&self, hello: &Hello) {
-        self.send(0, MessageKind::Hello, &message::to_json(hello));
-    }
-
-    /// Waits for the text of the scene from rank 0. Returns `None` if the program is asked to end.
-    pub fn receive_scene(&self) -> Option<SceneText> {
-        let message = self.wait()?;
-        serde_json::from_slice(&message.bytes).ok()
-    }
-
-    /// Sends the text of the scene to all others.
-    pub fn send_scene(&self, scene: &SceneText) {
-        let bytes = message::to_json(scene);
-        (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Scene, &bytes));
-    }
-
-    /// Waits for the next order of rank 0. Returns `None` if the program is asked to end.
-    pub fn receive_order(&self) -> Option<Order> {
-        let message = self.wait()?;
-        serde_json::from_slice(&message.bytes).ok()
-    }
-
-    /// Sends an order to all others.
-    pub fn send_order(&self, order: Order) {
-        let bytes = message::to_json(&order);
-        (1..self.n()).for_each(|rank| self.send(rank, MessageKind::Order, &bytes));
-    }
-
-    /// Reports this worker's work on a picture to rank 0.
-    pub fn send_work(&self, work: &RankWork) {
-        self.send(0, MessageKind::Work, &message::to_json(work));
-    }
-
     /// Reports to rank 0 what this worker is about to render, and lets it read this worker's clock.
     pub fn report(&self, header: &Header) {
-        self.send(0, MessageKind::Header, &message::to_json(header));
+        self.send_value(0, MessageKind::Value, header);
         let Some(mut message) = self.wait() else {
             return;
         };
         for n_read in 1..=team::N_CLOCK_READINGS {
             debug_assert_eq!(message.kind, MessageKind::Clock);
-            self.send(0, MessageKind::Time, &self.now_ns().to_le_bytes());
+            self.send(0, MessageKind::Clock, &self.now_ns().to_le_bytes());
             if n_read == team::N_CLOCK_READINGS {
                 return;
             }

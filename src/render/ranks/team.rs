@@ -121,7 +121,7 @@ impl<'a> Team<'a> {
     fn time(&self) -> Option<u64> {
         while !stop::is_requested() && !self.has_failed() {
             match self.ranks.receive() {
-                Some(message) if message.kind == MessageKind::Time => {
+                Some(message) if message.kind == MessageKind::Clock => {
                     return Some(u64::from_le_bytes(message.bytes.try_into().ok()?));
                 }
                 Some(message) => self.note(&message),
@@ -186,7 +186,7 @@ impl<'a> Team<'a> {
                 break;
             };
             self.note(&message);
-            if message.kind == MessageKind::Work {
+            if message.kind == MessageKind::End {
                 let of_rank = serde_json::from_slice(&message.bytes).unwrap_or_default();
                 work[message.from as usize] = Some(of_rank);
             }

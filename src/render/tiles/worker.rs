@@ -134,7 +134,9 @@ impl Post<'_> {
                 is_idle = false;
                 match message.kind {
                     MessageKind::Tiles => self.dealt.add(&message.bytes, &to_threads),
-                    MessageKind::End => return self.ranks.send_work(&self.work),
+                    MessageKind::End => {
+                        return self.ranks.send_value(0, MessageKind::End, &self.work);
+                    }
                     _ => {}
                 }
             }
