@@ -160,6 +160,36 @@ fn a_budget_has_the_same_bytes_on_every_number_of_threads_and_passes() {
     }
 }
 
+#[test]
+fn a_budget_of_a_frame_has_the_totals_of_that_frame() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = in_repository("configs/hopper.yaml").display().to_string();
+    for hierarchy in ["rebuild", "refit"] {
+        let set = format!("--set=animation.hierarchy={hierarchy}");
+        let size = [&set, "--width=24", "--height=18", "--quiet"];
+        printed(folder, &[&[&scene, "--frame=3"][..], &size].concat());
+        let render = [
+            "render",
+            &scene,
+            "--frames=3",
+            "--also=tests",
+            "--out",
+            hierarchy,
+        ];
+        let mut command = raycost();
+        let output = command.args(render).args(size).current_dir(folder).output();
+        assert_success(&output.unwrap());
+        let summary = read(folder, &format!("{hierarchy}/frames/0003/summary.json"));
+        let mut expected = summary["cost"]["totals"].clone();
+        expected.as_object_mut().unwrap().shift_remove("time_ns");
+        let scene = &read(folder, "budget.json")["scenes"][0];
+        assert_eq!((&scene["totals"], &scene["frame"]), (&expected, &json!(3)));
+        let text = printed(folder, &["--check"]);
+        assert!(text.ends_with(" --frame=3: the same totals\n"), "{text}");
+    }
+}
+
 /// `RAYCOST_BLESS=1` measures the scenes anew.
 #[test]
 fn the_scenes_of_this_project_keep_to_their_budget() {

@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[cfg(unix)]
+mod action;
 mod architecture;
 mod beginners;
 mod benches;

@@ -1,6 +1,6 @@
 //! A scene file → the totals of its counters.
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 use indexmap::IndexMap;
 
@@ -45,12 +45,12 @@ pub(super) fn measure(
     let base = open.base_of(frame, &options)?;
     let session = Session::new(input, Stages::default())?;
     base.into_iter().for_each(|base| session.set_base(base));
-    let rendering = session.render(&options)?;
+    let mut rendering = session.render(&options)?;
     let view = rendering.view(None);
     let counted = totals(view.film, view.survey).into_iter();
     let total =
         |(name, total): (String, Option<serde_json::Number>)| Some((name, total?.as_u64()?));
-    Ok(SceneBudget {
+    let measured = SceneBudget {
         scene: file.to_string_lossy().into_owned(),
         flags: flags.to_vec(),
         frame,
@@ -59,7 +59,21 @@ pub(super) fn measure(
         totals: counted.filter_map(total).collect(),
         objects: (rendering.attribution())
             .map_or_else(IndexMap::new, |costs| by_object(&view, costs)),
-    })
+    };
+    if let Some(folder) = &arguments.keep {
+        rendering.write(folder.join(folder_name(file)))?;
+    }
+    Ok(measured)
+}
+
+/// Returns the path of a scene as the name of a folder: `configs-blocks` for `configs/blocks.yaml`.
+fn folder_name(file: &Path) -> String {
+    let path = file.with_extension("");
+    let names = path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_string_lossy()),
+        _ => None,
+    });
+    names.collect::<Vec<_>>().join("-")
 }
 
 /// Returns the totals of each object by the kinds of rays, of kinds that it has. Objects of one

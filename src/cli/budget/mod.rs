@@ -65,6 +65,10 @@ pub(super) struct BudgetArguments {
     #[arg(long, value_name = "FILE", requires = "check")]
     measured: Option<PathBuf>,
 
+    /// Also write the files of each rendering, as `raycost render` does, to a folder in this one
+    #[arg(long, value_name = "DIR", conflicts_with = "measured")]
+    keep: Option<PathBuf>,
+
     /// Print the result in this format
     #[arg(long, value_name = "FORMAT", value_parser = keyword::<BudgetFormat>())]
     format: Option<BudgetFormat>,
