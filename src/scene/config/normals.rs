@@ -1,15 +1,11 @@
 //! The shading normals of meshes.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, Deserializer, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use base::keywords;
 use world::kinds;
-use world::values::{Either, Number, expected};
+use world::values::{Number, WordChoice, WordOr};
 
 /// The shading normals of a mesh.
 ///
@@ -21,8 +17,8 @@ use world::values::{Either, Number, expected};
 /// ").unwrap();
 /// # assert!(keyword != with_edges);
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, JsonSchema)]
-#[schemars(with = "Either<NormalsWord, NormalsKeys>", transform = expected::<Self>)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(from = "WordOr<NormalsWord, NormalsKeys>")]
 pub enum MeshNormals {
     /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
     /// the gradient.
@@ -62,6 +58,10 @@ keywords! {
     }
 }
 
+impl WordChoice for NormalsWord {
+    const EXPECTED: &'static str = "`file`, `smooth` or `flat`";
+}
+
 /// Normals with keys.
 #[derive(Deserialize, Serialize, JsonSchema)]
 #[schemars(transform = world::values::expected::<Self>)]
@@ -71,26 +71,14 @@ struct NormalsKeys {
     smooth: Creases,
 }
 
-struct NormalsVisitor;
-
-impl<'de> Visitor<'de> for NormalsVisitor {
-    type Value = MeshNormals;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("`file`, `smooth` or `flat`")
-    }
-
-    fn visit_str<E: de::Error>(self, found: &str) -> Result<MeshNormals, E> {
-        NormalsWord::deserialize(found.into_deserializer()).map(|word| match word {
-            NormalsWord::File => MeshNormals::File,
-            NormalsWord::Smooth => MeshNormals::Smooth(None),
-            NormalsWord::Flat => MeshNormals::Flat,
-        })
-    }
-
-    fn visit_map<M: MapAccess<'de>>(self, map: M) -> Result<MeshNormals, M::Error> {
-        let NormalsKeys { smooth } = NormalsKeys::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(MeshNormals::Smooth(Some(smooth)))
+impl From<WordOr<NormalsWord, NormalsKeys>> for MeshNormals {
+    fn from(found: WordOr<NormalsWord, NormalsKeys>) -> Self {
+        match found {
+            WordOr::Word(NormalsWord::File) => Self::File,
+            WordOr::Word(NormalsWord::Smooth) => Self::Smooth(None),
+            WordOr::Word(NormalsWord::Flat) => Self::Flat,
+            WordOr::Keys(NormalsKeys { smooth }) => Self::Smooth(Some(smooth)),
+        }
     }
 }
 
@@ -102,11 +90,5 @@ impl Serialize for MeshNormals {
             Self::Smooth(None) => NormalsWord::Smooth.serialize(s),
             Self::Smooth(Some(smooth)) => NormalsKeys { smooth }.serialize(s),
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for MeshNormals {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(NormalsVisitor)
     }
 }

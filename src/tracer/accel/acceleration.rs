@@ -1,12 +1,9 @@
 //! The choice of the structure, and of its traversal.
 
-use std::fmt;
-
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use base::{Keyword, keywords};
+use world::values::{WordChoice, WordOr};
 
 /// The structure that finds the nearest hit of a ray.
 ///
@@ -17,8 +14,9 @@ use base::{Keyword, keywords};
 /// # assert_eq!(careful, Acceleration::Bvh(Quality::High));
 /// # assert_eq!(plain, Acceleration::default());
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "world::values::Either<AccelerationWord, BvhSection>", transform = world::values::expected::<Self>))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(from = "WordOr<AccelerationWord, BvhSection>")]
 pub enum Acceleration {
     /// A bounding volume hierarchy over all shapes except planes.
     Bvh(Quality),
@@ -113,8 +111,6 @@ keywords! {
     }
 }
 
-const EXPECTED: &str = "`bvh`, `brute_force` or { quality: … }";
-
 /// A hierarchy of balanced quality.
 impl Default for Acceleration {
     fn default() -> Self {
@@ -131,34 +127,13 @@ impl Serialize for Acceleration {
     }
 }
 
-impl<'de> Deserialize<'de> for Acceleration {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(AccelerationVisitor)
-    }
-}
-
-struct AccelerationVisitor;
-
-impl<'de> Visitor<'de> for AccelerationVisitor {
-    type Value = Acceleration;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(EXPECTED)
-    }
-
-    fn visit_str<E: Error>(self, word: &str) -> Result<Acceleration, E> {
-        match AccelerationWord::from_name(word) {
-            Some(AccelerationWord::Bvh) => Ok(Acceleration::default()),
-            Some(AccelerationWord::BruteForce) => Ok(Acceleration::BruteForce),
-            None => Err(E::custom(format!(
-                "unknown variant `{word}`, expected {EXPECTED}"
-            ))),
+impl From<WordOr<AccelerationWord, BvhSection>> for Acceleration {
+    fn from(found: WordOr<AccelerationWord, BvhSection>) -> Self {
+        match found {
+            WordOr::Word(AccelerationWord::Bvh) => Self::default(),
+            WordOr::Word(AccelerationWord::BruteForce) => Self::BruteForce,
+            WordOr::Keys(BvhSection { quality }) => Self::Bvh(quality),
         }
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Acceleration, A::Error> {
-        let BvhSection { quality } = BvhSection::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Acceleration::Bvh(quality))
     }
 }
 
@@ -170,6 +145,10 @@ keywords! {
         /// Tests every ray against every shape: the reference for the others.
         BruteForce = "brute_force",
     }
+}
+
+impl WordChoice for AccelerationWord {
+    const EXPECTED: &'static str = "`bvh`, `brute_force` or { quality: … }";
 }
 
 /// The YAML mapping of a hierarchy.

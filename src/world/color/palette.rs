@@ -1,13 +1,10 @@
 //! The colors of an array: a named map, or colors listed in the scene file.
 
-use std::fmt;
-
 use glam::Vec3;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use super::map::{ColorMap, interpolated, nearest};
-use crate::values;
+use crate::values::{self, WordChoice, WordOr};
 
 /// Maximum number of colors of a list.
 const MAX_COLORS: usize = 1024;
@@ -23,9 +20,9 @@ const MAX_COLORS: usize = 1024;
 /// let steps: Palette = scene::yaml::from_str("bands: [0.2, 0.5, 1]").unwrap();
 /// let phases: Palette = scene::yaml::from_str("categories: [[0, 0, 1], [1, 0, 0]]").unwrap();
 /// ```
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "values::Either<ColorMap, PaletteKeys>", transform = values::expected::<Self>))]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(from = "WordOr<ColorMap, PaletteKeys>", rename_all = "snake_case")]
 pub enum Palette {
     /// Evenly spread colors, interpolated between them.
     Colors(ColorList),
@@ -39,12 +36,12 @@ pub enum Palette {
 }
 
 /// Red, green and blue of some colors, from 0 to 1.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "Vec<ListedColor>")]
 pub struct ColorList(Vec<[f64; 3]>);
 
-#[derive(serde::Deserialize)]
+#[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 struct ListedColor {
@@ -65,7 +62,7 @@ impl TryFrom<Vec<ListedColor>> for ColorList {
 }
 
 /// The palettes with keys.
-#[derive(serde::Deserialize)]
+#[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum PaletteKeys {
@@ -112,32 +109,19 @@ impl Default for Palette {
     }
 }
 
-impl<'de> Deserialize<'de> for Palette {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(PaletteVisitor)
-    }
+impl WordChoice for ColorMap {
+    const EXPECTED: &'static str =
+        "the name of a color map, { colors: … }, { bands: … } or { categories: … }";
 }
 
-struct PaletteVisitor;
-
-impl<'de> Visitor<'de> for PaletteVisitor {
-    type Value = Palette;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("the name of a color map, { colors: … }, { bands: … } or { categories: … }")
-    }
-
-    fn visit_str<E: Error>(self, name: &str) -> Result<Palette, E> {
-        ColorMap::deserialize(name.into_deserializer()).map(Palette::Named)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Palette, A::Error> {
-        let keys = PaletteKeys::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(match keys {
-            PaletteKeys::Colors(list) => Palette::Colors(list),
-            PaletteKeys::Bands(list) => Palette::Bands(list),
-            PaletteKeys::Categories(list) => Palette::Categories(list),
-        })
+impl From<WordOr<ColorMap, PaletteKeys>> for Palette {
+    fn from(found: WordOr<ColorMap, PaletteKeys>) -> Self {
+        match found {
+            WordOr::Word(map) => Self::Named(map),
+            WordOr::Keys(PaletteKeys::Colors(list)) => Self::Colors(list),
+            WordOr::Keys(PaletteKeys::Bands(list)) => Self::Bands(list),
+            WordOr::Keys(PaletteKeys::Categories(list)) => Self::Categories(list),
+        }
     }
 }
 

@@ -1,14 +1,11 @@
 //! Smooth metals.
 
-use std::fmt;
-
 use glam::Vec3;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::kinds;
-use crate::values::{ColorForm, Number};
+use crate::values::{ColorForm, Number, WordChoice, WordOr};
+use base::keywords;
 
 /// A smooth metal, which reflects light by Fresnel's equations and transmits none.
 ///
@@ -21,8 +18,13 @@ use crate::values::{ColorForm, Number};
 /// ").unwrap();
 /// # assert!((copper.index - other.index).abs().max_element() < 0.01);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "crate::values::Either<NamedMetal, ConductorKeys>", transform = crate::values::expected::<Self>))]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "WordOr<NamedMetal, ConductorKeys>")
+)]
+#[serde(from = "WordOr<NamedMetal, ConductorKeys>")]
 pub struct Conductor {
     /// The real part of the index of refraction in each channel.
     pub index: Vec3,
@@ -30,18 +32,25 @@ pub struct Conductor {
     pub extinction: Vec3,
 }
 
-/// Metals by name: index and extinction for light of the primaries of sRGB, after Johnson
-/// and Christy, "Optical Constants of the Noble Metals", Phys. Rev. B 6, 1972, and Rakić,
-/// "Algorithm for the determination of intrinsic optical constants of metal films:
-/// application to aluminum", Applied Optics 34, 1995.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-enum NamedMetal {
-    Aluminum,
-    Copper,
-    Gold,
-    Silver,
+keywords! {
+    /// Metals by name: index and extinction for light of the primaries of sRGB, after Johnson
+    /// and Christy, "Optical Constants of the Noble Metals", Phys. Rev. B 6, 1972, and Rakić,
+    /// "Algorithm for the determination of intrinsic optical constants of metal films:
+    /// application to aluminum", Applied Optics 34, 1995.
+    enum NamedMetal {
+        /// After Rakić
+        Aluminum = "aluminum",
+        /// After Johnson and Christy
+        Copper = "copper",
+        /// After Johnson and Christy
+        Gold = "gold",
+        /// After Johnson and Christy
+        Silver = "silver",
+    }
+}
+
+impl WordChoice for NamedMetal {
+    const EXPECTED: &'static str = "a metal such as gold, or { index: …, extinction: … }";
 }
 
 impl From<NamedMetal> for Conductor {
@@ -59,31 +68,12 @@ impl From<NamedMetal> for Conductor {
     }
 }
 
-impl<'de> Deserialize<'de> for Conductor {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(ConductorVisitor)
-    }
-}
-
-struct ConductorVisitor;
-
-impl<'de> Visitor<'de> for ConductorVisitor {
-    type Value = Conductor;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a metal such as gold, or { index: …, extinction: … }")
-    }
-
-    fn visit_str<E: Error>(self, name: &str) -> Result<Conductor, E> {
-        NamedMetal::deserialize(name.into_deserializer()).map(Conductor::from)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Conductor, A::Error> {
-        let keys = ConductorKeys::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Conductor {
-            index: keys.index,
-            extinction: keys.extinction,
-        })
+impl From<WordOr<NamedMetal, ConductorKeys>> for Conductor {
+    fn from(found: WordOr<NamedMetal, ConductorKeys>) -> Self {
+        match found {
+            WordOr::Word(metal) => metal.into(),
+            WordOr::Keys(ConductorKeys { index, extinction }) => Self { index, extinction },
+        }
     }
 }
 

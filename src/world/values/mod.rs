@@ -6,6 +6,7 @@ mod default;
 mod color;
 mod name;
 mod number;
+mod word;
 #[cfg(feature = "schema")]
 mod schema;
 
@@ -17,6 +18,7 @@ pub use number::*;
 pub use schema::{
     Either, Form, Text, at_most_one, exactly_one, excluded, expected, hex_color_schema, one_needed,
 };
+pub use word::{WordChoice, WordOr};
 
 /// Defines kinds of values. A row has the name, the type and the form: anything that implements
 /// `DeserializeSeed`, and `Form` with the feature `schema`. After `,` a function may check and convert

@@ -13,7 +13,7 @@ use super::name::{MAX_NAME, NameForm};
 use super::number::{
     Between, Exactly, NON_NEGATIVE, NonEmpty, Number, NumberList, OneOrMore, Splat, Whole,
 };
-use super::{ColorOr, ColorPattern, RadianceOr};
+use super::{ColorOr, ColorPattern, RadianceOr, WordChoice, WordOr};
 
 /// The form of a value, which has a schema.
 pub trait Form {
@@ -53,6 +53,12 @@ pub struct Either<A, B>(PhantomData<(A, B)>);
 
 schema_of_form!(Either<A, B> where [A: JsonSchema, B: JsonSchema], |g: &mut SchemaGenerator| {
     json_schema!({ "anyOf": [g.subschema_for::<A>(), g.subschema_for::<B>()] })
+});
+
+schema_of_form!(WordOr<W, K> where [W: WordChoice + DeserializeOwned + JsonSchema, K: DeserializeOwned + JsonSchema], |g: &mut SchemaGenerator| {
+    let mut schema = <Either<W, K>>::json_schema(g);
+    expected::<WordOr<W, K>>(&mut schema);
+    schema
 });
 
 /// Adds what the type's own messages expect to its schema.

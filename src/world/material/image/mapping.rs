@@ -1,16 +1,12 @@
 //! Mappings of pictures onto surfaces.
 
-use std::fmt;
-
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
 
 use super::planar::Planar;
 use super::spherical::Spherical;
 use super::triplanar::Triplanar;
-#[cfg(feature = "schema")]
-use crate::values::{Either, expected};
-use base::{Keyword, keywords};
+use crate::values::{WordChoice, WordOr};
+use base::keywords;
 
 /// The mapping of a picture onto a surface.
 ///
@@ -21,9 +17,13 @@ use base::{Keyword, keywords};
 /// ").unwrap();
 /// let floor: Mapping = scene::yaml::from_str("planar").unwrap();
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(with = "Either<MappingWord, MappingKeys>", transform = expected::<Self>))]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(with = "WordOr<MappingWord, MappingKeys>")
+)]
+#[serde(from = "WordOr<MappingWord, MappingKeys>", rename_all = "snake_case")]
 pub enum Mapping {
     /// By the texture coordinates of a mesh.
     #[default]
@@ -54,7 +54,7 @@ keywords! {
 }
 
 /// The mappings with keys.
-#[derive(serde::Deserialize)]
+#[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum MappingKeys {
@@ -64,40 +64,20 @@ enum MappingKeys {
     Spherical(Spherical),
 }
 
-const EXPECTED: &str =
-    "`uv`, `planar`, `spherical`, `triplanar`, { planar: … } or { spherical: … }";
-
-impl<'de> Deserialize<'de> for Mapping {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        d.deserialize_any(MappingVisitor)
-    }
+impl WordChoice for MappingWord {
+    const EXPECTED: &'static str =
+        "`uv`, `planar`, `spherical`, `triplanar`, { planar: … } or { spherical: … }";
 }
 
-struct MappingVisitor;
-
-impl<'de> Visitor<'de> for MappingVisitor {
-    type Value = Mapping;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(EXPECTED)
-    }
-
-    fn visit_str<E: Error>(self, word: &str) -> Result<Mapping, E> {
-        let known = MappingWord::from_name(word);
-        let unknown = || E::custom(format!("unknown variant `{word}`, expected {EXPECTED}"));
-        Ok(match known.ok_or_else(unknown)? {
-            MappingWord::Uv => Mapping::Uv,
-            MappingWord::Planar => Mapping::Planar(Planar::default()),
-            MappingWord::Spherical => Mapping::Spherical(Spherical::default()),
-            MappingWord::Triplanar => Mapping::Triplanar(Triplanar::default()),
-        })
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Mapping, A::Error> {
-        let keys = MappingKeys::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(match keys {
-            MappingKeys::Planar(plane) => Mapping::Planar(plane),
-            MappingKeys::Spherical(sphere) => Mapping::Spherical(sphere),
-        })
+impl From<WordOr<MappingWord, MappingKeys>> for Mapping {
+    fn from(found: WordOr<MappingWord, MappingKeys>) -> Self {
+        match found {
+            WordOr::Word(MappingWord::Uv) => Self::Uv,
+            WordOr::Word(MappingWord::Planar) => Self::Planar(Planar::default()),
+            WordOr::Word(MappingWord::Spherical) => Self::Spherical(Spherical::default()),
+            WordOr::Word(MappingWord::Triplanar) => Self::Triplanar(Triplanar::default()),
+            WordOr::Keys(MappingKeys::Planar(plane)) => Self::Planar(plane),
+            WordOr::Keys(MappingKeys::Spherical(sphere)) => Self::Spherical(sphere),
+        }
     }
 }
