@@ -10,7 +10,7 @@ mod arrays;
 mod mesh_material;
 mod own_materials;
 mod geometries;
-mod vertex_colors;
+mod needs;
 mod space;
 mod placement;
 mod lower_level;
@@ -27,7 +27,8 @@ use world::shading::ShadingModel;
 
 use geometries::ObjectGeometry;
 use lower_level::{add_instances, check_emission};
-use placement::{Needs, Placement};
+use needs::Needs;
+use placement::Placement;
 
 pub use geometries::Geometries;
 pub use sensor::Sensor;
@@ -118,10 +119,7 @@ fn place_objects(
             .key("objects")
             .index(geometries.places[index]);
         let materials = material_ids(config, object, &path)?;
-        let needs = Needs {
-            uvs: pictures::needs_uvs(config, object, &materials, geometry.has_uvs(), &path)?,
-            colors: vertex_colors::are_needed(config, object, &geometry, &path)?,
-        };
+        let needs = Needs::find(config, object, &geometry, &path)?;
         let id = ObjectId(index as u32);
         let placement = Placement::new(
             object,

@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::config::{Config, Geometry, GeometryFile, Object, at_value};
+use crate::config::{Config, at_value};
 use crate::yaml::{Fault, FieldPath, Folders};
 use import::read_picture;
 use world::background::Background;
 use world::color::Transfer;
 use world::material::Material;
 use world::picture::Picture;
-use world::scene::{EnvironmentLight, MaterialId};
+use world::scene::EnvironmentLight;
 
 /// The pictures of a config, each read once.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -102,35 +102,4 @@ impl Pictures {
         let of_light = background.map_or(0, |source| EnvironmentLight::n_bytes(&self.read[source]));
         of_pictures + of_light
     }
-}
-
-/// Returns true if one of the materials of the object at `path` needs texture coordinates.
-///
-/// # Errors
-/// One does, but the object lacks some.
-pub(super) fn needs_uvs(
-    config: &Config,
-    object: &Object,
-    materials: &[MaterialId],
-    has_uvs: bool,
-    path: &FieldPath,
-) -> Result<bool, Fault> {
-    let materials = materials.iter();
-    let mut named = materials.filter_map(|id| config.materials.get_index(id.0 as usize));
-    let Some((name, _)) = named.find(|(_, material)| material.needs_uvs()) else {
-        return Ok(false);
-    };
-    if has_uvs {
-        return Ok(true);
-    }
-    let which = match &object.geometry {
-        Geometry::File(GeometryFile::Mesh(_)) | Geometry::Instances(_) => {
-            "which not all faces of this mesh have".to_owned()
-        }
-        other => format!("which a {other} has not"),
-    };
-    let message = format!("the picture of material `{name}` needs texture coordinates, {which}");
-    let expected = "expected a mesh with texture coordinates";
-    Err(Fault::new(path.clone().key("material"), message, expected)
-        .with_help("give the picture a `mapping`: `planar`, `spherical` or `triplanar`"))
 }

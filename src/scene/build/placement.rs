@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::geometries::ObjectGeometry;
+use super::needs::Needs;
 use crate::config::{Geometry, InstancePlaces, InstancedMesh, Object};
 use crate::yaml::{Fault, FieldPath};
 use base::stop;
@@ -23,15 +24,6 @@ pub(super) struct Placement<'a> {
     /// The map from the object to the space of its primitives.
     render_from_object: DAffine3,
     path: &'a FieldPath,
-}
-
-/// Attributes that the materials of an object need at the corners of triangles.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Needs {
-    /// True for texture coordinates.
-    pub(super) uvs: bool,
-    /// True for colors.
-    pub(super) colors: bool,
 }
 
 impl<'a> Placement<'a> {
