@@ -75,8 +75,9 @@ pub(super) fn lines(
     };
     let ranks = rendering.ranks.map_or(String::new(), ranks);
     let found = format!(
-        "{}{tiles}{ranks}{quality}{}{costs}{}{}wrote   {}: {files}\n",
+        "{}{tiles}{ranks}{}{quality}{}{costs}{}{}wrote   {}: {files}\n",
         head(rendering, stages),
+        noise(rendering),
         hottest::lines(rendering.survey.hottest),
         notes(rendering.config, rendering.scene),
         hints::lines(rendering.config, look),
@@ -141,6 +142,24 @@ pub(super) fn primitives(scene: &Scene) -> String {
         0 => kept,
         n => format!("{kept} ({} without area left out)", counted(n, "triangle")),
     }
+}
+
+/// Returns the share of the pixels whose noise is below the limit; empty without one.
+fn noise(rendering: &RenderingView) -> String {
+    let (film, image) = (rendering.film, &rendering.config.image);
+    let Some(adaptive) = image.adaptive.filter(|_| film.cost.has_counters()) else {
+        return String::new();
+    };
+    let (n_below, n_pixels) = (rendering.survey.n_below_noise, image.n_pixels() as u64);
+    let pixels = match 100.0 * n_below as f64 / n_pixels as f64 {
+        _ if n_below == n_pixels => "all pixels".to_owned(),
+        percent if rendering.partial.is_some() => format!("{percent:.2} % of the pixels"),
+        percent => {
+            let most = counted(image.samples_per_pixel.into(), "sample");
+            format!("{percent:.2} % of the pixels; the others have {most}")
+        }
+    };
+    format!("noise   below {} in {pixels}\n", adaptive.noise)
 }
 
 /// Returns the ranks, their load balance and their communication.

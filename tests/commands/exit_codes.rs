@@ -249,3 +249,28 @@ fn noise_that_samples_do_not_show_is_refused() {
     assert!(message.contains("requires `cost: time`"), "{message}");
     assert!(!folder.path().join("out").exists());
 }
+
+#[test]
+fn sampling_until_a_noise_says_how_many_pixels_reached_it() {
+    let folder = folder();
+    for (noise, most, said) in [
+        ("0.2", "4096", "all pixels"),
+        ("0.01", "16", "the others have 16 samples"),
+    ] {
+        let until = ["render", "scene.yaml", "--until-noise", noise];
+        let most = ["--spp", most, "--out", noise];
+        let output = raycost(folder.path(), &[&until[..], &most].concat());
+        assert!(output.status.success(), "{output:?}");
+        let summary = fs::read_to_string(folder.path().join(noise).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let is_all = summary["n_below_noise"] == summary["n_pixels"];
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.contains(said), "{text}");
+        assert_eq!(is_all, noise == "0.2");
+    }
+    failure(
+        folder.path(),
+        &["check", "scene.yaml", "--until-noise", "0"],
+        2,
+    );
+}

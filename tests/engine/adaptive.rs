@@ -44,6 +44,8 @@ fn the_error_is_below_the_threshold_wherever_samples_were_left() {
     assert!(error < noise, "{error}");
     // Few pixels have samples that are the same by chance.
     assert!(n_far * 100 < n, "{n_far} of {n}");
+    let n_below = n_samples.iter().filter(|&&n| n < 512).count();
+    assert_eq!(found.n_below_noise(), n_below as u64);
     // Flat pixels have the fewest samples, blurred edges many.
     let of_least = n_samples.iter().filter(|&&n| n == 16).count();
     let of_many = n_samples.iter().filter(|&&n| n >= 64).count();

@@ -105,6 +105,7 @@ mod tests {
             "--height=8",
             "--crop=1,2,3,4",
             "--spp=3",
+            "--until-noise=0.01",
             "--seed=18446744073709551615",
             "--max-depth=0",
             "--exposure=-0.1",

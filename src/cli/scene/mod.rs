@@ -16,8 +16,8 @@ use host::text::{Diagnostic, shown};
 use import::ForeignFormat;
 use output::summary::Summary;
 use scene::config::{
-    Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput, Outputs,
-    RatioMetrics, Repeats, Structure, TileOrder, Tiling,
+    Adaptive, Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput,
+    Outputs, RatioMetrics, Repeats, Structure, TileOrder, Tiling,
 };
 use scene::yaml::{self, Document, Fault, Source};
 use tools::series::frame_folder;
@@ -62,6 +62,11 @@ pub(in crate::cli) struct SceneArguments {
     /// Samples per pixel, instead of the file's
     #[arg(long, alias = "samples", value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES as i64))]
     spp: Option<u32>,
+
+    /// Sample each pixel until its standard error is below this share of white, 0.0001 to 1, with
+    /// at most `--spp` samples [default of that: 65,536]; see `image.adaptive`
+    #[arg(long, value_name = "NOISE", allow_negative_numbers = true, value_parser = noise)]
+    until_noise: Option<f32>,
 
     /// Seed of the sampling pattern, instead of the file's
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
@@ -324,6 +329,10 @@ impl SceneSource for SceneArguments {
         image.width = self.width.unwrap_or(image.width);
         image.height = self.height.unwrap_or(image.height);
         image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
+        if let Some(noise) = self.until_noise {
+            image.sample_until(noise);
+            image.samples_per_pixel = self.spp.unwrap_or(MAX_SAMPLES);
+        }
         image.seed = self.seed.unwrap_or(image.seed);
         if let Some(crop) = self.crop {
             *image = crop.apply(image)?;
@@ -371,6 +380,15 @@ impl SceneSource for SceneArguments {
     fn flags(&self) -> Vec<String> {
         self.all_flags()
     }
+}
+
+/// Reads a standard error.
+fn noise(text: &str) -> Result<f32, String> {
+    let [least, greatest] = Adaptive::NOISE;
+    let noise = text.parse().ok();
+    let noise = noise.filter(|noise| (least..=greatest).contains(noise));
+    let noise = noise.map(|noise: f64| noise as f32);
+    noise.ok_or_else(|| format!("expected a standard error from {least} to {greatest}"))
 }
 
 /// Reads the width or the height of a picture.

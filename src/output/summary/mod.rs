@@ -109,6 +109,10 @@ pub struct Summary {
     pub n_pixels: Option<u64>,
     /// The number of pixels whose camera rays hit an object.
     pub n_hits: u64,
+    /// The number of pixels whose noise fell below the limit of adaptive sampling before their last
+    /// sample; left out without adaptive sampling, and without counters.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_below_noise: Option<u64>,
     /// The measured cost of the whole picture.
     pub cost: CostSection,
     /// The distribution of tiles to threads.

@@ -19,6 +19,8 @@ const PARTS_PER_THREAD: usize = 2;
 pub struct Survey {
     pub(super) hashes: PixelHashes,
     pub(super) n_hits: u64,
+    /// The number of pixels whose noise fell below a limit; 0 unless samples are counted.
+    pub n_below_noise: u64,
     /// The sum of the times in nanoseconds.
     pub time_ns: f64,
     /// The sum of the times' median absolute deviations in nanoseconds.
@@ -59,6 +61,7 @@ pub(super) struct Surveyor {
     shown: [Option<Metric>; 2],
     hashes: PixelHashes,
     n_hits: u64,
+    n_below_noise: u64,
     /// The sums of the times and of their deviations.
     times: [f64; 2],
     hottest: [Option<(Metric, HotPixel)>; 2],
@@ -88,6 +91,7 @@ impl Surveyor {
             shown: film.metrics_in_files(),
             hashes: PixelHashes::default(),
             n_hits: 0,
+            n_below_noise: 0,
             times: [0.0; 2],
             hottest: [None; 2],
             histograms: SurveyHistograms::default(),
@@ -118,6 +122,7 @@ impl Surveyor {
         }
         self.hashes.add(band);
         self.n_hits += band.n_hits() as u64;
+        self.n_below_noise += band.n_below_noise();
         self.times[0] += band.total_time_ns();
         self.times[1] += band.total_time_mad_ns();
     }
@@ -145,6 +150,7 @@ impl Surveyor {
         Survey {
             hashes: self.hashes,
             n_hits: self.n_hits,
+            n_below_noise: self.n_below_noise,
             time_ns,
             time_mad_ns,
             hottest: self.hottest,

@@ -60,6 +60,21 @@ impl Film {
         self.clear_missing(strip, counts);
     }
 
+    /// Returns the number of pixels whose noise fell below the limit of adaptive sampling before
+    /// their last sample; 0 unless samples are counted.
+    pub fn n_below_noise(&self) -> u64 {
+        if !self.counts_samples() {
+            return 0;
+        }
+        let wanted = 1..self.most_samples;
+        let mut samples = Vec::new();
+        let strips = self.strips.iter().map(|strip| {
+            self.counter(strip, Counter::Samples, &mut samples);
+            samples.iter().filter(|&n| wanted.contains(n)).count() as u64
+        });
+        strips.sum()
+    }
+
     /// Overwrites `values` with a metric of the pixels of a strip; counts above 2^24 are rounded.
     pub fn costs(&self, strip: &Strip, metric: Metric, values: &mut Vec<f32>) {
         values.clear();

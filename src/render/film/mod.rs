@@ -52,6 +52,8 @@ pub struct Film {
     /// Samples of every pixel, each with a camera ray; 0 if they are counted by pixel, as
     /// [`Counter::Samples`](tracer::cost::Counter::Samples).
     pub n_samples: u32,
+    /// The greatest number of samples of a pixel.
+    pub most_samples: u32,
     /// The space of the hit positions.
     pub space: RenderSpace,
     /// The conversion of radiance to the colors of the picture.
@@ -107,6 +109,7 @@ impl Film {
         Self {
             grid,
             n_samples,
+            most_samples: n_samples,
             space: RenderSpace::default(),
             development: Development::default(),
             extra,

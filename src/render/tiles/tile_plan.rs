@@ -209,6 +209,7 @@ impl TilePlan {
         Film {
             space: scene.space,
             development: self.sensor.development,
+            most_samples: self.sensor.image.samples_per_pixel,
             ..Film::without_rows(
                 self.sensor.extra_arrays,
                 self.grid,

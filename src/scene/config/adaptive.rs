@@ -34,6 +34,9 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
+    /// The least and the greatest standard error.
+    pub const NOISE: [f64; 2] = [1e-4, 1.0];
+
     /// Formats the number of samples per pixel, at most `most`, for people.
     pub fn samples(this: Option<Self>, most: u32) -> String {
         let text = counted(most.into(), "sample");
@@ -47,9 +50,9 @@ impl Adaptive {
 }
 
 kinds! {
-    Noise: f32 = Number { expected: "a standard error from 0.0001 to 1", ranges: &[[1e-4, 1.0]] };
+    Noise: f32 = Number { expected: "a standard error from 0.0001 to 1", ranges: &[Adaptive::NOISE] };
 }
 
-fn sixteen() -> u32 {
+pub(super) fn sixteen() -> u32 {
     16
 }

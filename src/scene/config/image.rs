@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::adaptive::{Adaptive, MAX_SAMPLES};
+use super::adaptive::{Adaptive, MAX_SAMPLES, sixteen};
 use crate::yaml::{Fault, FieldPath};
 use math::sampling::{PixelFilter, PixelPattern};
 use world::kinds;
@@ -133,6 +133,15 @@ impl Image {
             adaptive: None,
             ..*self
         }
+    }
+
+    /// Samples each pixel until its standard error is below this share of white, from 0.0001 to 1.
+    pub fn sample_until(&mut self, noise: f32) {
+        let min_samples = self
+            .adaptive
+            .map_or(sixteen(), |adaptive| adaptive.min_samples);
+        self.adaptive = Some(Adaptive { noise, min_samples });
+        self.sampler = PixelPattern::Sobol;
     }
 
     /// Returns the number of pixels.
