@@ -40,6 +40,33 @@ fn channels(folder: &Path) -> (BTreeMap<String, FlatSamples>, String) {
     (channels.collect(), run.to_text().unwrap().to_string())
 }
 
+#[test]
+fn the_header_lists_the_totals_of_the_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    render("cornell_box", &out, &["--spp=4"]);
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(out.join("image.exr"))
+        .unwrap();
+    let comments = image.layer_data.attributes.comments.unwrap().to_string();
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let totals = &summary["cost"]["totals"];
+    for (name, unit) in [
+        ("time_ns", " ns"),
+        ("node_visits", " node visits"),
+        ("camera_rays", ""),
+    ] {
+        let line = format!("\n{name} {}{unit}\n", totals[name]);
+        assert!(comments.contains(&line), "{comments}");
+    }
+}
+
 /// The floats of a channel.
 fn floats(samples: &FlatSamples) -> &[f32] {
     match samples {

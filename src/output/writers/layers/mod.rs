@@ -21,10 +21,12 @@ use rayon::prelude::*;
 
 use super::RenderingView;
 use super::file::{FileContent, OutputFile};
+use super::summary::totals;
 use channels::{CHANNEL_BYTES, Channel, channels};
 use host::provenance::{self, RunId};
 use render::film::{Film, STRIP_ROWS};
 use scene::config::OptionalOutput;
+use tracer::cost::Metric;
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
@@ -76,14 +78,32 @@ fn header(rendering: &RenderingView, channels: &[Channel], run: RunId) -> Header
     header.own_attributes.layer_name = None;
     let program = concat!("raycost ", env!("CARGO_PKG_VERSION"));
     header.own_attributes.software_name = Some(Text::from(program));
-    let partial = rendering.partial.map(|partial| partial.to_string());
-    header.own_attributes.comments = partial.map(|partial| Text::from(&*partial));
+    header.own_attributes.comments = Some(Text::from(&*comments(rendering)));
     // Only one attribute, because the crate writes several in any order.
     let run = AttributeValue::Text(Text::from(&*run.to_string()));
     let key = Text::from(provenance::KEY);
     header.own_attributes.other.insert(key, run);
     header.shared_attributes.chromaticities = Some(SRGB);
     header
+}
+
+/// Returns a line about missing parts, if there are some, and the totals of all metrics with their
+/// units: viewers such as tev and mrViewer show the attribute.
+fn comments(rendering: &RenderingView) -> String {
+    let partial = rendering.partial.map(|partial| format!("{partial}\n"));
+    let mut text = partial.unwrap_or_default();
+    if rendering.film.cost.has_counters() {
+        text += "Totals of all pixels:\n";
+        for (name, total) in totals(rendering.film, rendering.survey) {
+            let metric = Metric::ALL.into_iter().find(|metric| metric.name == name);
+            let unit = metric.map_or("", |metric| metric.unit_label());
+            if let Some(total) = total {
+                text += format!("{name} {total} {unit}").trim_end();
+                text.push('\n');
+            }
+        }
+    }
+    text
 }
 
 /// The primaries and the white of sRGB (IEC 61966-2-1).
