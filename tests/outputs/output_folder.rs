@@ -57,6 +57,7 @@ fn every_optional_output_but_an_array_has_a_file() {
         let is_array = matches!(
             output,
             OptionalOutput::Radiance
+                | OptionalOutput::Noise
                 | OptionalOutput::Bounces
                 | OptionalOutput::Groups
                 | OptionalOutput::Tests
@@ -160,7 +161,7 @@ fn counters_alone_have_no_times() {
         (&Value::Null, &Value::Null)
     );
     let state = fs::read_to_string(out.join("heatmap.pvsm")).unwrap();
-    assert!(state.contains("log10(node_visits)") && state.contains("primitive_tests"));
+    assert!(state.contains("log10(max(node_visits,") && state.contains("primitive_tests"));
     assert!(!state.contains("\"time_ns\""), "{state}");
 }
 

@@ -152,6 +152,20 @@ fn what_things_cost_is_shown() {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
+    let scene = in_repository("configs/cornell_box.yaml");
+    let arrays = "--set=output={ also: [noise], arrays: [RGB, noise, efficiency] }";
+    let flags = ["--width=200", "--height=150", "--spp=16", arrays];
+    let out = render(&scene, "noise", &flags);
+    let state = out.join("heatmap.pvsm");
+    let text = fs::read_to_string(&state).unwrap();
+    assert!(text.contains("log10(max(noise,") && text.contains("Efficiency of the samples"));
+    let flags = ["--from-state", "--require=noise,efficiency"];
+    assert_success(&load(&state, &out, &screenshot(&out, "heatmap"), &flags));
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &["--no-cost"]);

@@ -129,7 +129,10 @@ impl Axis {
             "formula" => return Some(self.formula().into()),
             "title" => return Some(self.title().into()),
             "labels" => return Some(StateValue::Many(self.labels(|value| value))),
-            "log10.formula" => return Some(format!("log10({})", self.formula()).into()),
+            // Zeros, whose logarithm ParaView would replace by that of 1, count at the low end.
+            "log10.formula" => {
+                return Some(format!("log10(max({},{}))", self.formula(), self.low).into());
+            }
             "log10.title" => return Some(format!("{}, log scale", self.title()).into()),
             "log10.labels" => return Some(StateValue::Many(self.labels(f64::log10))),
             _ => match key.split_once('(')? {

@@ -98,7 +98,8 @@ impl Request<'_> {
     pub(super) fn n_costs(&self) -> usize {
         let ratios = Metric::ratios(self.config.metrics);
         let is_cost = |column: &Column| {
-            let mut metrics = ratios.clone().chain(Metric::ALL);
+            let metrics = ratios.clone().chain(Metric::ALL);
+            let mut metrics = metrics.chain(Metric::OF_NOISE);
             metrics.any(|metric| metric.name == column.name)
         };
         written_columns(self.config).filter(is_cost).count()

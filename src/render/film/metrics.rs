@@ -5,9 +5,13 @@ use base::Keyword;
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
 impl Film {
-    /// Returns the metrics of the film: those that the scene defines, then all others.
+    /// Returns the metrics of the film: those that the scene defines, then all others, then those
+    /// of noise if the film keeps it.
     pub fn metrics(&self) -> impl Iterator<Item = Metric> + Clone + use<> {
-        Metric::ratios(self.extra.metrics).chain(Metric::ALL)
+        let noise = self.extra.noise.map(|_| Metric::OF_NOISE);
+        Metric::ratios(self.extra.metrics)
+            .chain(Metric::ALL)
+            .chain(noise.into_iter().flatten())
     }
 
     /// Overwrites `counts` with a counted metric of the pixels of a strip.

@@ -43,7 +43,7 @@ pub(super) fn json(
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
         "metrics": Metric::ratios(summary.cost.ratio_metrics())
             .chain(Metric::ALL)
-            .chain([Metric::NOISE, Metric::EFFICIENCY])
+            .chain(Metric::OF_NOISE)
             .map(metric)
             .collect::<Vec<_>>(),
         "hottest": hottest,

@@ -164,6 +164,9 @@ impl Metric {
         ..Self::NOISE
     };
 
+    /// The metrics of the spread of samples, on request.
+    pub const OF_NOISE: [Self; 2] = [Self::NOISE, Self::EFFICIENCY];
+
     /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
     /// two that are not zero.
     pub const ALL: [Self; 14] = [
