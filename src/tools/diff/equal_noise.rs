@@ -1,8 +1,10 @@
 //! The work that two renderings take for equal noise.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
-use super::{Side, Totals};
+use super::Side;
 use host::text::Diagnostic;
 use tracer::cost::Metric;
 
@@ -13,7 +15,7 @@ const N_GROUPS: usize = 32;
 const T: f64 = 2.040;
 
 /// The share of A's work for which B has the noise of A: the ratio B / A of variance times work,
-/// since variance falls with one over the work.
+/// since variance falls with one over the work. Both are sums over the pixels that both rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EqualNoise {
     /// The share of the work, in node visits and primitive tests.
@@ -28,33 +30,35 @@ impl EqualNoise {
     ///
     /// # Errors
     /// The noise cannot be read.
-    pub(super) fn measure(sides: &[Side; 2], totals: &Totals) -> Result<Option<Self>, Diagnostic> {
-        let steps = totals.steps();
-        if !sides.iter().all(|side| side.has(Metric::NOISE)) || steps.contains(&0.0) {
+    pub(super) fn measure(sides: &[Side; 2]) -> Result<Option<Self>, Diagnostic> {
+        let needed = [Metric::NOISE, Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS];
+        let has_all = |side: &Side| needed.iter().all(|metric| side.has(*metric));
+        if !sides.iter().all(has_all) {
             return Ok(None);
         }
-        let [a, b] = sides;
-        let mut sums = [[0.0; 2]; N_GROUPS];
-        let width = a.size()[0] as usize;
-        for rows in a.bands() {
-            let noise = [a.noise(rows.clone())?, b.noise(rows.clone())?];
-            for (i, y) in rows.enumerate() {
-                let row = |side: usize| &noise[side][i * width..][..width];
-                for (&a, &b) in row(0).iter().zip(row(1)) {
-                    // Pixels that one side did not render.
-                    if !a.is_nan() && !b.is_nan() {
-                        let sums = &mut sums[y as usize % N_GROUPS];
-                        sums[0] += f64::from(a).powi(2);
-                        sums[1] += f64::from(b).powi(2);
-                    }
+        let [width, _] = sides[0].size();
+        let mut variances = [[0.0; 2]; N_GROUPS];
+        let mut work = [0.0; 2];
+        for rows in sides[0].bands() {
+            let [a, b] = sides.each_ref().map(|side| read_pixels(side, rows.clone()));
+            let found = [a?, b?];
+            for pixel in 0..found[0].noise.len() {
+                if found.iter().any(|side| side.noise[pixel].is_nan()) {
+                    // One side did not render the pixel.
+                    continue;
+                }
+                let row = rows.start as usize + pixel / width as usize;
+                for (i, side) in found.iter().enumerate() {
+                    variances[row % N_GROUPS][i] += f64::from(side.noise[pixel]).powi(2);
+                    work[i] += side.work[pixel];
                 }
             }
         }
-        Ok(Self::estimate(&sums, steps[1] / steps[0]))
+        Ok(Self::estimate(&variances, work[1] / work[0]))
     }
 
     /// Returns the share and its interval of sums of A's and B's variances by groups; `work` is the
-    /// ratio B / A of the whole work.
+    /// ratio B / A of the work for all of them.
     fn estimate(sums: &[[f64; 2]], work: f64) -> Option<Self> {
         let total = |side: usize| sums.iter().map(|sums| sums[side]).sum::<f64>();
         let [a, b] = [total(0), total(1)];
@@ -75,6 +79,23 @@ impl EqualNoise {
             interval,
         })
     }
+}
+
+/// Some pixels of a side.
+struct SidePixels {
+    /// The standard error of each; NaN if it was not rendered.
+    noise: Vec<f32>,
+    /// The node visits and primitive tests of each.
+    work: Vec<f64>,
+}
+
+/// Reads the pixels of a side in `rows`.
+fn read_pixels(side: &Side, rows: Range<u32>) -> Result<SidePixels, Diagnostic> {
+    let mut work = side.costs(Metric::NODE_VISITS, rows.clone())?;
+    let tests = side.costs(Metric::PRIMITIVE_TESTS, rows.clone())?;
+    work.iter_mut().zip(tests).for_each(|(sum, n)| *sum += n);
+    let noise = side.noise(rows)?;
+    Ok(SidePixels { noise, work })
 }
 
 #[cfg(test)]

@@ -189,7 +189,6 @@ impl Diff {
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
-        let equal_noise = EqualNoise::measure(sides, &totals)?;
         let objects = sorted(groups.objects(sides), &ratios);
         let tiles = sorted(groups.tiles(), &ratios);
         let noise = match totals.cost(Metric::TIME) {
@@ -209,7 +208,7 @@ impl Diff {
             tiles,
             picture: PictureDifference::measure(sides)?,
             light: LightDifference::measure(sides)?,
-            equal_noise,
+            equal_noise: EqualNoise::measure(sides)?,
             n_other_objects: groups.n_other_objects,
             settings: settings::compare_runs(&values),
             machine: settings::compare_machines(&values),

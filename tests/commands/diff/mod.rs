@@ -1,6 +1,7 @@
 //! `raycost diff` reports exact differences, and its gate fails only for significant
 //! ones.
 
+mod equal_noise;
 mod foreign;
 mod noise;
 mod values;

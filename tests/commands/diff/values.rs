@@ -9,12 +9,12 @@ use super::{SCENE, diff, json_report, outputs, render};
 use crate::common::data_set::{Array, DataSet};
 use crate::common::{COUNTERS, assert_success};
 
-fn frame(path: PathBuf) -> DataSet {
+pub(super) fn frame(path: PathBuf) -> DataSet {
     DataSet::read(&path.join("frame.vti"))
 }
 
 /// The numbers of an array with four bytes per number.
-fn numbers(array: &Array) -> Vec<f64> {
+pub(super) fn numbers(array: &Array) -> Vec<f64> {
     let number = |bytes: &[u8]| {
         let bytes = bytes.try_into().unwrap();
         match array.scalar.as_str() {
