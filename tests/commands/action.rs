@@ -272,16 +272,19 @@ fn a_change_that_makes_the_program_do_more_is_caught_and_shown() {
 
 #[test]
 fn without_a_commit_before_the_change_is_caught_all_the_same() {
-    let mut checkout = Checkout::new(|project| write_program(project, WORSE));
-    checkout.set("before", "0000000000000000000000000000000000000000");
-    let ended = checkout.run();
-    assert_eq!(ended.code, 3, "{}", ended.text);
-    assert!(
-        checkout
-            .summary()
-            .contains("There is no commit to compare with.")
-    );
-    assert!(!checkout.out("index.html").exists());
+    for before in ["", "0000000000000000000000000000000000000000"] {
+        let mut checkout = Checkout::new(|project| write_program(project, WORSE));
+        checkout.git(&["remote", "add", "origin", "."]);
+        checkout.set("before", before);
+        let ended = checkout.run();
+        assert_eq!(ended.code, 3, "{}", ended.text);
+        let summary = checkout.summary();
+        assert!(
+            summary.contains("There is no commit to compare with."),
+            "{summary}"
+        );
+        assert!(!checkout.out("index.html").exists());
+    }
 }
 
 #[test]
