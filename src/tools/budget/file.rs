@@ -108,7 +108,7 @@ impl CostBudget {
         Ok(budget)
     }
 
-    /// Writes the budget to a file, which may hold another budget.
+    /// Writes the budget to a file, which may hold a file that raycost wrote.
     ///
     /// # Errors
     /// The file cannot be written, or holds something else.
@@ -129,9 +129,10 @@ fn hash(scenes: &[SceneBudget]) -> RunId {
 impl RayTotals {
     /// Adds the totals of more rays.
     pub fn add(&mut self, other: Self) {
-        self.rays += other.rays;
-        self.node_visits += other.node_visits;
-        self.primitive_tests += other.primitive_tests;
+        // A file may have any numbers.
+        self.rays = self.rays.saturating_add(other.rays);
+        self.node_visits = self.node_visits.saturating_add(other.node_visits);
+        self.primitive_tests = self.primitive_tests.saturating_add(other.primitive_tests);
     }
 }
 
