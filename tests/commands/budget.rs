@@ -353,12 +353,23 @@ fn a_budget_of_another_picture_is_refused() {
                 `raycost budget --update`\n";
     let message = refused(folder, &["--check", "--seed=4"]);
     let of_seed =
-        "error: the budget of `scene.yaml --seed=4` is of another seed: 3, and the scene has 4";
+        "error: the budget of `scene.yaml --seed=4` is of another picture: image.seed: 3 → 4";
     assert_eq!(message, format!("{of_seed}{help}"));
     let message = refused(folder, &["--check", "--width=20", "--spp=4"]);
-    let of_size = "error: the budget of `scene.yaml --width=20 --spp=4` is of another picture: 40 x 30 pixels \
-                   with 1 sample, and the scene has 20 x 30 pixels with 4 samples";
+    let of_size = "error: the budget of `scene.yaml --width=20 --spp=4` is of another picture: \
+                   image.width: 40 → 20, image.samples_per_pixel: 1 → 4";
     assert_eq!(message, format!("{of_size}{help}"));
+    for (flag, changed) in [
+        ("--crop=1,2,40,30", "image.window: null → {"),
+        ("--until-noise=0.02", "image.adaptive: null → {"),
+        (
+            "--set=image.sampler=sobol",
+            "image.sampler: null → \"sobol\"",
+        ),
+    ] {
+        let message = refused(folder, &["--check", "--width=50", "--height=50", flag]);
+        assert!(message.contains(changed), "{message}");
+    }
     let message = refused(folder, &["--check", "--set=background=0.2"]);
     let of_config = "is of another config: the scene, or a file that it names, has changed";
     assert_eq!(

@@ -4,12 +4,12 @@ use std::cmp::Ordering;
 use std::str::FromStr;
 
 use indexmap::IndexMap;
+use serde_json::json;
 
 use super::file::{CostBudget, RayTotals, SceneBudget};
-use crate::diff::Limit;
+use crate::diff::{Limit, Setting, compare_runs};
 use base::numbers::counted;
 use host::text::{Diagnostic, did_you_mean};
-use output::summary::ImageSection;
 use tracer::cost::{Metric, RayKind};
 
 /// The part of the totals of the whole picture.
@@ -45,13 +45,13 @@ pub enum Growth {
     Shrunk,
 }
 
-/// The totals of scenes that are not those of their budgets.
+/// The totals of scenes that differ from their budgets.
 #[derive(Debug)]
 pub struct BudgetCheck<'a> {
     pub(super) scenes: Vec<SceneCheck<'a>>,
 }
 
-/// The totals of a scene that are not those of its budget.
+/// The totals of a scene that differ from its budget.
 #[derive(Debug)]
 pub(super) struct SceneCheck<'a> {
     /// The scene now.
@@ -197,42 +197,26 @@ fn totals(scene: &SceneBudget) -> IndexMap<(String, &'static str), u64> {
 /// Checks that a budget is of the picture that the scene gives now.
 ///
 /// # Errors
-/// It is of another one.
+/// The budget is of another picture.
 fn refuse_other_picture(budget: &SceneBudget, now: &SceneBudget) -> Result<(), Diagnostic> {
-    let with_seed = |seed| ImageSection {
-        seed,
-        ..budget.image
-    };
+    let images = [budget, now].map(|scene| json!({ "image": scene.image }));
+    let changes = compare_runs(&images);
     let name = now.label();
     let message = if (&budget.scene, budget.frame) != (&now.scene, now.frame) {
         format!("the budget is of `{}`, not of `{name}`", budget.label())
-    } else if budget.image == now.image && budget.config == now.config {
-        return Ok(());
-    } else if budget.image != now.image && with_seed(now.image.seed) == now.image {
-        let [before, after] = [budget, now].map(|scene| scene.image.seed);
-        format!("the budget of `{name}` is of another seed: {before}, and the scene has {after}")
-    } else if budget.image != now.image {
-        let [before, after] = [budget, now].map(|scene| size(&scene.image));
-        format!("the budget of `{name}` is of another picture: {before}, and the scene has {after}")
-    } else {
+    } else if !changes.is_empty() {
+        let changes: Vec<String> = changes.iter().map(Setting::to_string).collect();
+        let changes = changes.join(", ");
+        format!("the budget of `{name}` is of another picture: {changes}")
+    } else if budget.config != now.config {
         format!(
             "the budget of `{name}` is of another config: the scene, or a file that it names, has changed"
         )
+    } else {
+        return Ok(());
     };
     let help = "a budget compares the work of one picture: if the new one is meant, `raycost budget --update`";
     Err(Diagnostic::new(message).with_help(help))
-}
-
-/// Describes size and sampling.
-fn size(image: &ImageSection) -> String {
-    let ImageSection {
-        width,
-        height,
-        samples_per_pixel,
-        ..
-    } = image;
-    let samples = counted(u64::from(*samples_per_pixel), "sample");
-    format!("{width} x {height} pixels with {samples}")
 }
 
 impl SceneBudget {

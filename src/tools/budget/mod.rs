@@ -1,7 +1,7 @@
 //! Exact totals of the counters of scenes, which a later rendering may not exceed.
 //!
 //! A [`CostBudget`] is a file that a project keeps beside its sources. [`BudgetCheck`] compares its totals with
-//! those of a rendering now, and [`report()`] shows what grew. Counters are the same on every machine and
+//! the totals of a rendering now, and [`report()`] shows what grew. Counters are the same on every machine and
 //! number of threads, so a budget allows no growth at all unless an [`Allowance`] says otherwise.
 
 mod check;

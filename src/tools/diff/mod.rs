@@ -37,6 +37,7 @@ pub use picture::PictureDifference;
 pub use report::report;
 pub(crate) use report::table;
 pub use settings::Setting;
+pub(crate) use settings::compare_runs;
 pub use side::Side;
 pub use state::FILE as STATE;
 

@@ -253,10 +253,7 @@ fn setting_lines(settings: &[Setting]) -> Vec<String> {
     if settings.is_empty() {
         return vec!["the same".to_owned()];
     }
-    let line = |setting: &Setting| {
-        let Setting { name, a, b } = setting;
-        one_line(&format!("{name}: {a} → {b}")).into_owned()
-    };
+    let line = |setting: &Setting| one_line(&setting.to_string()).into_owned();
     let mut lines: Vec<String> = settings.iter().take(MAX_SETTINGS).map(line).collect();
     if settings.len() > MAX_SETTINGS {
         lines.push(format!("and {} more", settings.len() - MAX_SETTINGS));

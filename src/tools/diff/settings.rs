@@ -1,5 +1,7 @@
 //! The settings and the machines of two outputs, from their summaries.
 
+use std::fmt;
+
 use serde::Serialize;
 use serde_json::Value;
 
@@ -14,6 +16,14 @@ pub struct Setting {
     pub a: Value,
     /// Value in B; null if B does not have it.
     pub b: Value,
+}
+
+/// Shows the name and both values.
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, a, b } = self;
+        write!(f, "{name}: {a} → {b}")
+    }
 }
 
 /// Paths in `summary.json` that describe the machine and the program.
@@ -51,7 +61,7 @@ pub(super) fn compare_machines(sides: &[Value; 2]) -> Vec<Setting> {
 }
 
 /// Returns the differences of the settings.
-pub(super) fn compare_runs(sides: &[Value; 2]) -> Vec<Setting> {
+pub(crate) fn compare_runs(sides: &[Value; 2]) -> Vec<Setting> {
     differences(&SETTINGS, sides)
 }
 
