@@ -475,6 +475,24 @@ error: `budget.json` is not a budget: expected value at line 2 column 1
 }
 
 #[test]
+fn scenes_with_one_folder_for_their_files_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    fs::copy(folder.join("scene.yaml"), folder.join("scene.yml")).unwrap();
+    let keep = ["scene.yaml", "scene.yml", "--keep=kept"];
+    let message = refused(folder, &keep);
+    let begin = "error: `--keep` has one folder, `scene`, for `scene.yaml` and `scene.yml`\n";
+    assert!(message.starts_with(begin), "{message}");
+    printed(folder, &["scene.yaml", "scene.yml"]);
+    let message = refused(folder, &["--check", "--keep=kept"]);
+    assert!(message.starts_with(begin), "{message}");
+    assert!(!folder.join("kept").exists());
+    fs::rename(folder.join("scene.yml"), folder.join("a \"<b>.yml")).unwrap();
+    printed(folder, &["scene.yaml", "a \"<b>.yml", "--keep=kept"]);
+    assert!(folder.join("kept/a---b-/summary.json").is_file());
+}
+
+#[test]
 fn a_wrong_command_line_is_refused() {
     let folder = folder();
     let folder = folder.path();

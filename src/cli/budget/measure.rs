@@ -1,5 +1,6 @@
 //! A scene file → the totals of its counters.
 
+use std::collections::HashMap;
 use std::path::{Component, Path};
 
 use indexmap::IndexMap;
@@ -10,7 +11,7 @@ use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::job::{OpenScene, SceneSource};
 use crate::session::{Options, Session};
-use host::text::Diagnostic;
+use host::text::{Diagnostic, shown};
 use output::estimate::Memory;
 use output::writers::{Group, RenderingView, totals};
 use render::attribution::{AttributionRule, CostAttribution};
@@ -66,14 +67,36 @@ pub(super) fn measure(
     Ok(measured)
 }
 
-/// Returns the path of a scene as the name of a folder: `configs-blocks` for `configs/blocks.yaml`.
+/// Checks that the files of each scene are kept in a folder of its own.
+///
+/// # Errors
+/// Two scenes have the same folder.
+pub(super) fn refuse_same_folder<'a>(
+    files: impl Iterator<Item = &'a Path>,
+) -> Result<(), Diagnostic> {
+    let mut folders: HashMap<String, &Path> = HashMap::new();
+    for file in files {
+        let name = folder_name(file);
+        if let Some(other) = folders.insert(name.clone(), file) {
+            let [other, file] = [other, file].map(shown);
+            let message = format!("`--keep` has one folder, `{name}`, for `{other}` and `{file}`");
+            let help = "rename one, leave one out, or keep no files";
+            return Err(Diagnostic::new(message).with_help(help));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the path of a scene as the name of a folder, which needs no quotes in a web page:
+/// `configs-blocks` for `configs/blocks.yaml`.
 fn folder_name(file: &Path) -> String {
     let path = file.with_extension("");
     let names = path.components().filter_map(|part| match part {
         Component::Normal(name) => Some(name.to_string_lossy()),
         _ => None,
     });
-    names.collect::<Vec<_>>().join("-")
+    let name = names.collect::<Vec<_>>().join("-");
+    name.replace(|c: char| !c.is_alphanumeric() && !"._-".contains(c), "-")
 }
 
 /// Returns the totals of each object by the kinds of rays, of kinds that it has. Objects of one

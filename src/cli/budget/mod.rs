@@ -12,7 +12,7 @@ use base::Keyword;
 use base::numbers::{bytes, counted};
 use host::folder::{Replace, refuse_foreign_file};
 use host::text::{self, Diagnostic};
-use measure::measure;
+use measure::{measure, refuse_same_folder};
 use tools::budget::{self, Allowance, BudgetCheck, BudgetFormat, CostBudget, Growth, SceneBudget};
 
 /// Keep the exact totals of all counters of scenes, and check later that nothing grew
@@ -98,6 +98,15 @@ pub(super) fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     write(arguments)
 }
 
+impl BudgetArguments {
+    /// Checks that the files of each scene, if they are kept, have a folder of their own.
+    fn check_folders<'a>(&self, files: impl Iterator<Item = &'a Path>) -> Result<(), Diagnostic> {
+        self.keep
+            .as_ref()
+            .map_or(Ok(()), |_| refuse_same_folder(files))
+    }
+}
+
 /// Measures scenes, and writes their budget.
 fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
     let scenes = &arguments.scene;
@@ -116,6 +125,7 @@ fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
         Some(budget) => measure_again(arguments, &budget)?,
         None => {
             let files = [&scenes.scene].into_iter().chain(&arguments.others);
+            arguments.check_folders(files.clone().map(PathBuf::as_path))?;
             let flags = scenes.all_flags();
             let scene = |file: &PathBuf| measure(arguments, file, &flags, arguments.frame);
             files.map(scene).collect::<Result<_, _>>()?
@@ -157,6 +167,8 @@ fn measure_again(
             .collect();
         measure(arguments, Path::new(&scene.scene), &flags, scene.frame)
     };
+    let files = budget.scenes.iter().map(|scene| Path::new(&scene.scene));
+    arguments.check_folders(files)?;
     budget.scenes.iter().map(again).collect()
 }
 
