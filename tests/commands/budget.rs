@@ -361,7 +361,10 @@ fn a_budget_of_another_picture_is_refused() {
     assert_eq!(message, format!("{of_size}{help}"));
     for (flag, changed) in [
         ("--crop=1,2,40,30", "image.window: null → {"),
-        ("--until-noise=0.02", "image.adaptive: null → {"),
+        (
+            "--until-noise=0.02",
+            "image.adaptive: null → {\"noise\":0.02,",
+        ),
         (
             "--set=image.sampler=sobol",
             "image.sampler: null → \"sobol\"",

@@ -10,6 +10,7 @@ use super::file::{CostBudget, RayTotals, SceneBudget};
 use crate::diff::{Limit, Setting, compare_runs};
 use base::numbers::counted;
 use host::text::{Diagnostic, did_you_mean};
+use scene::yaml::json_of;
 use tracer::cost::{Metric, RayKind};
 
 /// The part of the totals of the whole picture.
@@ -199,7 +200,9 @@ fn totals(scene: &SceneBudget) -> IndexMap<(String, &'static str), u64> {
 /// # Errors
 /// The budget is of another picture.
 fn refuse_other_picture(budget: &SceneBudget, now: &SceneBudget) -> Result<(), Diagnostic> {
-    let images = [budget, now].map(|scene| json!({ "image": scene.image }));
+    // Cannot fail: all keys are strings.
+    let images =
+        [budget, now].map(|scene| json!({ "image": json_of(&scene.image).unwrap_or_default() }));
     let changes = compare_runs(&images);
     let name = now.label();
     let message = if (&budget.scene, budget.frame) != (&now.scene, now.frame) {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use output::summary::Summary;
+use scene::yaml::json_of;
 
 /// A setting, or a property of the machine, that differs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,7 +53,7 @@ const SETTINGS: [&str; 16] = [
 /// Returns the values of a summary, by its keys.
 pub(super) fn values(summary: &Summary) -> Value {
     // Cannot fail: all keys are strings.
-    serde_json::to_value(summary).unwrap_or_default()
+    json_of(summary).unwrap_or_default()
 }
 
 /// Returns the differences of machine and program.

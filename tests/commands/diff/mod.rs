@@ -311,6 +311,16 @@ fn times_of_a_part_of_a_picture_are_not_tested() {
 }
 
 #[test]
+fn settings_that_differ_have_the_digits_of_the_scene() {
+    let folder = outputs(&["--exposure=0.7"]);
+    render(folder.path(), "c", SCENE, &["--exposure=1.3"]);
+    let output = diff(folder.path(), &["a", "c"]);
+    assert_success(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains(" film.exposure: 0.7 → 1.3\n"), "{text}");
+}
+
+#[test]
 fn a_different_machine_is_reported() {
     let folder = outputs(&[]);
     let file = folder.path().join("b/summary.json");
