@@ -150,7 +150,14 @@ fn noise(rendering: &RenderingView) -> String {
     let Some(adaptive) = image.adaptive.filter(|_| film.cost.has_counters()) else {
         return String::new();
     };
-    let (n_below, n_pixels) = (rendering.survey.n_below_noise, image.n_pixels() as u64);
+    let Some(n_below) = rendering.n_below_noise() else {
+        let least = counted(adaptive.min_samples.into(), "sample");
+        return format!(
+            "noise   not compared with {}: it takes more than {least}, by `--spp`\n",
+            adaptive.noise
+        );
+    };
+    let n_pixels = image.n_pixels() as u64;
     let pixels = match 100.0 * n_below as f64 / n_pixels as f64 {
         _ if n_below == n_pixels => "all pixels".to_owned(),
         percent if rendering.partial.is_some() => format!("{percent:.2} % of the pixels"),

@@ -255,7 +255,12 @@ fn sampling_until_a_noise_says_how_many_pixels_reached_it() {
     let folder = folder();
     for (noise, most, said) in [
         ("0.2", "4096", "all pixels"),
-        ("0.01", "16", "the others have 16 samples"),
+        ("0.01", "17", "the others have 17 samples"),
+        (
+            "0.3",
+            "16",
+            "not compared with 0.3: it takes more than 16 samples",
+        ),
     ] {
         let until = ["render", "scene.yaml", "--until-noise", noise];
         let most = ["--spp", most, "--out", noise];
@@ -263,10 +268,12 @@ fn sampling_until_a_noise_says_how_many_pixels_reached_it() {
         assert!(output.status.success(), "{output:?}");
         let summary = fs::read_to_string(folder.path().join(noise).join("summary.json")).unwrap();
         let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-        let is_all = summary["n_below_noise"] == summary["n_pixels"];
+        let n_below = summary["n_below_noise"].as_u64();
+        let is_all = n_below == summary["n_pixels"].as_u64();
         let text = String::from_utf8_lossy(&output.stdout);
         assert!(text.contains(said), "{text}");
         assert_eq!(is_all, noise == "0.2");
+        assert_eq!(n_below.is_none(), noise == "0.3");
     }
     failure(
         folder.path(),

@@ -110,7 +110,8 @@ pub struct Summary {
     /// The number of pixels whose camera rays hit an object.
     pub n_hits: u64,
     /// The number of pixels whose noise fell below the limit of adaptive sampling before their last
-    /// sample; left out without adaptive sampling, and without counters.
+    /// sample; left out without adaptive sampling, without counters, and if no pixel may get more
+    /// samples than the least number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_below_noise: Option<u64>,
     /// The measured cost of the whole picture.

@@ -206,6 +206,15 @@ impl RenderingView<'_> {
         }
     }
 
+    /// Returns the number of pixels whose noise fell below the limit of adaptive sampling before
+    /// their last sample; `None` if no pixel was compared with one, or without counters.
+    pub fn n_below_noise(&self) -> Option<u64> {
+        let image = &self.config.image;
+        let is_compared =
+            (image.adaptive).is_some_and(|adaptive| adaptive.min_samples < image.samples_per_pixel);
+        (is_compared && self.film.cost.has_counters()).then_some(self.survey.n_below_noise)
+    }
+
     /// Returns the wall time of one rendering: the [upper median](upper_median) of several.
     pub fn median_wall(&self) -> Duration {
         let mut walls: Vec<Duration> = self.repeats.iter().map(|repeat| repeat.wall).collect();

@@ -72,8 +72,7 @@ fn summarize(job: &WriterInput) -> Summary {
         peak_memory_bytes: peak_memory_bytes(),
         n_pixels: Some(config.image.n_pixels() as u64),
         n_hits: rendering.survey.n_hits,
-        n_below_noise: (rendering.film.counts_samples() && rendering.film.cost.has_counters())
-            .then_some(rendering.survey.n_below_noise),
+        n_below_noise: rendering.n_below_noise(),
         cost: cost(rendering),
         schedule: Some(rendering.schedule.into()),
         compress: Some(config.compress),

@@ -20,7 +20,7 @@ pub struct Survey {
     pub(super) hashes: PixelHashes,
     pub(super) n_hits: u64,
     /// The number of pixels whose noise fell below a limit; 0 unless samples are counted.
-    pub n_below_noise: u64,
+    pub(super) n_below_noise: u64,
     /// The sum of the times in nanoseconds.
     pub time_ns: f64,
     /// The sum of the times' median absolute deviations in nanoseconds.
