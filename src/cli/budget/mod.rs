@@ -147,7 +147,8 @@ fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Measures the scenes of a budget, with the flags of the command line besides their own.
+/// Measures the scenes of a budget. Flags of the command line replace flags of the same name, except
+/// for `--set`, which both may have.
 fn measure_again(
     arguments: &BudgetArguments,
     budget: &CostBudget,

@@ -153,7 +153,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
                     self.probe.camera_rays(number, round.len());
                 }
             }
-            // Remove the pixels that are no longer noisy.
+            // Remove the pixels that have enough samples.
             let rounds = &self.view.rounds;
             self.noisy
                 .end_round(&mut self.places, &self.means, rounds, round.end);

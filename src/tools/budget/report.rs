@@ -13,7 +13,7 @@ use host::text::one_line;
 const MAX_ROWS: usize = 16;
 
 keywords! {
-    /// A format of the result besides lines for the terminal.
+    /// A format of the result in place of lines for the terminal.
     pub enum BudgetFormat {
         /// Tables for a summary or a comment on GitHub
         Markdown = "markdown",

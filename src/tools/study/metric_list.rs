@@ -1,7 +1,6 @@
 //! The list of metrics that runs may have: name, unit and meaning.
 //!
-//! [`RunMetrics`](super::RunMetrics) computes those of a run; a test checks that it computes no
-//! other.
+//! [`RunMetrics`](super::RunMetrics) computes the metrics of a run; a test checks that all are listed.
 
 use output::writers;
 use render::instruments::{EVENTS, STAGES};

@@ -13,7 +13,7 @@ const CPU_TIME: &str = "render_cpu_ms";
 /// of the stage `render` over that of the point with `cost: none` and otherwise the same values,
 /// minus 1. Programs beside it change the CPU time less than the wall time.
 ///
-/// An overhead compares two runs of one round; its statistics are those of all rounds.
+/// An overhead compares two runs of one round; its statistics are over all rounds.
 pub fn overhead_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
     let overhead = |row: &StatisticsRow| {
         let mut unmeasured = row.point.clone();
