@@ -478,6 +478,22 @@ error: `budget.json` is not a budget: expected value at line 2 column 1
 }
 
 #[test]
+fn a_budget_replaces_no_other_file_of_raycost() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut render = raycost();
+    let render = render.args(["render", "scene.yaml", "--quiet", "--out=out"]);
+    assert_success(&render.current_dir(folder).output().unwrap());
+    let before = fs::read(folder.join("out/summary.json")).unwrap();
+    let message = refused(folder, &["scene.yaml", "--out=out/summary.json"]);
+    assert!(
+        message.contains("choose another file with `--out`"),
+        "{message}"
+    );
+    assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
+}
+
+#[test]
 fn scenes_with_one_folder_for_their_files_are_refused() {
     let folder = folder();
     let folder = folder.path();

@@ -121,6 +121,7 @@ fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
     };
     let out = scenes.given_out().unwrap_or(default);
     refuse_foreign_file(out, Replace::Marked)?;
+    CostBudget::refuse_other_file(out)?;
     let measured = match budget {
         Some(budget) => measure_again(arguments, &budget)?,
         None => {

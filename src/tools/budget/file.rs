@@ -108,6 +108,18 @@ impl CostBudget {
         Ok(budget)
     }
 
+    /// Refuses a file that is not a budget, whatever its version.
+    ///
+    /// # Errors
+    /// The path holds another file.
+    pub fn refuse_other_file(path: &Path) -> Result<(), Diagnostic> {
+        if path.is_file() {
+            let help = "choose another file with `--out`";
+            let _: BudgetVersion = read_value(path, MAX_BYTES, "a budget", help)?;
+        }
+        Ok(())
+    }
+
     /// Writes the budget to a file, which may hold a file that raycost wrote.
     ///
     /// # Errors
