@@ -82,7 +82,10 @@ fn compare_outputs(arguments: &DiffArguments) -> Result<(), Failure> {
         Ok((sides, diff))
     })?;
     let gate = match arguments.fail_above {
-        Some(limit) => Some(Gate::new(&diff, limit)?),
+        Some(limit) => {
+            sides.iter().try_for_each(Side::require_whole)?;
+            Some(Gate::new(&diff, limit)?)
+        }
         None => None,
     };
     let out = folder_for(arguments, sides.each_ref().map(Side::label));

@@ -286,7 +286,22 @@ impl Side {
     pub(super) fn sentence(&self) -> String {
         let summary = self.summary();
         let (name, scene) = (self.name(), &summary.scene.file);
-        format!("{name}: {scene}, raycost {}", summary.raycost)
+        let partial = summary
+            .partial
+            .map_or(String::new(), |it| format!(", {it}"));
+        format!("{name}: {scene}, raycost {}{partial}", summary.raycost)
+    }
+
+    /// Refuses a picture that lacks tiles or renderings: its cost is lower for less work.
+    ///
+    /// # Errors
+    /// The picture is partial.
+    pub fn require_whole(&self) -> Result<(), Diagnostic> {
+        let Some(partial) = &self.summary().partial else {
+            return Ok(());
+        };
+        let message = format!("`{}` cannot pass or fail: {partial}", self.name());
+        Err(Diagnostic::new(message).with_help("finish it by `raycost render --resume`"))
     }
 
     fn foreign(&self, array: &str) -> Diagnostic {

@@ -78,3 +78,28 @@ fn only_pixels_that_both_rendered_count() {
     let mut shares = (0..16).map(|power| share_in(1 << power));
     assert_eq!(shares.find(|share| !share.is_null()), Some(1.0.into()));
 }
+
+#[test]
+fn a_partial_picture_is_called_so_and_passes_no_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let flags = ["--spp=64", "--tile-size=4", "--threads=1"];
+    render_noise(folder, "a", &flags);
+    let mut command = raycost();
+    let command = command.args(["render", "a.yaml", "--quiet", "--out=part", "--timeout=1ms"]);
+    let output = command
+        .args(NOISE)
+        .args(["--spp=65536"])
+        .current_dir(folder)
+        .output();
+    assert_eq!(output.unwrap().status.code(), Some(4));
+    let report = String::from_utf8(diff(folder, &["a", "part"]).stdout).unwrap();
+    assert!(report.contains(", partial: "), "{report}");
+    let output = diff(folder, &["a", "part", "--fail-above=0%"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(
+        message.contains("`part` cannot pass or fail: partial"),
+        "{message}"
+    );
+}
