@@ -120,14 +120,16 @@ impl Film {
         let mut sums = vec![0.0; strip.noise.len()];
         for cost in costs {
             self.costs(strip, cost, values);
+            let costs = values.iter().map(|&cost| f64::from(cost));
             sums.iter_mut()
-                .zip(&*values)
+                .zip(costs)
                 .for_each(|(sum, cost)| *sum += cost);
         }
         values.clear();
-        let efficiency = |(noise, cost): (&f32, &f32)| match noise * noise * cost {
+        // With 64 bits: the square of a low noise has no digits in 32.
+        let efficiency = |(&noise, &cost): (&f32, &f64)| match f64::from(noise).powi(2) * cost {
             0.0 => f32::NAN,
-            product => 1.0 / product,
+            product => (1.0 / product) as f32,
         };
         values.extend(strip.noise.iter().zip(&sums).map(efficiency));
     }

@@ -19,7 +19,7 @@ pub struct Rounds {
     n_most: u32,
     limit: Option<NoiseLimit>,
     /// True if the film has the noise of each pixel.
-    keeps_noise: bool,
+    pub(super) keeps_noise: bool,
 }
 
 /// The noise of a pixel that needs no more samples.

@@ -160,6 +160,9 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             round = rounds.after(round.end);
         }
         self.noisy.end(&mut self.places);
+        if !self.view.rounds.keeps_noise {
+            return;
+        }
         for i in 0..self.places.len() {
             let (number, _) = self.places.get(i);
             self.pixels.noise[number] = self.noisy.noise(i, &self.means);

@@ -180,7 +180,7 @@ impl PixelRenderer<'_> {
         self.costs[i] = probe.cost;
         // Average the samples.
         pixel.color = sums.colors.into();
-        if self.view.rounds.measure_noise() {
+        if self.view.rounds.keeps_noise {
             pixel.noise = sums.noise(n_samples);
         }
         self.view.finish(pixel, n_samples, at);

@@ -120,17 +120,27 @@ world::kinds! {
     CostName: PixelArray = CostForm;
 }
 
-/// The name of a cost array.
+/// The name of a cost that is a sum over samples.
 struct CostForm;
+
+impl CostForm {
+    fn names() -> Vec<&'static str> {
+        let mut names = PixelArray::cost_names();
+        // The greatest of all samples.
+        names.retain(|&name| name != PixelArray::Depth.name());
+        names
+    }
+}
 
 impl<'de> DeserializeSeed<'de> for CostForm {
     type Value = PixelArray;
 
     fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<PixelArray, D::Error> {
         let word = String::deserialize(d)?;
-        let array = PixelArray::from_name(&word).filter(|array| array.is_cost());
+        let array =
+            PixelArray::from_name(&word).filter(|array| Self::names().contains(&array.name()));
         array.ok_or_else(|| {
-            let expected = format!("a cost: {}", PixelArray::cost_names().join(", "));
+            let expected = format!("a cost: {}", Self::names().join(", "));
             Error::invalid_value(Unexpected::Str(&word), &expected.as_str())
         })
     }
@@ -138,7 +148,7 @@ impl<'de> DeserializeSeed<'de> for CostForm {
 
 impl values::Form for CostForm {
     fn schema(&self, _: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "enum": PixelArray::cost_names() })
+        json_schema!({ "enum": Self::names() })
     }
 }
 

@@ -8,7 +8,7 @@ use super::Side;
 use host::text::Diagnostic;
 use tracer::cost::Metric;
 
-/// Groups of rows, each of which is left out once for the interval.
+/// Groups of pixels, each of which is left out once for the interval.
 const N_GROUPS: usize = 32;
 
 /// The 97.5 % quantile of Student's t distribution with 31 degrees of freedom.
@@ -20,7 +20,7 @@ const T: f64 = 2.040;
 pub struct EqualNoise {
     /// The share of the work, in node visits and primitive tests.
     pub work: f64,
-    /// The 95 % confidence interval, by a jackknife over groups of rows (B. Efron, The Jackknife,
+    /// The 95 % confidence interval, by a jackknife over groups of pixels (B. Efron, The Jackknife,
     /// the Bootstrap and Other Resampling Plans, 1982, section 3).
     pub interval: [f64; 2],
 }
@@ -48,8 +48,10 @@ impl EqualNoise {
                     continue;
                 }
                 let row = rows.start as usize + pixel / width as usize;
+                // No group has whole rows or columns: edges would be in one group.
+                let group = (row + 5 * (pixel % width as usize)) % N_GROUPS;
                 for (i, side) in found.iter().enumerate() {
-                    variances[row % N_GROUPS][i] += f64::from(side.noise[pixel]).powi(2);
+                    variances[group][i] += f64::from(side.noise[pixel]).powi(2);
                     work[i] += side.work[pixel];
                 }
             }
