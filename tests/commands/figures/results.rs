@@ -24,6 +24,7 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("codec-zlib", |of| of.codec("zlib")),
     ("vtk-write", Results::vtk_write),
     ("embree", Results::embree),
+    ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
     ("embree-packets", |of| {
         of.embree_ratios("stream / packets of 16")
@@ -280,29 +281,57 @@ impl Results {
         )
     }
 
-    /// A table: rays a second on two threads beside Embree's.
+    /// A table: the ratios of rays a second to Embree's, on two threads.
     fn embree(&self) -> Option<String> {
+        let scenes = ["spheres", "soup", "architecture"];
+        let mut rows: Vec<([&str; 2], [Option<String>; 3])> = Vec::new();
+        for (race, kind, scene, ratio) in self.embree_races()? {
+            let at = scenes.iter().position(|name| *name == scene)?;
+            let row = [kind, race];
+            let found = rows.iter().position(|(of, _)| *of == row);
+            let index = found.unwrap_or(rows.len());
+            if found.is_none() {
+                rows.push((row, [None, None, None]));
+            }
+            rows[index].1[at] = Some(with_interval(ratio)?);
+        }
+        let row = |([kind, race], cells): &([&str; 2], [Option<String>; 3])| {
+            let cells = cells
+                .each_ref()
+                .map(|cell| cell.as_deref().unwrap_or_default());
+            format!("| {kind} | {race} | {} |", cells.join(" | "))
+        };
+        let rows: Vec<String> = rows.iter().map(row).collect();
+        let head = format!(
+            "| rays | race | {} |\n|---|---|--:|--:|--:|",
+            scenes.join(" | ")
+        );
+        (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
+    }
+
+    /// The race, the kind of rays, the scene and the ratio of each race with Embree on two threads, by hierarchies
+    /// of high quality.
+    fn embree_races(&self) -> Option<Vec<(&str, &str, &str, &Value)>> {
         let rows = self.list("embree", "rows")?.iter();
-        let shown = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == "high");
-        let row = |row: &Value| {
+        let raced = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == "high");
+        let races = raced.filter_map(|row| {
             let outcome = &row["outcome"];
             let (race, kind) = race_of(&outcome["discipline"])?;
-            let scene = row["scene"].as_str()?;
-            let [ours, embree] =
-                [&outcome["ours"], &outcome["embree"]].map(|of| of["median"].as_f64());
-            let ratio = outcome["ratio"]["estimate"].as_f64()?;
-            let [low, high] = [0, 1].map(|end| outcome["ratio"]["interval"][end].as_f64());
-            Some(format!(
-                "| {scene} | {kind} | {race} | {} | {} | {ratio:.2} [{:.2}, {:.2}] |",
-                digits(ours?),
-                digits(embree?),
-                low?,
-                high?
-            ))
-        };
-        let rows: Vec<String> = shown.filter_map(row).collect();
-        let head = "| scene | rays | race | raycost, M rays/s | Embree, M rays/s | ratio |\n|---|---|---|--:|--:|--:|";
-        (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
+            Some((race, kind, row["scene"].as_str()?, &outcome["ratio"]))
+        });
+        Some(races.collect())
+    }
+
+    /// "0.61 [0.60, 0.61] (shadow, single rays, architecture)": the lowest ratio.
+    fn embree_slowest(&self) -> Option<String> {
+        let estimate = |ratio: &Value| ratio["estimate"].as_f64();
+        let races = self.embree_races()?.into_iter();
+        let slowest = races.min_by(|a, b| estimate(a.3).partial_cmp(&estimate(b.3)).unwrap());
+        let (race, kind, scene, ratio) = slowest?;
+        Some(format!(
+            "{} ({kind}, {race}, {scene})",
+            with_interval(ratio)?
+        ))
     }
 
     /// "1.9 (soup), …": the times to build hierarchies of high quality over Embree's.
@@ -458,6 +487,13 @@ impl Results {
         let head = "| per ray, single / in a stream | instructions | misses D1 | misses LL | mispredicted branches |\n|---|---|---|---|---|";
         Some(format!("\n{head}\n{}\n", rows.join("\n")))
     }
+}
+
+/// "0.61 [0.60, 0.61]": a ratio with its interval.
+fn with_interval(ratio: &Value) -> Option<String> {
+    let [low, high] = [0, 1].map(|end| ratio["interval"][end].as_f64());
+    let estimate = ratio["estimate"].as_f64()?;
+    Some(format!("{estimate:.2} [{:.2}, {:.2}]", low?, high?))
 }
 
 /// A count with all its digits, and other numbers with the ones that count.
