@@ -8,6 +8,7 @@ use std::process::{Command, Output};
 use serde_json::Value as Json;
 use serde_yaml::Value;
 
+use crate::common::scenes::SMALL_SCENE;
 use crate::common::{assert_success, in_repository, raycost};
 
 /// A checkout of a project whose program is a script, with two commits.
@@ -23,20 +24,6 @@ struct Ended {
     text: String,
 }
 
-const SCENE: &str = "
-image: { width: 40, height: 30 }
-camera:
-  look_at: { eye: [0, 1, 5], target: [0, 0.5, 0], fov_y_deg: 40 }
-materials:
-  red: { color: [1, 0.2, 0.1], reflection: 0.3 }
-lights:
-  - point: { position: [3, 5, 9] }
-objects:
-  - sphere_cloud: { count: 40, min: [-2, 0, -2], max: [2, 2, 2], radius: [0.05, 0.2], seed: 3 }
-    material: red
-    name: cloud <a & b>
-";
-
 /// What the program of the project does more after the change.
 const WORSE: &str = "if [ \"$2\" = --update ]; then set -- \"$@\" --acceleration=brute_force; fi\n";
 
@@ -47,7 +34,8 @@ impl Checkout {
         let project = folder.path().join("checkout/part");
         fs::create_dir_all(&project).unwrap();
         fs::create_dir(folder.path().join("temp")).unwrap();
-        fs::write(project.join("scene.yaml"), SCENE).unwrap();
+        let scene = SMALL_SCENE.replace("name: ball", "name: ball <a & b>");
+        fs::write(project.join("scene.yaml"), scene).unwrap();
         write_program(&project, "");
         let budget = ["budget", "scene.yaml", "--out", "kept.json"];
         let made = raycost().args(budget).current_dir(&project).output();
@@ -230,7 +218,7 @@ fn a_change_that_makes_the_program_do_more_is_caught_and_shown() {
     let summary = checkout.summary();
     for line in [
         "| whole picture | primitive_tests | ",
-        "| object cloud <a & b> | primitive_tests | ",
+        "| object ball <a & b> | primitive_tests | ",
         "<details><summary>raycost diff: scene</summary>",
         "primitive tests ",
         "[Cost maps before and after]()",
@@ -256,7 +244,7 @@ fn a_change_that_makes_the_program_do_more_is_caught_and_shown() {
             .iter()
             .all(|picture| checkout.out(picture).is_file())
     );
-    assert!(page.contains("cloud &lt;a &amp; b>"), "{page}");
+    assert!(page.contains("ball &lt;a &amp; b>"), "{page}");
     let [before, after] = ["before", "after"].map(|when| {
         let summary: Json =
             serde_json::from_str(&checkout.read(&format!("{when}/scene/summary.json"))).unwrap();
@@ -327,7 +315,7 @@ fn another_picture_fails_with_2() {
     let mut checkout = Checkout::new(|project| {
         fs::write(
             project.join("scene.yaml"),
-            SCENE.replace("seed: 3", "seed: 4"),
+            SMALL_SCENE.replace("seed: 3", "seed: 4"),
         )
         .unwrap();
     });

@@ -7,26 +7,9 @@ use std::process::Output;
 
 use serde_json::{Value, json};
 
+use crate::common::scenes::SMALL_SCENE as SCENE;
 use crate::common::{assert_success, in_repository, raycost};
 use tools::budget::{CostBudget, SceneBudget};
-
-/// A scene with an object without a name, and with one, with mirrors and glass.
-const SCENE: &str = "
-image: { width: 40, height: 30, seed: 3 }
-camera:
-  look_at: { eye: [0, 1, 5], target: [0, 0.5, 0], fov_y_deg: 40 }
-background: 0.1
-materials:
-  red: { color: [1, 0.2, 0.1], reflection: 0.3 }
-lights:
-  - point: { position: [3, 5, 9] }
-objects:
-  - sphere: { center: [0.5, 0.3, 0], radius: 1 }
-    material: red
-    name: ball
-  - sphere_cloud: { count: 400, min: [-2, 0, -2], max: [2, 2, 2], radius: [0.05, 0.2], seed: 3 }
-    material: red
-";
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -115,11 +98,11 @@ fn the_totals_are_those_of_the_summary_and_the_sums_over_objects_and_kinds_of_ra
         }
         n_rows += 1;
     }
-    assert_eq!(n_rows, 3 * 5);
+    assert_eq!(n_rows, 4 * 5);
     let objects = scene["objects"].as_object().unwrap();
     assert_eq!(
         objects.keys().collect::<Vec<_>>(),
-        ["ball", "sphere_cloud 1", "nothing"]
+        ["ball", "plane 1", "sphere_cloud 2", "nothing"]
     );
     let kinds = objects
         .values()
@@ -213,13 +196,9 @@ fn the_scenes_of_this_project_keep_to_their_budget() {
 fn more_work_for_the_same_picture_ends_with_3_and_a_table() {
     let folder = folder();
     let folder = folder.path();
-    replace(folder, "background", "acceleration: bvh\nbackground");
+    replace(folder, "materials", "acceleration: bvh\nmaterials");
     printed(folder, &["scene.yaml"]);
-    replace(
-        folder,
-        "background",
-        "acceleration: brute_force\nbackground",
-    );
+    replace(folder, "materials", "acceleration: brute_force\nmaterials");
     let [table, message] = failed(folder, &["--check"], 3);
     let lines: Vec<&str> = table.lines().collect();
     assert!(
@@ -247,7 +226,7 @@ fn more_work_for_the_same_picture_ends_with_3_and_a_table() {
     assert_eq!(message, expected);
 
     // The same by a flag, and from totals that were measured before.
-    replace(folder, "background", "acceleration: bvh\nbackground");
+    replace(folder, "materials", "acceleration: bvh\nmaterials");
     let by_flag = failed(
         folder,
         &["--check", "budget.json", "--acceleration=brute_force"],
@@ -330,7 +309,7 @@ fn a_gain_passes_and_an_update_keeps_it() {
         "{text}"
     );
     assert!(
-        text.ends_with(update) && text.contains("  -1  -0.00 %\n"),
+        text.ends_with(update) && text.contains("  -1  -0.02 %\n"),
         "{text}"
     );
     let [_, message] = failed(
@@ -353,11 +332,11 @@ fn a_budget_of_another_picture_is_refused() {
                 `raycost budget --update`\n";
     let message = refused(folder, &["--check", "--seed=4"]);
     let of_seed =
-        "error: the budget of `scene.yaml --seed=4` is of another picture: image.seed: 3 → 4";
+        "error: the budget of `scene.yaml --seed=4` is of another picture: image.seed: 0 → 4";
     assert_eq!(message, format!("{of_seed}{help}"));
     let message = refused(folder, &["--check", "--width=20", "--spp=4"]);
     let of_size = "error: the budget of `scene.yaml --width=20 --spp=4` is of another picture: \
-                   image.width: 40 → 20, image.samples_per_pixel: 1 → 4";
+                   image.width: 50 → 20, image.samples_per_pixel: 1 → 4";
     assert_eq!(message, format!("{of_size}{help}"));
     for (flag, changed) in [
         ("--crop=1,2,40,30", "image.window: null → {"),
@@ -457,7 +436,7 @@ fn a_file_that_is_not_a_budget_of_this_version_is_refused() {
 error: `budget.json` is not a budget: expected value at line 2 column 1
  --> budget.json:2:1
   |
-2 | image: { width: 40, height: 30, seed: 3 }
+2 | image: { width: 50, height: 40 }
   | ^ not as raycost writes it
   |
   = help: write one: `raycost budget SCENE`
@@ -578,7 +557,7 @@ fn other_formats_are_read_by_other_programs() {
     for (entry, (counter, total)) in entries.iter().zip(totals) {
         let expected = json!({
             "name": format!("scene.yaml: {counter}"), "unit": counter.replace('_', " "), "value": total,
-            "extra": format!("seed 3, config {}", scene["config"].as_str().unwrap()),
+            "extra": format!("seed 0, config {}", scene["config"].as_str().unwrap()),
         });
         assert_eq!(*entry, expected);
     }

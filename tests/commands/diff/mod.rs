@@ -13,27 +13,9 @@ use std::process::Output;
 use serde_json::{Value, json};
 
 use crate::common::data_set::DataSet;
+use crate::common::scenes::SMALL_SCENE as SCENE;
 use crate::common::{assert_success, raycost, replace_file};
 use output::results::Results;
-
-/// A scene with mirrors, a plane, which has no bounding box, and a background.
-const SCENE: &str = "
-image: { width: 50, height: 40 }
-camera:
-  look_at: { eye: [0, 1, 5], target: [0, 0.5, 0], fov_y_deg: 40 }
-materials:
-  red: { color: [1, 0.2, 0.1], reflection: 0.3 }
-lights:
-  - point: { position: [3, 5, 9] }
-objects:
-  - sphere: { center: [0.5, 0.3, 0], radius: 1 }
-    material: red
-    name: ball
-  - plane: { point: [0, -1, 0], normal: [0, 1, 0] }
-    material: red
-  - sphere_cloud: { count: 40, min: [-2, 0, -2], max: [2, 2, 2], radius: [0.05, 0.2], seed: 3 }
-    material: red
-";
 
 /// Renders the scene twice in a new folder: `a`, and `b` without a hierarchy.
 fn outputs(arguments: &[&str]) -> tempfile::TempDir {
