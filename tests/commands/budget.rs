@@ -143,6 +143,38 @@ fn a_budget_has_the_same_bytes_on_every_number_of_threads_and_passes() {
     }
 }
 
+/// Nothing is rendered before a scene that cannot be read, or a mesh that is not there.
+#[test]
+fn all_scenes_are_checked_before_the_first_is_rendered() {
+    let folder = folder();
+    let folder = folder.path();
+    let keep = ["--keep=kept", "--quiet"];
+    let message = refused(
+        folder,
+        &[&["scene.yaml", "missing.yaml"], &keep[..]].concat(),
+    );
+    let expected = "error: cannot read the scene `missing.yaml`: ";
+    assert!(message.starts_with(expected), "{message}");
+    let mesh = format!("{SCENE}  - mesh: {{ file: none.obj }}\n    material: red\n");
+    fs::write(folder.join("mesh.yaml"), mesh).unwrap();
+    let message = refused(folder, &[&["scene.yaml", "mesh.yaml"], &keep[..]].concat());
+    assert!(message.contains("none.obj"), "{message}");
+    let crop = ["--crop=30,20,5,5", "--set=image.width=34"];
+    let message = refused(folder, &[&["scene.yaml", "scene.yaml"], &crop[..]].concat());
+    assert!(message.contains("--crop"), "{message}");
+
+    printed(folder, &["scene.yaml", "--quiet"]);
+    fs::write(folder.join("other.yaml"), SCENE).unwrap();
+    printed(folder, &["scene.yaml", "other.yaml", "--quiet"]);
+    fs::remove_file(folder.join("other.yaml")).unwrap();
+    let message = refused(folder, &["--check", "--keep=kept"]);
+    assert!(
+        message.starts_with("error: cannot read the scene `other.yaml`: "),
+        "{message}"
+    );
+    assert!(!folder.join("kept").exists());
+}
+
 #[test]
 fn a_budget_of_a_frame_has_the_totals_of_that_frame() {
     let folder = folder();

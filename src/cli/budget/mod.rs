@@ -12,7 +12,7 @@ use base::Keyword;
 use base::numbers::{bytes, counted};
 use host::folder::{Replace, refuse_foreign_file};
 use host::text::{self, Diagnostic};
-use measure::{measure, refuse_same_folder};
+use measure::{CountedScene, measure};
 use tools::budget::{self, Allowance, BudgetCheck, BudgetFormat, CostBudget, Growth, SceneBudget};
 
 /// Keep the exact totals of all counters of scenes, and check later that nothing grew
@@ -98,15 +98,6 @@ pub(super) fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     write(arguments)
 }
 
-impl BudgetArguments {
-    /// Checks that the files of each scene, if they are kept, have a folder of their own.
-    fn check_folders<'a>(&self, files: impl Iterator<Item = &'a Path>) -> Result<(), Diagnostic> {
-        self.keep
-            .as_ref()
-            .map_or(Ok(()), |_| refuse_same_folder(files))
-    }
-}
-
 /// Measures scenes, and writes their budget.
 fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
     let scenes = &arguments.scene;
@@ -126,10 +117,10 @@ fn write(arguments: &BudgetArguments) -> Result<(), Failure> {
         Some(budget) => measure_again(arguments, &budget)?,
         None => {
             let files = [&scenes.scene].into_iter().chain(&arguments.others);
-            arguments.check_folders(files.clone().map(PathBuf::as_path))?;
-            let flags = scenes.all_flags();
-            let scene = |file: &PathBuf| measure(arguments, file, &flags, arguments.frame);
-            files.map(scene).collect::<Result<_, _>>()?
+            let scene =
+                |file: &PathBuf| CountedScene::new(file, scenes.all_flags(), arguments.frame);
+            let scenes: Vec<CountedScene> = files.map(scene).collect::<Result<_, _>>()?;
+            measure(arguments, &scenes)?
         }
     };
     let budget = CostBudget::new(measured);
@@ -160,18 +151,15 @@ fn measure_again(
         flag.starts_with("--set=") || given.iter().all(|other| name(other) != name(flag))
     };
     let again = |scene: &SceneBudget| {
-        let flags: Vec<String> = scene
-            .flags
-            .iter()
-            .filter(is_kept)
-            .chain(&given)
-            .cloned()
-            .collect();
-        measure(arguments, Path::new(&scene.scene), &flags, scene.frame)
+        let flags = scene.flags.iter().filter(is_kept).chain(&given);
+        CountedScene::new(
+            Path::new(&scene.scene),
+            flags.cloned().collect(),
+            scene.frame,
+        )
     };
-    let files = budget.scenes.iter().map(|scene| Path::new(&scene.scene));
-    arguments.check_folders(files)?;
-    budget.scenes.iter().map(again).collect()
+    let scenes: Vec<CountedScene> = budget.scenes.iter().map(again).collect::<Result<_, _>>()?;
+    measure(arguments, &scenes)
 }
 
 /// Compares the totals of the scenes of a budget now with it.
