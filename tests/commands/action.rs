@@ -78,7 +78,7 @@ impl Checkout {
 
     /// The folder that the action uploads.
     fn out(&self, file: &str) -> PathBuf {
-        self.temp().join("raycost-budget").join(file)
+        self.temp().join(&self.inputs["inputs.name"]).join(file)
     }
 
     fn read(&self, file: &str) -> String {
@@ -273,6 +273,45 @@ fn without_a_commit_before_the_change_is_caught_all_the_same() {
         );
         assert!(!checkout.out("index.html").exists());
     }
+}
+
+#[test]
+fn uses_with_names_of_their_own_share_a_job() {
+    let mut checkout = Checkout::new(|project| write_program(project, WORSE));
+    let action: Value =
+        serde_yaml::from_str(&fs::read_to_string(in_repository("action.yml")).unwrap()).unwrap();
+    let steps = action["runs"]["steps"].as_sequence().unwrap();
+    let upload = steps.iter().find(|step| step["id"] == "upload").unwrap();
+    assert_eq!(upload["with"]["name"], "${{ inputs.name }}");
+
+    assert_eq!(checkout.run().code, 3);
+    assert!(checkout.out("index.html").is_file());
+    checkout.set("name", "second");
+    checkout.set(
+        "flags",
+        "--allow primitive_tests=100000%\n--allow primitive_hits=1000%\n",
+    );
+    let ended = checkout.run();
+    assert_eq!(ended.code, 0, "{}", ended.text);
+    assert!(checkout.out("badge.json").is_file() && !checkout.out("index.html").exists());
+}
+
+#[test]
+fn the_budget_may_have_an_absolute_path_and_flags_may_have_stars() {
+    let mut checkout = Checkout::new(|project| write_program(project, WORSE));
+    let budget = checkout.project().join("kept.json");
+    checkout.set("budget", budget.to_str().unwrap());
+    let ended = checkout.run();
+    assert_eq!(ended.code, 3, "{}", ended.text);
+    assert!(checkout.out("index.html").is_file(), "{}", ended.text);
+    checkout.set("flags", "--allow *");
+    let ended = checkout.run();
+    assert_eq!(ended.code, 2, "{}", ended.text);
+    assert!(
+        ended.text.contains("invalid value '*' for '--allow"),
+        "{}",
+        ended.text
+    );
 }
 
 #[test]
