@@ -83,10 +83,13 @@ const OF_SCALING: [Row; 2] = [
     ("scaling_efficiency", "1", "speedup over the ratio of threads"),
 ];
 
+/// The metric of what measuring adds.
+pub(super) const OVERHEAD: &str = "measuring_overhead";
+
 /// Metrics of a study over cost modes.
 #[rustfmt::skip]
 const OF_COST: [Row; 1] = [
-    ("measuring_overhead", "1", "CPU time of the stage `render` over that with `cost: none`, minus 1"),
+    (OVERHEAD, "1", "CPU time of the stage `render` over that with `cost: none`, minus 1"),
 ];
 
 /// Metrics of a study with steps.

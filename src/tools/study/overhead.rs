@@ -1,6 +1,9 @@
 //! The CPU time that measuring adds to rendering.
 
+use serde_json::{Map, Value};
+
 use super::by_round::ByRound;
+use super::metric_list::OVERHEAD;
 use super::{Run, StatisticsRow, StudyPlan};
 
 /// The factor of the cost modes, and its level without measurement.
@@ -10,29 +13,39 @@ const UNMEASURED: &str = "none";
 const CPU_TIME: &str = "render_cpu_ms";
 
 /// Returns rows of `measuring_overhead` for the points of a study that varies `cost`: the CPU time
-/// of the stage `render` over that of the point with `cost: none` and otherwise the same values,
-/// minus 1. Programs beside it change the CPU time less than the wall time.
+/// of the stage `render` over the CPU time of the point with `cost: none` and otherwise the same
+/// values, minus 1. Programs beside it change the CPU time less than the wall time.
 ///
 /// An overhead compares two runs of one round; its statistics are over all rounds.
 pub fn overhead_rows(plan: &StudyPlan, runs: &[Run], rows: &[StatisticsRow]) -> Vec<StatisticsRow> {
     let overhead = |row: &StatisticsRow| {
-        let mut unmeasured = row.point.clone();
-        let mode = unmeasured.insert(COST.to_owned(), UNMEASURED.into())?;
-        if mode == UNMEASURED {
-            return None;
-        }
+        let unmeasured = unmeasured(&row.point)?;
         let [times, base] =
             [&row.point, &unmeasured].map(|point| ByRound::new(plan, runs, point, CPU_TIME));
         let overheads: Vec<f64> = times.over(&base).iter().map(|ratio| ratio - 1.0).collect();
-        row.derive("measuring_overhead", &overheads)
+        row.derive(OVERHEAD, &overheads)
     };
     let times = rows.iter().filter(|row| row.metric == CPU_TIME);
     times.filter_map(overhead).collect()
 }
 
+/// Returns true if a study has a point with an overhead.
+pub(super) fn has_overheads(plan: &StudyPlan) -> bool {
+    let points = plan.points();
+    let mut bases = points.iter().filter_map(|point| unmeasured(&point.values));
+    bases.any(|base| points.iter().any(|point| point.values == base))
+}
+
+/// Returns the values of a point with `cost: none`; `None` if it has no other `cost`.
+fn unmeasured(point: &Map<String, Value>) -> Option<Map<String, Value>> {
+    let mut unmeasured = point.clone();
+    let mode = unmeasured.insert(COST.to_owned(), UNMEASURED.into())?;
+    (mode != UNMEASURED).then_some(unmeasured)
+}
+
 #[cfg(test)]
 mod tests {
-    use serde_json::{Value, json};
+    use serde_json::json;
 
     use super::*;
     use crate::study::{RunMetrics, statistics_rows};

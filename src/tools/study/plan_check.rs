@@ -6,8 +6,8 @@ use std::hash::Hash;
 use serde_json::json;
 
 use super::factor_level::size_of_level;
-use super::metric_list::{MetricNeed, StudyMetric};
-use super::overhead::COST;
+use super::metric_list::{MetricNeed, OVERHEAD, StudyMetric};
+use super::overhead::{COST, has_overheads};
 use super::point::{STEP, scene_names};
 use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use host::text::did_you_mean;
@@ -30,9 +30,25 @@ impl StudyPlan {
         for (number, plot) in self.plots.iter().enumerate() {
             let path = key("plots").index(number);
             check_plot(plot, &factors, path.clone())?;
+            self.check_overhead(plot, path.clone())?;
             self.check_fit(plot, path)?;
         }
         Ok(())
+    }
+
+    /// Checks that a plot of overheads has points to compare.
+    fn check_overhead(&self, plot: &PlotSpec, path: FieldPath) -> Result<(), Fault> {
+        let place = match plot.y.iter().position(|name| name == OVERHEAD) {
+            Some(number) => path.key("y").index(number),
+            None if plot.x == OVERHEAD => path.key("x"),
+            None => return Ok(()),
+        };
+        if has_overheads(self) {
+            return Ok(());
+        }
+        let message = format!("`{OVERHEAD}` compares points with and without measurement");
+        let fault = Fault::new(place, message, "has no values here");
+        Err(fault.with_help("add `none` and another mode to `cost`"))
     }
 
     /// Checks that the levels along a fitted law are numbers or sizes.

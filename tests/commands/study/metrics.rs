@@ -132,6 +132,36 @@ fn metrics_are_listed_on_request() {
 }
 
 #[test]
+fn an_overhead_needs_points_to_compare() {
+    let plots = [
+        "{ x: scene, y: [rays, measuring_overhead] }",
+        "{ x: measuring_overhead, y: rays }",
+    ];
+    for (levels, plot) in [
+        ("vary: { cost: [counters, time] }", plots[0]),
+        ("vary: { cost: [none] }", plots[0]),
+        ("vary: { cost: [counters, time] }", plots[1]),
+        (
+            "cases: [{ cost: none, tile_size: 4 }, { cost: time, tile_size: 8 }]",
+            plots[0],
+        ),
+    ] {
+        let study = format!("title: x\nscenes: [scene.yaml]\n{levels}\nplots: [{plot}]\n");
+        let refused = run(folder(&study).path(), &[]);
+        let message = stderr_of(&refused);
+        assert_eq!(refused.status.code(), Some(2), "{message}");
+        for part in [
+            "error: `measuring_overhead` compares points with and without measurement\n",
+            "--> study.yaml:4:",
+            "^ has no values here",
+            "= help: add `none` and another mode to `cost`",
+        ] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+    }
+}
+
+#[test]
 fn a_study_of_cost_reports_what_each_mode_adds() {
     let factors = "vary: { tile_size: [4, 8], max_depth: [0, 3] }";
     let study = STUDY.replace(factors, "vary: { cost: [none, time], tile_size: [8] }");
