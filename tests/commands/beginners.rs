@@ -370,6 +370,36 @@ fn states_behind_links_stay_as_they_are() {
     assert_ne!(texts()[2], before[2]);
 }
 
+/// A limit for the length of files lets the run write one of three states.
+#[test]
+#[cfg(unix)]
+fn states_that_a_run_could_not_write_are_written_by_the_next() {
+    let folder = Folder::with(FINE);
+    let path = folder.path();
+    let small = ["--spp=1", "--width=8", "--height=6", "--quiet"];
+    folder.text(&[&["render", "scene.yaml", "--out", "old"], &small[..]].concat());
+    fs::rename(path.join("old"), path.join("new")).unwrap();
+    let states = || ["geometry", "heatmap", "overview"].map(|state| format!("new/{state}.pvsm"));
+    let kibibytes = states().map(|state| fs::metadata(path.join(state)).unwrap().len() / 1024);
+    assert!(kibibytes[0] + 2 < kibibytes[1].min(kibibytes[2]));
+    let script = format!(
+        "ulimit -f {}; exec '{}' states new",
+        kibibytes[0] + 2,
+        env!("CARGO_BIN_EXE_raycost")
+    );
+    let mut limited = std::process::Command::new("bash");
+    let limited = limited.args(["-c", &script]).current_dir(path).output();
+    assert_eq!(limited.unwrap().status.code(), Some(1));
+    let is_moved = |state: &String| {
+        fs::read_to_string(path.join(state))
+            .unwrap()
+            .contains("/new/")
+    };
+    assert_eq!(states().each_ref().map(is_moved), [true, false, false]);
+    assert_eq!(folder.text(&["states", "new"]), "wrote   2 states in new\n");
+    folder.text(&["check", "new"]);
+}
+
 #[test]
 fn a_trace_without_pixels_names_both_ways_to_choose_them() {
     let error = Folder::with(FINE).error(&["trace", "scene.yaml"]);

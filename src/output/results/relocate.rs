@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf, absolute};
 use crate::paraview::relocated;
 use crate::summary::{self, Summary};
 use host::files;
-use host::folder::{Replace, WriteError, lock_folder, write_file};
-use host::provenance;
+use host::folder::{Replace, WriteError, lock_folder, refuse_foreign_file, write_file};
+use host::provenance::{self, checksum};
 
 /// Longest state that is read, in bytes: a hundred times the longest template.
 const MAX_BYTES: u64 = 16 << 20;
@@ -23,35 +23,60 @@ pub fn relocate_states(folder: &Path) -> Result<u64, WriteError> {
     let entries = folder.read_dir().map_err(fail)?;
     let _lock = lock_folder(folder)?;
     let absolute = absolute(folder).map_err(fail)?;
-    let place = folder.join(summary::FILE);
-    let mut summary = Summary::read(&place).ok();
-    let mut n_written = 0;
-    let mut relocate = |path: PathBuf| {
-        if path.extension().is_none_or(|extension| extension != "pvsm") || !path.is_file() {
-            return Ok(());
+    let (mut states, mut result) = (Vec::new(), Ok(()));
+    for entry in entries {
+        match moved_state(entry.map_err(fail)?.path(), &absolute) {
+            Ok(state) => states.extend(state),
+            Err(error) => result = result.and(Err(error)),
         }
-        let state =
-            files::read_text(&path, MAX_BYTES).map_err(|error| WriteError::new(&path, error))?;
-        let moved = relocated(&state, &absolute);
-        // A state that the user has saved is left as it is.
-        if moved == state || !state.contains(provenance::KEY) {
-            return Ok(());
-        }
-        let written = write_file(&path, Replace::Marked, |out| {
-            out.write_all(moved.as_bytes())
-        })?;
-        let listed = summary.iter_mut().flat_map(|summary| &mut summary.files);
-        for file in listed.filter(|file| path.ends_with(&file.name)) {
-            (file.bytes, file.checksum) = (written.bytes, Some(written.checksum));
-        }
-        n_written += 1;
-        Ok(())
-    };
-    let states = entries
-        .map(|entry| relocate(entry.map_err(fail)?.path()))
-        .fold(Ok(()), Result::and);
-    if let Some(summary) = summary.filter(|_| n_written > 0) {
-        write_file(&place, Replace::Marked, |out| summary.write(out))?;
     }
-    states.map(|()| n_written)
+    if !states.is_empty() {
+        // Before the states: if this run is killed, the next one writes those that are missing.
+        list_states(&folder.join(summary::FILE), &states)?;
+    }
+    for state in &states {
+        let text = state.text.as_bytes();
+        let written = write_file(&state.path, Replace::Marked, |out| out.write_all(text));
+        result = result.and(written.map(drop));
+    }
+    result.map(|()| states.len() as u64)
+}
+
+/// A state, and its text with the paths of its folder.
+struct MovedState {
+    path: PathBuf,
+    text: String,
+}
+
+/// Returns a file if it is a state with the paths of another folder.
+///
+/// # Errors
+/// It cannot be read or replaced.
+fn moved_state(path: PathBuf, folder: &Path) -> Result<Option<MovedState>, WriteError> {
+    if path.extension().is_none_or(|extension| extension != "pvsm") || !path.is_file() {
+        return Ok(None);
+    }
+    let old = files::read_text(&path, MAX_BYTES).map_err(|error| WriteError::new(&path, error))?;
+    let text = relocated(&old, folder);
+    // A state that the user has saved is left as it is.
+    if text == old || !old.contains(provenance::KEY) {
+        return Ok(None);
+    }
+    refuse_foreign_file(&path, Replace::Marked)?;
+    Ok(Some(MovedState { path, text }))
+}
+
+/// Writes the lengths and checksums of states to the summary, if there is one.
+fn list_states(place: &Path, states: &[MovedState]) -> Result<(), WriteError> {
+    let Ok(mut summary) = Summary::read(place) else {
+        return Ok(());
+    };
+    for MovedState { path, text } in states {
+        let listed = summary.files.iter_mut();
+        for file in listed.filter(|file| path.ends_with(&file.name)) {
+            file.bytes = text.len() as u64;
+            file.checksum = Some(checksum(text.as_bytes()));
+        }
+    }
+    write_file(place, Replace::Marked, |out| summary.write(out)).map(drop)
 }
