@@ -96,10 +96,8 @@ impl Request<'_> {
 
     /// Returns the number of costs per pixel in the frame.
     pub(super) fn n_costs(&self) -> usize {
-        let ratios = Metric::ratios(self.config.metrics);
         let is_cost = |column: &Column| {
-            let metrics = ratios.clone().chain(Metric::ALL);
-            let mut metrics = metrics.chain(Metric::OF_NOISE);
+            let mut metrics = Metric::with_own(self.config.metrics);
             metrics.any(|metric| metric.name == column.name)
         };
         written_columns(self.config).filter(is_cost).count()

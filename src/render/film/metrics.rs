@@ -5,15 +5,6 @@ use base::Keyword;
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
 impl Film {
-    /// Returns the metrics of the film: those that the scene defines, then all others, then those
-    /// of noise if the film keeps it.
-    pub fn metrics(&self) -> impl Iterator<Item = Metric> + Clone + use<> {
-        let noise = self.extra.noise.map(|_| Metric::OF_NOISE);
-        Metric::ratios(self.extra.metrics)
-            .chain(Metric::ALL)
-            .chain(noise.into_iter().flatten())
-    }
-
     /// Overwrites `counts` with a counted metric of the pixels of a strip.
     pub fn counts(&self, strip: &Strip, metric: Metric, counts: &mut Vec<u32>) {
         counts.clear();
@@ -110,12 +101,7 @@ impl Film {
         let chosen = self.extra.noise.and_then(|noise| noise.cost);
         let costs = chosen.map_or(
             vec![Metric::NODE_VISITS, Metric::PRIMITIVE_TESTS],
-            |array| {
-                Metric::ALL
-                    .into_iter()
-                    .filter(|metric| metric.name == array.name())
-                    .collect()
-            },
+            |array| Metric::named(array.name()).into_iter().collect(),
         );
         let mut sums = vec![0.0; strip.noise.len()];
         for cost in costs {
@@ -145,14 +131,14 @@ impl Film {
         all
     }
 
-    /// Returns the first two of the film's [`metrics`](Self::metrics) that are not zero in the whole
-    /// picture: without a hierarchy, for example, no node is visited. `None` for a film
-    /// without cost.
+    /// Returns the first two [metrics](Metric::with_own) that are not zero in the whole picture:
+    /// without a hierarchy, for example, no node is visited. `None` for a film without cost.
     pub fn heatmap_metrics(&self) -> Option<[Metric; 2]> {
         if !self.cost.has_counters() {
             return None;
         }
-        let mut shown = self.metrics().filter(|&metric| self.has_any(metric));
+        let metrics = Metric::with_own(self.extra.metrics);
+        let mut shown = metrics.filter(|&metric| self.has_any(metric));
         Some([shown.next()?, shown.next()?])
     }
 
@@ -160,7 +146,7 @@ impl Film {
     /// that are not zero come first.
     pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
         let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
-        let in_files = || self.metrics().filter(is_in_files);
+        let in_files = || Metric::with_own(self.extra.metrics).filter(is_in_files);
         let counted = in_files().filter(|&metric| self.has_any(metric));
         let zero = in_files().filter(|&metric| !self.has_any(metric));
         let mut metrics = counted.chain(zero);

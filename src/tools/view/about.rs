@@ -41,9 +41,7 @@ pub(super) fn json(
         "full_size": pixels.full,
         "origin": summary.image.place().origin,
         "arrays": arrays.iter().enumerate().map(array).collect::<Vec<_>>(),
-        "metrics": Metric::ratios(summary.cost.ratio_metrics())
-            .chain(Metric::ALL)
-            .chain(Metric::OF_NOISE)
+        "metrics": Metric::with_own(summary.cost.ratio_metrics())
             .map(metric)
             .collect::<Vec<_>>(),
         "hottest": hottest,

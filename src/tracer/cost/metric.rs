@@ -164,9 +164,6 @@ impl Metric {
         ..Self::NOISE
     };
 
-    /// The metrics of the spread of samples, on request.
-    pub const OF_NOISE: [Self; 2] = [Self::NOISE, Self::EFFICIENCY];
-
     /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
     /// two that are not zero.
     pub const ALL: [Self; 14] = [
@@ -258,16 +255,26 @@ impl Metric {
         metrics.list().iter().map(ratio)
     }
 
+    /// Returns every metric that a film of this scene may have: the scene's own metrics, then
+    /// [`ALL`](Self::ALL), then those of the spread of samples.
+    pub fn with_own(metrics: RatioMetrics) -> impl Iterator<Item = Self> + Clone {
+        Self::ratios(metrics)
+            .chain(Self::ALL)
+            .chain([Self::NOISE, Self::EFFICIENCY])
+    }
+
+    /// Returns the metric of [`ALL`](Self::ALL) with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|metric| metric.name == name)
+    }
+
     /// Returns the metrics of which this one is the ratio.
     pub fn parts(self) -> Option<[Self; 2]> {
         let MetricSource::Ratio(ratio) = self.source else {
             return None;
         };
-        let [above, below] = ratio.parts.each_ref().map(|part| {
-            let name = part.name();
-            Self::ALL.into_iter().find(|metric| metric.name == name)
-        });
-        Some([above?, below?])
+        let [above, below] = ratio.parts;
+        Some([Self::named(above.name())?, Self::named(below.name())?])
     }
 
     /// Returns the metrics of observed rays.

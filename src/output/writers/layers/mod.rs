@@ -95,8 +95,7 @@ fn comments(rendering: &RenderingView) -> String {
     if rendering.film.cost.has_counters() {
         text += "Totals of all pixels:\n";
         for (name, total) in totals(rendering.film, rendering.survey) {
-            let metric = Metric::ALL.into_iter().find(|metric| metric.name == name);
-            let unit = metric.map_or("", |metric| metric.unit_label());
+            let unit = Metric::named(&name).map_or("", |metric| metric.unit_label());
             if let Some(total) = total {
                 text += format!("{name} {total} {unit}").trim_end();
                 text.push('\n');
