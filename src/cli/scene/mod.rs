@@ -16,8 +16,8 @@ use host::text::{Diagnostic, shown};
 use import::ForeignFormat;
 use output::summary::Summary;
 use scene::config::{
-    Adaptive, Config, CostMode, FilmSettings, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE, OptionalOutput,
-    Outputs, RatioMetrics, Repeats, Structure, TileOrder, Tiling,
+    Adaptive, Config, CostMode, FilmSettings, Image, MAX_SAMPLES, MAX_SHAPES, MAX_SIDE,
+    OptionalOutput, Outputs, RatioMetrics, Repeats, Structure, TileOrder, Tiling,
 };
 use scene::yaml::{self, Document, Fault, Source};
 use tools::series::frame_folder;
@@ -217,6 +217,44 @@ impl SceneArguments {
         }
     }
 
+    /// Sets the size, the samples and the window of the picture from the command line, if given.
+    fn set_image(&self, image: &mut Image) -> Result<(), Diagnostic> {
+        image.width = self.width.unwrap_or(image.width);
+        image.height = self.height.unwrap_or(image.height);
+        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
+        if let Some(noise) = self.until_noise {
+            image.sample_until(noise);
+            image.samples_per_pixel = self.spp.unwrap_or(MAX_SAMPLES);
+        }
+        image.seed = self.seed.unwrap_or(image.seed);
+        if let Some(crop) = self.crop {
+            *image = crop.apply(image)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the outputs: only the picture if only it is wanted, and the outputs of `--also`.
+    fn set_outputs(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
+        if let Some(format) = self.picture {
+            config.output = Outputs::default();
+            config.metrics = RatioMetrics::default();
+            if format == PictureFormat::Exr {
+                config.output.add(OptionalOutput::Exr);
+            }
+        }
+        let by_file = config.output.clone();
+        self.also
+            .iter()
+            .for_each(|&requested| config.output.add(requested));
+        config.check_output().map_err(|(requested, fault)| {
+            if by_file.has(requested) {
+                document.point_at(fault)
+            } else {
+                fault.without_place()
+            }
+        })
+    }
+
     /// Sets the config's repeats from the command line, if given.
     fn set_repeats(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
         let of_file = config.repeats;
@@ -325,18 +363,7 @@ impl SceneSource for SceneArguments {
     }
 
     fn change(&self, config: &mut Config, document: &Document) -> Result<(), Diagnostic> {
-        let image = &mut config.image;
-        image.width = self.width.unwrap_or(image.width);
-        image.height = self.height.unwrap_or(image.height);
-        image.samples_per_pixel = self.spp.unwrap_or(image.samples_per_pixel);
-        if let Some(noise) = self.until_noise {
-            image.sample_until(noise);
-            image.samples_per_pixel = self.spp.unwrap_or(MAX_SAMPLES);
-        }
-        image.seed = self.seed.unwrap_or(image.seed);
-        if let Some(crop) = self.crop {
-            *image = crop.apply(image)?;
-        }
+        self.set_image(&mut config.image)?;
         config.shading.max_depth = self.max_depth.unwrap_or(config.shading.max_depth);
         let film = &mut config.film;
         film.exposure = self.exposure.unwrap_or(film.exposure);
@@ -353,24 +380,7 @@ impl SceneSource for SceneArguments {
         tiles.size = self.tile_size.unwrap_or(tiles.size);
         tiles.order = self.tile_order.unwrap_or(tiles.order);
         config.compress = self.compress.unwrap_or(config.compress);
-        if let Some(format) = self.picture {
-            config.output = Outputs::default();
-            config.metrics = RatioMetrics::default();
-            if format == PictureFormat::Exr {
-                config.output.add(OptionalOutput::Exr);
-            }
-        }
-        let by_file = config.output.clone();
-        self.also
-            .iter()
-            .for_each(|&requested| config.output.add(requested));
-        config.check_output().map_err(|(requested, fault)| {
-            if by_file.has(requested) {
-                document.point_at(fault)
-            } else {
-                fault.without_place()
-            }
-        })?;
+        self.set_outputs(config, document)?;
         config
             .check_arrays()
             .and_then(|()| config.check_metrics())
