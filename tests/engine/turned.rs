@@ -157,6 +157,28 @@ proptest! {
     }
 }
 
+#[test]
+fn a_ray_parallel_to_the_axis_of_a_capsule_hits_only_its_ends() {
+    let capsule = Capsule::new([Vec3::ZERO, 3.0 * Vec3::X], [1.0; 2]);
+    let cap = 0.75_f32.sqrt();
+    for (x, y, expected) in [
+        (9.0, 2.0, None),
+        (1.0, 2.0, None),
+        (9.0, 0.5, Some(9.0 - 3.0 - cap)),
+        (1.0, 0.5, Some(1.0 + cap)),
+        (-2.0, 0.5, None),
+    ] {
+        let ray = Ray {
+            origin: Vec3::new(x, y, 0.0),
+            direction: Vec3::NEG_X,
+        };
+        let found = capsule.intersect(&ray, f32::INFINITY);
+        assert_eq!(found.is_some(), expected.is_some(), "{x} {y}: {found:?}");
+        let error = found.unwrap_or(0.0) - expected.unwrap_or(0.0);
+        assert!(error.abs() < 1e-5, "{x} {y}: {found:?}");
+    }
+}
+
 /// How far along a capsule a point is: where the sphere that touches it there has its center.
 #[test]
 fn the_fraction_along_a_capsule_is_that_of_the_touching_sphere() {

@@ -87,8 +87,10 @@ impl Capsule {
             ray.along + ray.direction_along * cone.enter,
             ray.along + ray.direction_along * cone.exit,
         );
-        let enters = cone.hits & lower.le(at_enter) & at_enter.le(upper);
-        let exits = cone.hits & lower.le(at_exit) & at_exit.le(upper);
+        // A ray parallel to the side does not cross it, and has no parameters there.
+        let crosses = cone.hits & !(cone.a.equals(zero) & cone.b.equals(zero));
+        let enters = crosses & lower.le(at_enter) & at_enter.le(upper);
+        let exits = crosses & lower.le(at_exit) & at_exit.le(upper);
         let near = R::select(enters, ray.start + cone.enter, never);
         let far = R::select(exits, ray.start + cone.exit, always);
         // Intersect the spheres, and take the union of all three.
