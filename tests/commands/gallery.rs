@@ -3,11 +3,13 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
 
 use serde_json::Value;
 
+use crate::common::data_set::DataSet;
 use crate::common::{config, in_repository};
 use crate::figures::compare;
 use crate::figures::quoted::{Quote, documents};
@@ -55,6 +57,8 @@ struct Costs {
     /// animation.
     objects: BTreeMap<(String, String), BTreeMap<String, f64>>,
     totals: Value,
+    /// The medians of `noise` and `efficiency`, if they are written, over the pixels of each object and of the `picture`.
+    medians: BTreeMap<(&'static str, String), f64>,
 }
 
 impl Costs {
@@ -85,6 +89,7 @@ impl Costs {
         let mut summary: Value = serde_json::from_slice(&summary).unwrap();
         Self {
             objects: read_objects(&fs::read_to_string(folder.join("objects.csv")).unwrap()),
+            medians: read_medians(&folder.join("frame.vti")),
             totals: summary["cost"]["totals"].take(),
         }
     }
@@ -118,16 +123,49 @@ fn read_objects(table: &str) -> BTreeMap<(String, String), BTreeMap<String, f64>
     objects
 }
 
+fn read_medians(frame: &Path) -> BTreeMap<(&'static str, String), f64> {
+    let frame = DataSet::read(frame);
+    let objects: Vec<i32> = frame.array("object").i32s().collect();
+    let names = frame.texts("object_names").iter().zip(0..);
+    let names = names.map(|(name, object)| (name.as_str(), Some(object)));
+    let mut medians = BTreeMap::new();
+    for (name, object) in names.chain([("picture", None)]) {
+        for array in SAMPLES {
+            let Some(found) = frame.arrays.iter().find(|found| found.name == array) else {
+                continue;
+            };
+            let pixels = found.f32s().zip(&objects);
+            let values = pixels.filter(|(value, at)| {
+                !value.is_nan() && object.is_none_or(|object| **at == object)
+            });
+            let mut values: Vec<f32> = values.map(|(value, _)| value).collect();
+            values.sort_by(f32::total_cmp);
+            if let Some(median) = values.get(values.len() / 2) {
+                medians.insert((array, name.to_owned()), f64::from(*median));
+            }
+        }
+    }
+    medians
+}
+
+/// The arrays of `--also noise`.
+const SAMPLES: [&str; 2] = ["noise", "efficiency"];
+
 /// The renderings of scenes by their flags, each made once.
 #[derive(Default)]
 struct Renderings(RefCell<BTreeMap<(String, String), Rc<Costs>>>);
 
 impl Renderings {
-    /// The counter of a subject: an object; `picture`; `frame N`; `samples`. Flags of the rendering follow ` with `.
+    /// The counter of a subject: an object; `picture`; `frame N`; `samples`. Flags of the rendering follow ` with `. Of
+    /// [`SAMPLES`], the median.
     fn cost(&self, scene: &str, counter: &str, subject: &str) -> f64 {
         let (subject, flags) = subject.split_once(" with ").unwrap_or((subject, ""));
         let frame = subject.strip_prefix("frame ");
         let flags = frame.map_or(flags.to_owned(), |frame| format!("--frames={frame}"));
+        if let Some(array) = SAMPLES.into_iter().find(|array| *array == counter) {
+            let costs = self.render(scene, &format!("--also=noise {flags}"));
+            return costs.medians[&(array, subject.to_owned())];
+        }
         let costs = self.render(scene, &flags);
         match subject {
             "samples" => f64::from(N_SAMPLES),
@@ -153,14 +191,15 @@ fn every_number_is_that_of_a_rendering() {
         .into_iter()
         .filter(|document| document.name() == "gallery.md");
     let gallery: Vec<_> = gallery.collect();
-    let sections: Vec<(usize, &str)> = gallery[0].text.match_indices("\n### `").collect();
+    let sections: Vec<(usize, &str)> = gallery[0].text.match_indices("\n### ").collect();
     let renderings = Renderings::default();
     compare(&gallery, "ratio", |quote: &Quote| {
         let (at, title) = sections
             .iter()
             .rfind(|(at, _)| *at < quote.range.start)
             .unwrap();
-        let (scene, _) = gallery[0].text[at + title.len()..].split_once('`').unwrap();
+        let section = &gallery[0].text[at + title.len()..];
+        let scene = section.split('`').nth(1).unwrap();
         let (counter, subjects) = quote.name.split_once(", ").unwrap();
         let (above, below) = subjects.split_once(" / ").unwrap();
         let [above, below] = [above, below].map(|of| renderings.cost(scene, counter, of));
