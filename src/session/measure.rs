@@ -16,7 +16,7 @@ use render::attribution::CostAttribution;
 use render::instruments::Stages;
 use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
 use scene::config::SimdSet;
-use tracer::accel::Accel;
+use tracer::accel::{Accel, BvhStatistics};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
 
@@ -81,9 +81,11 @@ impl Session {
             attribution
         });
         stop::check()?;
+        let hierarchy = (attribution.as_ref()).and_then(|costs| costs.hierarchy.as_ref());
+        let epo = hierarchy.and_then(|hierarchy| hierarchy.nodes.first()?.epo);
         Ok(Measured {
             look: (scope.part.is_none()).then(|| Look::new(&film, config, tracer)),
-            bvh: accel.statistics(),
+            bvh: (accel.statistics()).map(|bvh| BvhStatistics { epo, ..bvh }),
             kernel: (accel.simd(), accel.traversal()),
             meter,
             film,

@@ -235,6 +235,18 @@ fn better_quality_means_less_cost_and_fewer_tests() {
     }
 }
 
+#[test]
+fn the_leaf_cost_is_the_sum_over_leaves() {
+    let primitives = needles(2_000);
+    for quality in QUALITIES {
+        let accel = Accel::new(&primitives, Acceleration::Bvh(quality));
+        let leaves = accel.nodes().into_iter().filter(|node| node.is_leaf);
+        let sum: f64 = leaves.map(|leaf| f64::from(leaf.sah_cost)).sum();
+        let found = f64::from(accel.statistics().unwrap().leaf_cost);
+        assert!((found - sum).abs() < 1e-5 * sum, "{found} {sum}");
+    }
+}
+
 /// The parallel build does not depend on the threads.
 #[test]
 fn the_tree_is_the_same_on_any_number_of_threads() {

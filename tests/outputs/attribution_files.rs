@@ -85,6 +85,7 @@ fn expected_nodes(hierarchy: &Hierarchy, limits: BvhLimits, cost: CostMode) -> D
         .collect();
     let node = |i: &usize| hierarchy.nodes[*i];
     let visits = |i: &usize| hierarchy.visits[*i];
+    let is_empty = shown.is_empty();
     let shown = || shown.iter();
     let mut arrays = vec![
         array("node", "UInt32", shown().map(|i| node(i).id)),
@@ -101,6 +102,11 @@ fn expected_nodes(hierarchy: &Hierarchy, limits: BvhLimits, cost: CostMode) -> D
     arrays.extend(visit_arrays(["visits", "wasted_visits"], cost, || {
         shown().map(visits)
     }));
+    if !is_empty {
+        let epo = shown().map(|i| node(i).epo.unwrap());
+        let at = arrays.len() - usize::from(cost == CostMode::Time);
+        arrays.insert(at, array("epo", "Float32", epo));
+    }
     let (mut points, n) = (Vec::new(), shown().len());
     for i in shown() {
         let bounds = node(i).bounds;
@@ -112,6 +118,46 @@ fn expected_nodes(hierarchy: &Hierarchy, limits: BvhLimits, cost: CostMode) -> D
     }
     let voxels = std::iter::repeat_n((8, 11), n);
     grid(arrays, points, voxels)
+}
+
+/// The summary rates the hierarchy as `bvh.vtu` does its root; overlap only if it is measured.
+#[test]
+fn the_summary_has_the_overlap_of_the_root() {
+    for (scene, also, has_overlap) in [
+        ("trellis", "bvh", true),
+        ("trellis", "objects", false),
+        ("herd", "bvh", false),
+    ] {
+        let out = tempfile::tempdir().unwrap();
+        let mut command = raycost();
+        let command = command
+            .arg("render")
+            .arg(in_repository(&format!("configs/{scene}.yaml")))
+            .args([
+                "--quiet",
+                "--cost=counters",
+                "--spp=1",
+                "--width=16",
+                "--height=12",
+            ])
+            .arg(format!("--also={also}"))
+            .arg("--out")
+            .arg(out.path());
+        assert_success(&command.output().unwrap());
+        let text = fs::read(out.path().join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        let bvh = &summary["acceleration"]["bvh"];
+        assert_eq!(bvh["epo"].is_number(), has_overlap, "{scene} {also}: {bvh}");
+        assert!(bvh["leaf_cost"].as_f64() < bvh["sah_cost"].as_f64());
+        if has_overlap {
+            let nodes = DataSet::read(&out.path().join("bvh.vtu"));
+            for name in ["sah_cost", "epo"] {
+                let root = nodes.array(name).f32s().next().map(f64::from);
+                let found = bvh[name].as_f64().unwrap() as f32;
+                assert_eq!(root, Some(found.into()), "{name}");
+            }
+        }
+    }
 }
 
 /// The arrays of visits and hits; times last.

@@ -98,6 +98,11 @@ fn cell_data<'a>(shown: &'a [Shown], has_meshes: bool, cost: CostMode) -> Vec<Ar
         array("hits", shown, |shown| shown.visits.n_hits),
         array("wasted_visits", shown, |shown| shown.visits.n_wasted()),
     ];
+    if shown.iter().any(|shown| shown.node.epo.is_some()) {
+        arrays.push(array("epo", shown, |shown| {
+            shown.node.epo.unwrap_or_default()
+        }));
+    }
     if has_meshes {
         arrays.push(array("mesh", shown, |shown| {
             shown.node.mesh.map_or(-1, |mesh| mesh as i32)

@@ -85,9 +85,11 @@ impl CostAttribution {
         outputs: &Outputs,
         report: OnProgress,
     ) -> Self {
-        let nodes = outputs
-            .has(OptionalOutput::Bvh)
-            .then(|| tracer.accel.nodes());
+        let nodes = outputs.has(OptionalOutput::Bvh).then(|| {
+            let mut nodes = tracer.accel.nodes();
+            tracer.accel.measure_overlap(&mut nodes);
+            nodes
+        });
         let tallies = Tallies::new(tracer.scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
         let attributor = || Attributor::new(tracer, sensor, meter.clock(), &tallies);

@@ -65,12 +65,14 @@ const OF_RUNS: [Row; 21] = [
 
 /// Metrics of the BVH, after `bvh_`.
 #[rustfmt::skip]
-const OF_BVH: [Row; 8] = [
+const OF_BVH: [Row; 10] = [
     ("n_nodes", "count", "nodes of up to eight children"),
     ("n_leaves", "count", "leaves of up to eight primitives"),
     ("n_references", "count", "primitives in all leaves, those in several counted each time"),
     ("depth", "count", "steps from the root to the deepest leaf"),
     ("sah_cost", "count", "nodes and primitives of a ray, by the surface area heuristic"),
+    ("leaf_cost", "count", "primitives of a ray, by the surface area heuristic: a part of `bvh_sah_cost`"),
+    ("epo", "count", "end-point overlap, with `--also bvh`: visits of nodes without the surface on which a ray ends"),
     ("bytes", "bytes", "memory of nodes and leaves"),
     ("bytes_per_visit", "bytes", "bytes that a visit to a node reads"),
     ("bytes_per_test", "bytes", "bytes of a leaf per primitive"),

@@ -11,6 +11,7 @@
 //! it, so the lanes from `n` on are meaningless. None of them is subnormal, which would slow down
 //! arithmetic: hence [`ID_BIT`].
 
+use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 
 use math::simd::N_LANES;
@@ -209,6 +210,15 @@ impl NodeRef {
 pub(super) fn leaf_kind(lines: &[CacheLine], node_ref: NodeRef) -> LeafKind {
     let CacheLine([first, ..]) = lines[node_ref.line()];
     LeafKind::from_leaf(node_ref, first)
+}
+
+/// Returns the kind and the indices of the primitives of a leaf that starts with these numbers.
+pub(super) fn contents(leaf: NodeRef, numbers: &[f32]) -> (LeafKind, ArrayVec<u32, MAX_LEAF>) {
+    let kind = LeafKind::from_leaf(leaf, numbers[0]);
+    let n = leaf.leaf_size();
+    let ids = &numbers[kind.n_rows() * n..][..n];
+    let index = |id: &f32| id.to_bits() & !(ID_BIT | CAPSULE_BIT);
+    (kind, ids.iter().map(index).collect())
 }
 
 /// Returns the node of a reference, with bounds checks.

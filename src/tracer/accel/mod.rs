@@ -21,6 +21,7 @@ mod kernel;
 mod statistics;
 mod unbounded;
 mod nodes;
+mod overlap;
 mod bvh;
 mod level;
 mod index;
@@ -215,6 +216,18 @@ impl<'a> Accel<'a> {
             nodes.extend(of_mesh.map(|node| node.in_mesh(mesh, first_id)));
         }
         nodes
+    }
+
+    /// Sets the end-point overlap of the [`nodes`](Self::nodes); not in scenes with instances, whose
+    /// surfaces are in many places.
+    pub fn measure_overlap(&self, nodes: &mut [BvhNode]) {
+        let World {
+            primitives,
+            instances,
+        } = self.world;
+        if let (None, Some(bvh)) = (instances, &self.index.upper.bvh) {
+            overlap::measure(bvh.arena().lines(), primitives, nodes);
+        }
     }
 
     /// Finds the [`nearest`](Self::nearest) hits of many rays at once. Overwrites `hits` with one

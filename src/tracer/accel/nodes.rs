@@ -25,6 +25,10 @@ pub struct BvhNode {
     /// through the root's box, by the surface area heuristic. At the root, it is
     /// [`BvhStatistics::sah_cost`](super::BvhStatistics::sah_cost).
     pub sah_cost: f32,
+    /// The end-point overlap of this node and the nodes below it: the expected number of visits of
+    /// nodes that do not hold the surface on which a ray ends, and of primitive tests in such
+    /// leaves. `None` unless [measured](super::Accel::measure_overlap).
+    pub epo: Option<f32>,
     /// For a node in the space of an instanced mesh: the index of the mesh among such meshes.
     pub mesh: Option<u32>,
 }
@@ -86,6 +90,7 @@ impl NodeList<'_> {
             is_leaf: node_ref.is_leaf(),
             n_primitives: 0,
             sah_cost: 0.0,
+            epo: None,
             mesh: None,
         });
         let (n_primitives, sah_cost) = if node_ref.is_leaf() {

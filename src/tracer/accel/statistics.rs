@@ -23,6 +23,15 @@ pub struct BvhStatistics {
     /// SAH, in which a leaf costs the same however many primitives are tested at once
     /// (`build/forests.rs`).
     pub sah_cost: f32,
+    /// The leaf cost: the part of the count SAH that is primitive tests; 0 in a summary of an older
+    /// version.
+    #[serde(default)]
+    pub leaf_cost: f32,
+    /// The end-point overlap, if it was [measured](super::Accel::measure_overlap): the expected
+    /// number of visits of nodes that do not hold the surface on which a ray ends, and of
+    /// primitive tests in such leaves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub epo: Option<f32>,
     /// Memory of nodes and leaves, in bytes.
     pub bytes: usize,
     /// Bytes that a node visit reads; a quarter less where the ray enters no child.
@@ -63,7 +72,8 @@ impl BvhStatistics {
             let root = layout::node(lines, NodeRef::ROOT);
             let area = node_bounds(root).surface_area();
             sums.node(lines, NodeRef::ROOT, f64::from(area), 0);
-            sums.cost /= f64::from(area).max(f64::MIN_POSITIVE);
+            let area = f64::from(area).max(f64::MIN_POSITIVE);
+            (sums.cost, sums.leaf_cost) = (sums.cost / area, sums.leaf_cost / area);
         }
         Self {
             n_nodes: sums.n_nodes,
@@ -71,6 +81,8 @@ impl BvhStatistics {
             n_references: sums.n_references,
             depth: sums.depth,
             sah_cost: sums.cost as f32,
+            leaf_cost: sums.leaf_cost as f32,
+            epo: None,
             bytes: size_of_val(lines),
             bytes_per_visit: size_of::<WideNode>(),
             bytes_per_test: (sums.n_leaf_lines * size_of::<CacheLine>()) as f32
@@ -89,6 +101,8 @@ struct NodeSums {
     depth: usize,
     /// Sum of the costs, each times its surface area.
     cost: f64,
+    /// The part of leaves in it.
+    leaf_cost: f64,
 }
 
 impl NodeSums {
@@ -105,6 +119,7 @@ impl NodeSums {
                 self.n_references += child.leaf_size();
                 self.n_leaf_lines += layout::leaf_kind(lines, child).n_lines(child.leaf_size());
                 self.cost += child.leaf_size() as f64 * area;
+                self.leaf_cost += child.leaf_size() as f64 * area;
             } else {
                 self.node(lines, child, area, depth + 1);
             }

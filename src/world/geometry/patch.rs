@@ -74,6 +74,27 @@ impl Patch {
         }
     }
 
+    /// Returns the triangles of the cell, in any orientation; none for a ball.
+    pub fn triangles(&self) -> Vec<[Vec3; 3]> {
+        match self {
+            Self::Ball { .. } => Vec::new(),
+            Self::Triangle(corners) => vec![*corners],
+            Self::Polygon(corners) => fan(corners).collect(),
+            Self::Box([a, b, c, d, e, f, g, h]) => [
+                [a, b, c, d],
+                [e, f, g, h],
+                [a, b, f, e],
+                [b, c, g, f],
+                [c, d, h, g],
+                [d, a, e, h],
+            ]
+            .iter()
+            .flat_map(|face| fan(&face.map(|corner| *corner)).collect::<Vec<_>>())
+            .collect(),
+            Self::Strip(corners) => corners.windows(3).map(|at| [at[0], at[1], at[2]]).collect(),
+        }
+    }
+
     /// Transforms a triangle to the placement of an instance.
     pub fn placed(self, place: &InstanceTransform) -> Self {
         let Self::Triangle(corners) = self else {
@@ -123,6 +144,14 @@ impl Patch {
 
 /// Number of corners of the polygon that approximates a circle around an axis.
 const N_TURNED: usize = 16;
+
+/// Returns the triangles of a convex polygon.
+fn fan(corners: &[Vec3]) -> impl Iterator<Item = [Vec3; 3]> {
+    corners
+        .windows(2)
+        .skip(1)
+        .map(|pair| [corners[0], pair[0], pair[1]])
+}
 
 /// Returns one strip around a sphere, from pole to pole, band by band.
 fn strip(center: Vec3, radius: f32) -> Vec<Vec3> {

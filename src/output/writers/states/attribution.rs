@@ -290,6 +290,7 @@ mod tests {
             is_leaf: false,
             n_primitives: 1,
             sah_cost: 1.0,
+            epo: None,
             mesh: None,
         }
     }

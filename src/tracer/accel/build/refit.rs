@@ -12,9 +12,7 @@ use rayon::prelude::*;
 use super::emit::{PARALLEL, write_leaf};
 use super::order;
 use crate::accel::arena::Arena;
-use crate::accel::layout::{
-    self, CAPSULE_BIT, CacheLine, ID_BIT, LeafKind, MAX_LEAF, NODE_LINES, NodeRef, WideNode,
-};
+use crate::accel::layout::{self, CacheLine, LeafKind, NODE_LINES, NodeRef, WideNode};
 use math::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
 use world::geometry::{Aabb, Shape};
 use world::scene::Primitive;
@@ -48,7 +46,7 @@ fn are_in_leaves(lines: &[CacheLine], node_ref: NodeRef, primitives: &[Primitive
             return are_in_leaves(lines, child, primitives);
         }
         let leaf: &[f32] = bytemuck::cast_slice(&lines[child.line()..]);
-        let (kind, indices) = contents(child, leaf);
+        let (kind, indices) = layout::contents(child, leaf);
         let n = indices.len();
         kind == LeafKind::Triangles
             && indices.iter().enumerate().all(|(lane, &index)| {
@@ -63,15 +61,6 @@ fn are_in_leaves(lines: &[CacheLine], node_ref: NodeRef, primitives: &[Primitive
                 rows.iter().enumerate().all(is_same)
             })
     })
-}
-
-/// Returns the kind and the indices of the primitives of a leaf that starts with these numbers.
-fn contents(leaf: NodeRef, numbers: &[f32]) -> (LeafKind, ArrayVec<u32, MAX_LEAF>) {
-    let kind = LeafKind::from_leaf(leaf, numbers[0]);
-    let n = leaf.leaf_size();
-    let ids = &numbers[kind.n_rows() * n..][..n];
-    let index = |id: &f32| id.to_bits() & !(ID_BIT | CAPSULE_BIT);
-    (kind, ids.iter().map(index).collect())
 }
 
 struct Refitter<'a> {
@@ -133,7 +122,7 @@ impl Refitter<'_> {
     /// Refits the leaf at the start of `lines`. Returns its box, or `None` if a primitive has
     /// another kind.
     fn leaf(&self, leaf: NodeRef, lines: &mut [CacheLine]) -> Option<Aabb> {
-        let (kind, indices) = contents(leaf, bytemuck::cast_slice(lines));
+        let (kind, indices) = layout::contents(leaf, bytemuck::cast_slice(lines));
         let mut all = Aabb::EMPTY;
         for &index in &indices {
             let primitive = &self.primitives[index as usize];
