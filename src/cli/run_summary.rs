@@ -52,7 +52,7 @@ pub(super) fn lines(
     let trace = trace.map_or(String::new(), |trace| format!("        {trace}\n"));
     let keep = scene.command_to_keep();
     let keep = keep.map_or(String::new(), |command| format!("keep    {command}\n"));
-    let files = files(written);
+    let files = list_files(written);
     let costs = match rendering.attribution {
         Some(attribution) if rendering.config.output.has(OptionalOutput::Objects) => {
             charges::tables(rendering, attribution)
@@ -115,7 +115,7 @@ pub(super) fn notes(config: &Config, scene: &Scene) -> String {
 }
 
 /// Returns the names and the lengths of the files; pieces are added up.
-fn files(written: &[Written]) -> String {
+fn list_files(written: &[Written]) -> String {
     let (pieces, files): (Vec<_>, Vec<_>) = written.iter().partition(|one| is_piece(&one.file));
     let files = files.into_iter();
     let files = files.map(|one| format!("{} ({})", one.file, bytes(one.bytes)));

@@ -80,7 +80,7 @@ impl WholeOutput {
         let partial: String = self.partial.iter().map(note).collect();
         let left = self.left.iter().map(|left| format!("note    {left}\n"));
         let left: String = left.collect();
-        let files = files(self.n_files, self.n_frames);
+        let files = count_files(self.n_files, self.n_frames);
         format!(
             "output  {} is whole: {files}\n{partial}{left}",
             shown(&self.folder)
@@ -103,7 +103,7 @@ impl WholeOutput {
 }
 
 /// Returns the number of files, and of the frames that they belong to.
-fn files(n_files: u64, n_frames: Option<u64>) -> String {
+fn count_files(n_files: u64, n_frames: Option<u64>) -> String {
     let files = counted(n_files, "file");
     match n_frames {
         None => files,
@@ -156,7 +156,7 @@ pub(super) fn verify_whole(folder: &Path, parts: &[PathBuf]) -> Result<WholeOutp
                 .collect(),
         });
     }
-    let (shown, files) = (shown(folder), files(n, n_whole));
+    let (shown, files) = (shown(folder), count_files(n, n_whole));
     let message = format!("`{shown}` is damaged: {} of {files}", broken.len());
     Err(Diagnostic::new(message)
         .with_note(broken.join("\n"))

@@ -41,7 +41,7 @@ pub fn grow_heap(n_bytes: usize) {
     if n_bytes < MAPPED || !IS_CONFIGURED.load(Ordering::Relaxed) {
         return;
     }
-    let info = info();
+    let info = read_statistics();
     let n_missing = n_bytes.saturating_sub(info.fordblks);
     if n_missing < MAPPED {
         return;
@@ -68,7 +68,7 @@ pub fn grow_heap(n_bytes: usize) {
 
 /// Returns the allocator's statistics in bytes: `fordblks` are free, of which `keepcost` are at the
 /// end of the heap.
-fn info() -> libc::mallinfo2 {
+fn read_statistics() -> libc::mallinfo2 {
     #[expect(unsafe_code, reason = "a function of the C library")]
     // SAFETY: the call takes nothing and returns numbers.
     unsafe {

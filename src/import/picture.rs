@@ -72,7 +72,7 @@ pub(super) fn read_picture_of(
     check_size(&decoder, available)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     let size = [decoded.width(), decoded.height()];
-    let texels = texels(decoded, transfer.unwrap_or(format.transfer))?;
+    let texels = decode_texels(decoded, transfer.unwrap_or(format.transfer))?;
     let picture = Picture::new(size, texels).ok_or_else(|| wrong_size(size))?;
     Ok(Arc::new(picture))
 }
@@ -165,7 +165,7 @@ fn check_size(decoder: &dyn ImageDecoder, available: u64) -> Result<()> {
     Err(FileFault::new(problem, "a smaller picture"))
 }
 
-fn texels(decoded: DynamicImage, transfer: Transfer) -> Result<Texels> {
+fn decode_texels(decoded: DynamicImage, transfer: Transfer) -> Result<Texels> {
     match decoded.color() {
         ColorType::L8 => Ok(Texels::Gray(decoded.into_luma8().into_raw(), transfer)),
         ColorType::Rgb8 => {

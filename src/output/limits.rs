@@ -24,7 +24,7 @@ impl Memory {
     pub fn estimate_still(config: &Config, geometries: &Geometries) -> Self {
         let whole = Self::estimate(config, geometries);
         let limit = limit_of_still(memory_limit(), available(), geometries.n_bytes());
-        let against_bands = against_bands(config);
+        let against_bands = reason_against_bands(config);
         if whole.at_most() <= limit || against_bands.is_some() {
             return Self {
                 against_bands,
@@ -109,7 +109,7 @@ pub fn too_large(error: TooLarge) -> Fault {
 }
 
 /// Returns why a picture cannot be larger than memory, with the remedy; `None` if it can.
-fn against_bands(config: &Config) -> Option<&'static str> {
+fn reason_against_bands(config: &Config) -> Option<&'static str> {
     let has = |output| config.output.has(output);
     if has(OptionalOutput::Tests) {
         return Some("without the output `tests` it would be written in pieces");

@@ -36,7 +36,7 @@ impl Own {
     pub(super) fn find(&self, folder: &Path) -> Result<Vec<String>, WriteError> {
         let (names, listed): (Vec<_>, _) = match self {
             Self::Listed { names, is_numbered } => {
-                let listed = listed(folder);
+                let listed = read_listed(folder);
                 let is_other = |name: &&String| is_numbered(name) && !names.contains(name);
                 let others = listed.iter().filter(is_other);
                 (names.iter().chain(others).cloned().collect(), Some(listed))
@@ -93,7 +93,7 @@ pub fn foreign(path: &Path) -> WriteError {
 
 /// Returns the names that the folder's summary lists, and the summary's own. Without it, the names of
 /// an unfinished replacement: old files that were not moved away, new ones that were moved in.
-fn listed(folder: &Path) -> Vec<String> {
+fn read_listed(folder: &Path) -> Vec<String> {
     let summary = folder.join(SUMMARY);
     if summary.exists() {
         return listed_in(&summary);

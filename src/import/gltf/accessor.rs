@@ -70,7 +70,7 @@ impl Accessors<'_> {
     pub(super) fn indices(&self, index: Index<Accessor>, budget: &mut Budget) -> Result<Vec<u32>> {
         let (accessor, n) = self.shape(index, budget, size_of::<u32>())?;
         let is_whole = matches!(
-            component(accessor),
+            type_of_components(accessor),
             ComponentType::U8 | ComponentType::U16 | ComponentType::U32
         );
         if !is_whole || n_components(accessor) != 1 {
@@ -136,7 +136,7 @@ impl Accessors<'_> {
             return Ok(None);
         };
         let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
-        let component = component(accessor);
+        let component = type_of_components(accessor);
         let size = n_components(accessor) * component.size();
         let elements = self.in_view(view, offset, size, component, accessor.count.0);
         let elements = elements?.ok_or_else(|| outside(index))?;
@@ -192,7 +192,7 @@ impl Accessors<'_> {
             Checked::Valid(kind) => kind.0,
             Checked::Invalid => ComponentType::U32,
         };
-        let component = component(accessor);
+        let component = type_of_components(accessor);
         let size = n_components(accessor) * component.size();
         let (at, from) = (indices.byte_offset.0, values.byte_offset.0);
         let index_size = of_indices.size();
@@ -254,7 +254,7 @@ fn outside(index: Index<Accessor>) -> FileFault {
 }
 
 /// Returns the type of the components, which was checked before.
-fn component(accessor: &Accessor) -> ComponentType {
+fn type_of_components(accessor: &Accessor) -> ComponentType {
     match &accessor.component_type {
         Checked::Valid(kind) => kind.0,
         Checked::Invalid => ComponentType::F32,

@@ -88,7 +88,7 @@ pub(super) fn read_spheres(
     radius: &RadiusChoice,
     array: Option<&ArrayChoice>,
 ) -> Result<Spheres> {
-    let wanted = wanted(radius, array);
+    let wanted = wanted_arrays(radius, array);
     let mut spheres = Spheres {
         scalars: array.filter(|array| !array.is_color).map(|_| Vec::new()),
         colors: array.filter(|array| array.is_color).map(|_| Vec::new()),
@@ -126,7 +126,7 @@ pub(super) fn read_tubes(
     refuse_colors(array, "tubes")?;
     let mut tubes = Tubes::with_scalars(array.is_some());
     let mut numbers = ArrayOfPieces::default();
-    for_each_piece(file, &wanted(radius, array), &mut |piece, budget| {
+    for_each_piece(file, &wanted_arrays(radius, array), &mut |piece, budget| {
         lines::add(piece, radius, (array, &mut numbers), &mut tubes, budget)
     })?;
     numbers.check()?;
@@ -148,7 +148,7 @@ fn refuse_colors(array: Option<&ArrayChoice>, shapes: &str) -> Result<()> {
 }
 
 /// Returns the names of the arrays of radii and of colors.
-fn wanted<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&'a str> {
+fn wanted_arrays<'a>(radius: &'a RadiusChoice, array: Option<&'a ArrayChoice>) -> Vec<&'a str> {
     let of_radius = match radius {
         RadiusChoice::Same(_) => None,
         RadiusChoice::Array { array, .. } => Some(array),

@@ -61,7 +61,7 @@ impl EquirectangularDistribution {
             sums.push(push_cumulative(steps, &mut columns));
         }
         // Integrate the bands between the rows.
-        let heights = heights(n_rows);
+        let heights = row_heights(n_rows);
         let band = |i: usize| {
             let [above, below] = around(i, n_rows).map(|row| sums[row]);
             0.5 * (above + below) * (heights[i] - heights[i + 1])
@@ -147,7 +147,7 @@ impl Cumulative<'_> {
 }
 
 /// Returns the sines of the latitudes of the poles and the centers of the rows, from 1 to -1.
-fn heights(n_rows: usize) -> Vec<f64> {
+fn row_heights(n_rows: usize) -> Vec<f64> {
     let center = |row: usize| {
         let turns = 0.5 - (row as f64 + 0.5) / n_rows as f64;
         (std::f64::consts::PI * turns).sin()

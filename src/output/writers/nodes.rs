@@ -63,7 +63,7 @@ pub fn write(
     encoding: impl Into<Encoding>,
     out: &mut (impl Write + Seek),
 ) -> io::Result<()> {
-    let shown = shown(hierarchy, limits);
+    let shown = choose_nodes(hierarchy, limits);
     let n = shown.len();
     let [connectivity, offsets] = separate_cells(8, n);
     let boxes = CellMesh {
@@ -79,7 +79,7 @@ pub fn write(
     appended::write(&DataSet::Grid(boxes), encoding.into(), out)
 }
 
-fn shown(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {
+fn choose_nodes(hierarchy: &Hierarchy, limits: BvhLimits) -> Vec<Shown<'_>> {
     let nodes = hierarchy.within(limits).into_iter();
     nodes
         .map(|(node, visits, cost)| Shown { node, visits, cost })

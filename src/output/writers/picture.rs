@@ -40,7 +40,7 @@ pub(super) fn write(
     texts: &Texts,
     out: &mut FileWriter,
 ) -> io::Result<()> {
-    let legends = legends(rendering.scene);
+    let legends = collect_legends(rendering.scene);
     if !legends.is_empty() {
         return write_with_legends(rendering, &legends, texts, out);
     }
@@ -86,7 +86,7 @@ fn write_rows(film: &Film, n_skipped: usize, bits: u8, out: &mut dyn Write) -> i
         let rows = film.rows(|strip| &strip.rgb).map(<[_]>::as_flattened);
         return (rows.skip(n_skipped)).try_for_each(|row| out.write_all(row));
     }
-    let pixels = developed(film);
+    let pixels = develop(film);
     out.write_all(pixels[n_skipped * film.grid.width as usize..].as_flattened())
 }
 
@@ -97,7 +97,7 @@ pub(super) fn write_bands(
     out: &mut FileWriter,
     for_each: impl FnOnce(&mut dyn FnMut(&Film, Range<u32>) -> io::Result<()>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let legends = legends(job.rendering.scene);
+    let legends = collect_legends(job.rendering.scene);
     if !legends.is_empty() {
         let grid = &job.rendering.film.grid;
         let mut picture = RgbImage::new(grid.width, grid.height);
@@ -135,7 +135,7 @@ fn copy_rows(film: &Film, rows: Range<u32>, picture: &mut RgbImage) {
 type Rgb16 = [u8; 6];
 
 /// Returns the color bars of the scene's materials, each once.
-fn legends(scene: &Scene) -> Vec<ColorLegend> {
+fn collect_legends(scene: &Scene) -> Vec<ColorLegend> {
     let mut legends = Vec::new();
     let materials = scene.materials.iter();
     for array in materials.filter_map(|material| material.color.array()) {
@@ -194,7 +194,7 @@ fn write_with_legends(
     if rendering.config.film.bits == 8 {
         return write_png(rendering, 8, texts, out, |rows| rows.write_all(&picture));
     }
-    let mut developed = developed(film);
+    let mut developed = develop(film);
     let before = film.rows(|strip| &strip.rgb).flatten();
     let (drawn, _) = picture.as_chunks::<3>();
     for ((place, before), drawn) in developed.iter_mut().zip(before).zip(drawn) {
@@ -209,7 +209,7 @@ fn write_with_legends(
 }
 
 /// Develops the picture of a film that keeps its radiance.
-fn developed(film: &Film) -> Vec<Rgb16> {
+fn develop(film: &Film) -> Vec<Rgb16> {
     let n_pixels = film.grid.width as usize * film.row_range().len();
     let mut pixels = vec![[0; 6]; n_pixels];
     let strips = pixels.par_chunks_mut(film.grid.width as usize * STRIP_ROWS as usize);

@@ -39,7 +39,7 @@ fn write(
     let schedule = rendering.schedule;
     let has_counters = rendering.film.cost.has_counters();
     let since_begin = |moment: Instant| (moment - stages.begin).as_nanos() as u64;
-    let names = names(rendering);
+    let names = name_rows(rendering);
     // Convert stages and tiles to events.
     let of_stages = stages.ended.iter().map(|stage| {
         let [start, end] = [stage.span.start, stage.span.end].map(since_begin);
@@ -81,7 +81,7 @@ fn line_of(thread: u32) -> u32 {
 }
 
 /// Returns the names of the processes, one per rank, and of their rows.
-fn names(rendering: &RenderingView) -> Vec<Value> {
+fn name_rows(rendering: &RenderingView) -> Vec<Value> {
     let schedule = rendering.schedule;
     let runs = schedule.rendered().map(|(_, run)| (run.rank, run.thread));
     let used: BTreeSet<(u32, u32)> = runs.collect();

@@ -42,7 +42,7 @@ pub(super) fn append(
     let length = content.len() as u32;
     prefix[..4].copy_from_slice(&(kind as u32).to_le_bytes());
     prefix[4..8].copy_from_slice(&length.to_le_bytes());
-    let checksum = checksum(&prefix[..8], number, content);
+    let checksum = hash_block(&prefix[..8], number, content);
     prefix[8..].copy_from_slice(&checksum);
 }
 
@@ -70,7 +70,7 @@ pub(super) fn read(
     if !fill(file, content)? {
         return Ok(None);
     }
-    let is_whole = checksum(&prefix[..8], number, content) == prefix[8..];
+    let is_whole = hash_block(&prefix[..8], number, content) == prefix[8..];
     Ok(is_whole.then_some(kind))
 }
 
@@ -83,7 +83,7 @@ fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<bool> {
     }
 }
 
-fn checksum(kind_and_length: &[u8], number: u64, content: &[u8]) -> [u8; 16] {
+fn hash_block(kind_and_length: &[u8], number: u64, content: &[u8]) -> [u8; 16] {
     let mut hasher = Hasher::default();
     hasher.add(kind_and_length);
     hasher.add(&number.to_le_bytes());

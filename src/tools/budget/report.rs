@@ -31,7 +31,7 @@ pub fn report(check: &BudgetCheck) -> String {
         text += &format!("{}: {}\n", one_line(&check.scene.label()), verdict(check));
         let head = ["part", "counter", "budget", "now", "change", ""].map(str::to_owned);
         if !check.rows.is_empty() {
-            let rows = check.rows.iter().take(MAX_ROWS).map(cells);
+            let rows = check.rows.iter().take(MAX_ROWS).map(row_cells);
             text += &table(std::iter::once(head).chain(rows));
         }
         if check.rows.len() > MAX_ROWS {
@@ -42,7 +42,7 @@ pub fn report(check: &BudgetCheck) -> String {
 }
 
 /// Returns the part, the counter, its totals, the change, and the change in percent.
-fn cells(row: &BudgetRow) -> [String; 6] {
+fn row_cells(row: &BudgetRow) -> [String; 6] {
     let sign = if row.now > row.budget { "+" } else { "-" };
     let mut percent = match row.budget {
         0 => "new".to_owned(),
@@ -93,7 +93,7 @@ pub fn markdown(check: &BudgetCheck) -> String {
         }
         text += "| part | counter | budget | now | change | |\n|---|---|--:|--:|--:|--:|\n";
         for row in &check.rows {
-            let cells = cells(row).map(|cell| cell.replace('|', "\\|"));
+            let cells = row_cells(row).map(|cell| cell.replace('|', "\\|"));
             text += &format!("| {} |\n", cells.join(" | "));
         }
         text += "\n";

@@ -33,7 +33,7 @@ impl Side {
     /// # Errors
     /// If a folder does not hold an output, or its files cannot be read.
     pub fn open([a, b]: [&Path; 2]) -> Result<[Self; 2], Diagnostic> {
-        let labels = labels([a, b]);
+        let labels = distinct_suffixes([a, b]);
         let [label_a, label_b] = labels;
         let mut sides = [Self::new(a, label_a)?, Self::new(b, label_b)?];
         if let Some((origin, size)) = common_window(&sides) {
@@ -49,7 +49,7 @@ impl Side {
     /// # Errors
     /// As [`Self::open`].
     pub fn alone(folder: &Path) -> Result<Self, Diagnostic> {
-        let [label, _] = labels([folder; 2]);
+        let [label, _] = distinct_suffixes([folder; 2]);
         Self::new(folder, label)
     }
 
@@ -329,7 +329,7 @@ fn common_window([a, b]: &[Side; 2]) -> Option<([u32; 2], [u32; 2])> {
 
 /// Returns the shortest suffixes of two paths that differ: `fast` and `high`, but `before/spot` and
 /// `after/spot`.
-fn labels(paths: [&Path; 2]) -> [String; 2] {
+fn distinct_suffixes(paths: [&Path; 2]) -> [String; 2] {
     let names = paths.map(|path| {
         // `.` has a name only after it is resolved.
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -349,9 +349,9 @@ mod tests {
 
     #[test]
     fn labels_of_different_folders_differ() {
-        let labels = |a: &str, b: &str| labels([a, b].map(Path::new));
-        assert_eq!(labels("/no/fast", "/no/high"), ["fast", "high"]);
-        assert_eq!(labels("/no/a/spot", "/no/b/spot"), ["a/spot", "b/spot"]);
-        assert_eq!(labels("/no/spot", "/no/spot"), ["spot", "spot"]);
+        let suffixes = |a: &str, b: &str| distinct_suffixes([a, b].map(Path::new));
+        assert_eq!(suffixes("/no/fast", "/no/high"), ["fast", "high"]);
+        assert_eq!(suffixes("/no/a/spot", "/no/b/spot"), ["a/spot", "b/spot"]);
+        assert_eq!(suffixes("/no/spot", "/no/spot"), ["spot", "spot"]);
     }
 }

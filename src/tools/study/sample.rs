@@ -45,7 +45,7 @@ impl SampleStatistics {
         let n = values.len();
         let mean = values.iter().sum::<f64>() / n as f64;
         let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let mad = mad(values, median)?;
+        let mad = median_deviation(values, median)?;
         let outliers = values
             .iter()
             .filter(|value| is_outlier(**value, median, mad));
@@ -84,7 +84,7 @@ impl SampleStatistics {
 }
 
 /// Returns the median absolute deviation from `center`.
-fn mad(values: &[f64], center: f64) -> Option<f64> {
+fn median_deviation(values: &[f64], center: f64) -> Option<f64> {
     let mut deviations: Vec<f64> = values.iter().map(|value| (value - center).abs()).collect();
     median(&mut deviations)
 }

@@ -58,7 +58,7 @@ fn rows_of(
             add(point, "speedup_over_step", &before);
             add(point, "speedup_over_start", &start);
         }
-        let difference = difference(read_picture(out, point).as_ref(), last.as_ref());
+        let difference = greatest_difference(read_picture(out, point).as_ref(), last.as_ref());
         add(point, "picture_difference", difference.as_slice());
     }
     rows
@@ -71,7 +71,10 @@ fn read_picture(out: &Path, point: &StudyPoint) -> Option<image::RgbImage> {
 }
 
 /// Returns the greatest difference of a channel of two pictures of one size, from 0 to 255.
-fn difference(one: Option<&image::RgbImage>, other: Option<&image::RgbImage>) -> Option<f64> {
+fn greatest_difference(
+    one: Option<&image::RgbImage>,
+    other: Option<&image::RgbImage>,
+) -> Option<f64> {
     let (one, other) = one
         .zip(other)
         .filter(|(one, other)| one.dimensions() == other.dimensions())?;

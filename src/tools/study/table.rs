@@ -86,18 +86,18 @@ pub fn write_csv(rows: &[StatisticsRow], out: &mut impl Write) -> io::Result<()>
     let mut table = csv::Writer::from_writer(out);
     if let Some(row) = rows.first() {
         let factors = row.point.keys().map(|name| text_cell(name));
-        let columns = columns(row).map(|(name, _)| name.into());
+        let columns = statistics_columns(row).map(|(name, _)| name.into());
         table.write_record(factors.chain(columns).map(|name| name.into_owned()))?;
     }
     for row in rows {
         let factors = row.point.values().map(text);
-        table.write_record(factors.chain(columns(row).map(|(_, value)| value)))?;
+        table.write_record(factors.chain(statistics_columns(row).map(|(_, value)| value)))?;
     }
     table.flush()
 }
 
 /// Returns the columns of a row after its factors: name and value.
-fn columns(row: &StatisticsRow) -> [(&'static str, String); 14] {
+fn statistics_columns(row: &StatisticsRow) -> [(&'static str, String); 14] {
     let of = &row.statistics;
     let of_interval = |part: fn(&MedianInterval) -> f64| {
         let interval = of.interval.as_ref();

@@ -61,7 +61,7 @@ impl<'a> EyeMedia<'a> {
             origin: self.eye,
             direction: way / length,
         };
-        let surfaces = surfaces(&self.tracer, ray, length);
+        let surfaces = crossed_surfaces(&self.tracer, ray, length);
         surfaces.fold(self.at_eye, |media, point| {
             crossed(&self.tracer, media, &point, !point.is_flipped)
         })
@@ -79,7 +79,7 @@ fn media_at(tracer: &Tracer, point: Vec3) -> Media {
             direction,
         };
         // From the last surface to the first one: in the direction of the ray that comes.
-        let surfaces: Vec<SurfacePoint> = surfaces(tracer, ray, f32::INFINITY).collect();
+        let surfaces: Vec<SurfacePoint> = crossed_surfaces(tracer, ray, f32::INFINITY).collect();
         let media = surfaces.iter().rfold(Media::default(), |media, point| {
             crossed(tracer, media, point, point.is_flipped)
         });
@@ -100,7 +100,7 @@ fn crossed(tracer: &Tracer, media: Media, point: &SurfacePoint, enters: bool) ->
 }
 
 /// Returns the surfaces that a ray crosses before a distance.
-fn surfaces<'a>(
+fn crossed_surfaces<'a>(
     tracer: &'a Tracer,
     mut ray: Ray,
     mut left: f32,

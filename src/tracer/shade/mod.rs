@@ -110,7 +110,7 @@ impl<'a> Shader<'a> {
     /// Returns the number of light samples at a point.
     fn n_light_samples(&self, path: &PathRay, point: &SurfacePoint) -> usize {
         let material = self.scene.material(point.material);
-        if !scatters(material, point) {
+        if !scatters_light(material, point) {
             return 0;
         }
         let max_depth = self.scene.shading.max_depth.into();
@@ -215,7 +215,7 @@ impl<'a> Shader<'a> {
         let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), path.ray.direction.into());
         let to_viewer = model.to_viewer(&at, eye.into(), direction);
-        let scatters = scatters(material, point);
+        let scatters = scatters_light(material, point);
         // Ambient and emitted light.
         let mut color = Vector::from(Vec3::ZERO);
         if scatters {
@@ -225,7 +225,7 @@ impl<'a> Shader<'a> {
             color = color + self.emission(path, point);
         }
         // The light samples that arrive.
-        let boundary = boundary(self.interface(path, point).as_ref());
+        let boundary = scattering_boundary(self.interface(path, point).as_ref());
         let mut is_lit = !M::NEEDS_LIGHT;
         for light in lights {
             is_lit = true;
@@ -298,7 +298,7 @@ impl<'a> Shader<'a> {
         }
         // Sample a direction.
         let interface = self.interface(path, point);
-        let boundary = boundary(interface.as_ref());
+        let boundary = scattering_boundary(interface.as_ref());
         let at = Leaving::new(point.shading(), -Vector::from(path.ray.direction));
         let numbers = self.numbers(path);
         let [lobe, roulette] = numbers.lobe();
@@ -400,7 +400,7 @@ fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) 
 }
 
 /// Returns the boundary that scattering needs: the surface of a medium, or any other surface.
-fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
+fn scattering_boundary(interface: Option<&Interface>) -> Boundary<f32> {
     interface.map_or(Boundary::without_medium(1.0), |of| Boundary {
         eta: of.eta,
         is_visible: of.is_visible,
@@ -408,6 +408,6 @@ fn boundary(interface: Option<&Interface>) -> Boundary<f32> {
 }
 
 /// Returns true if a point is on a side of its surface that reflects or refracts light.
-fn scatters(material: &Material, point: &SurfacePoint) -> bool {
+fn scatters_light(material: &Material, point: &SurfacePoint) -> bool {
     material.two_sided || !point.is_flipped
 }

@@ -90,7 +90,7 @@ pub fn parse(
         let event = reader.read_event();
         match event.map_err(|error| XmlFault::Damaged(error.to_string()))? {
             Event::Start(start) => {
-                let element = element(&start, max_attributes)?;
+                let element = parse_element(&start, max_attributes)?;
                 let is_data = element.name == "AppendedData";
                 open.push(element);
                 if is_data {
@@ -136,7 +136,10 @@ fn closed(mut open: Vec<Element<'_>>) -> Element<'_> {
     root.children.into_iter().next().unwrap_or_default()
 }
 
-fn element<'a>(start: &BytesStart<'_>, max_attributes: usize) -> Result<Element<'a>, XmlFault> {
+fn parse_element<'a>(
+    start: &BytesStart<'_>,
+    max_attributes: usize,
+) -> Result<Element<'a>, XmlFault> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let mut attributes = Vec::new();
     for attribute in start.attributes().with_checks(false) {

@@ -115,7 +115,7 @@ impl ImageHeader {
         let piece = child(data_set, "Piece")?;
         Ok(Self {
             extent: required(piece, "Extent")?,
-            point_data: arrays(piece.child("PointData"))?,
+            point_data: parse_arrays(piece.child("PointData"))?,
         })
     }
 
@@ -135,8 +135,8 @@ impl GridHeader {
         let piece = child(data_set, "Piece")?;
         Ok(Self {
             n_points: number(piece, "NumberOfPoints")?.ok_or_else(|| missing("@NumberOfPoints"))?,
-            point_data: arrays(piece.child("PointData"))?,
-            points: arrays(Some(child(piece, "Points")?))?,
+            point_data: parse_arrays(piece.child("PointData"))?,
+            points: parse_arrays(Some(child(piece, "Points")?))?,
         })
     }
 }
@@ -153,7 +153,7 @@ impl FieldElements {
             .into_iter()
             .flat_map(|of| of.children_named("Array"));
         let texts = texts.map(text).collect::<HeaderResult<_>>()?;
-        let arrays = arrays(element)?;
+        let arrays = parse_arrays(element)?;
         Ok(Self { arrays, texts })
     }
 }
@@ -178,7 +178,7 @@ impl DataArrayElement {
 }
 
 /// Returns the arrays in an element; none without it.
-fn arrays(element: Option<&Element>) -> HeaderResult<Vec<DataArrayElement>> {
+fn parse_arrays(element: Option<&Element>) -> HeaderResult<Vec<DataArrayElement>> {
     let elements = element
         .into_iter()
         .flat_map(|of| of.children_named("DataArray"));

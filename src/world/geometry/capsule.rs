@@ -108,7 +108,7 @@ impl Capsule {
         let axis = ShapeAxis::new(parameters);
         let half = axis.radius.splat(0.5);
         let (along, across) = axis.split(near);
-        half + half * foot(&axis, along, across) / axis.half_length
+        half + half * foot_on_axis(&axis, along, across) / axis.half_length
     }
 }
 
@@ -124,7 +124,7 @@ fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
 /// Returns the position on the axis of the center of the sphere that touches the surface nearest to
 /// a point.
 #[inline(always)]
-fn foot<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
+fn foot_on_axis<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R {
     let (sine, cos) = slant(axis);
     let cos = cos.max(cos.splat(f32::MIN_POSITIVE));
     let foot = along - sine * across.length() / cos;
@@ -198,7 +198,7 @@ impl Project for Capsule {
     ) -> (Vector<R>, Vector<R>) {
         let axis = ShapeAxis::new(parameters);
         let (along, across) = axis.split(near);
-        let foot = foot(&axis, along, across);
+        let foot = foot_on_axis(&axis, along, across);
         let normal = (across + axis.direction * (along - foot)).normalize_or(axis.outward(across));
         let half = foot.splat(0.5);
         let fraction = half + half * foot / axis.half_length;

@@ -123,7 +123,7 @@ fn write_blocks(
     let memory = block_memory([film.grid.width, BLOCK_ROWS], channels.len());
     for some in firsts.chunks((BLOCKS_MEMORY / memory).max(1) as usize) {
         let compressed = some.par_iter().map(|&first| {
-            let block = block(film, channels, first);
+            let block = encode_block(film, channels, first);
             block.compress_to_chunk(headers)
         });
         let compressed: Result<Vec<_>> = compressed.collect();
@@ -135,7 +135,7 @@ fn write_blocks(
 }
 
 /// Returns the rows of a block from top to bottom, each with its channels one after the other.
-fn block(film: &Film, channels: &[Channel], first_row: u32) -> UncompressedBlock {
+fn encode_block(film: &Film, channels: &[Channel], first_row: u32) -> UncompressedBlock {
     let width = film.grid.width as usize;
     let n_rows = BLOCK_ROWS.min(film.grid.height - first_row) as usize;
     let mut words = vec![0; n_rows * width * channels.len()];

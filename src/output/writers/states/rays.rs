@@ -81,7 +81,7 @@ pub(in crate::writers) fn ray_state(rays: &Rays, folder: &OutputFolder) -> Strin
 /// Returns the metric that colors the right view: the first one that differs between rays, since a
 /// small hierarchy is one node, and there may be no clock.
 fn cost_axis(rays: &Rays) -> Axis {
-    let high = |value: fn(&TracedRay) -> f32| high(rays.iter().map(value).collect());
+    let high = |value: fn(&TracedRay) -> f32| color_maximum(rays.iter().map(value).collect());
     let axis =
         |array, name, high: f32| Axis::new(array, name, ColorScale::Linear, [0.0, high.into()]);
     if let Some(high) = high(|ray| ray.time_ns) {
@@ -104,7 +104,7 @@ fn cost_axis(rays: &Rays) -> Axis {
 
 /// Returns the upper end of the colors: the 99.5 % quantile, since greater values may
 /// be interruptions by the system. `None` if all values are equal.
-fn high(mut values: Vec<f32>) -> Option<f32> {
+fn color_maximum(mut values: Vec<f32>) -> Option<f32> {
     values.sort_unstable_by(f32::total_cmp);
     let [low, .., high] = values[..] else {
         return None;
@@ -136,7 +136,7 @@ impl SideView {
         let space = rays.plane().space;
         let ends = rays.iter().flat_map(|ray| rays.line(ray));
         let ends = ends.map(|point| (space.world_point(point), FRAMED[0]));
-        let hits = hits(rays, max_distance).map(|point| (point, FRAMED[1]));
+        let hits = shown_points(rays, max_distance).map(|point| (point, FRAMED[1]));
         let seen: Vec<Vec3> = ends
             .chain(hits)
             .map(|(point, within)| ((camera.mirrored(point) - center).as_vec3(), within))
@@ -180,7 +180,7 @@ impl SideView {
 }
 
 /// Returns the points of the cloud that are shown.
-fn hits<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = DVec3> + use<'a> {
+fn shown_points<'a>(rays: &Rays<'a>, max_distance: f32) -> impl Iterator<Item = DVec3> + use<'a> {
     let (plane, film) = (rays.plane(), rays.cloud());
     let [columns, rows] = plane.size.map(|n| n as f32);
     let scale = [

@@ -42,7 +42,7 @@ pub(super) fn read(source: &ForeignSource) -> Result<ForeignNumbers, Diagnostic>
     let n_channels = chosen.len();
     let mut values = vec![0.0; n_channels * source.n_pixels()];
     for (i, name) in chosen.iter().enumerate() {
-        let channel = channel(source, name).map_err(damaged)?;
+        let channel = read_channel(source, name).map_err(damaged)?;
         let of_channel = values.iter_mut().skip(i).step_by(n_channels);
         of_channel
             .zip(channel)
@@ -52,7 +52,7 @@ pub(super) fn read(source: &ForeignSource) -> Result<ForeignNumbers, Diagnostic>
 }
 
 /// Reads a channel, row-major, row 0 on top.
-fn channel(source: &ForeignSource, name: &str) -> Result<Vec<f32>, Error> {
+fn read_channel(source: &ForeignSource, name: &str) -> Result<Vec<f32>, Error> {
     let reader = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()

@@ -45,7 +45,7 @@ fn header<'a>(source: &'a ForeignSource) -> Result<(&'a str, NetpbmWords<'a>), D
 }
 
 /// Returns the bytes after the whitespace that ends the header.
-fn body<'a>(words: &NetpbmWords<'a>) -> &'a [u8] {
+fn raster<'a>(words: &NetpbmWords<'a>) -> &'a [u8] {
     words.rest.get(1..).unwrap_or_default()
 }
 
@@ -58,7 +58,7 @@ pub(super) fn colors(source: &ForeignSource) -> Result<Vec<[u8; 3]>, Diagnostic>
     }
     let n_values = 3 * source.n_pixels();
     let values = if source.bytes.starts_with(b"P6") {
-        let body = body(&words);
+        let body = raster(&words);
         source.check_length(body.len(), n_values)?;
         body.to_vec()
     } else {
@@ -105,7 +105,7 @@ pub(super) fn numbers(source: &ForeignSource) -> Result<ForeignNumbers, Diagnost
         return Err(source.refuse(problem, help));
     }
     let row_bytes = source.size[0] as usize * n_channels * size_of::<f32>();
-    let body = body(&words);
+    let body = raster(&words);
     source.check_length(body.len(), row_bytes * source.size[1] as usize)?;
     let top_down = body.chunks_exact(row_bytes).rev();
     let numbers = top_down.flat_map(|row| row.as_chunks().0);

@@ -64,7 +64,7 @@ pub(super) fn read(source: &ForeignSource) -> Result<(ForeignNumbers, bool), Dia
     if !order.starts_with("False") {
         return Err(source.refuse("its order is Fortran's, column by column", CONVERT));
     }
-    let n_channels = n_channels(source, shape)?;
+    let n_channels = parse_channels(source, shape)?;
     let n_values = source.n_pixels() * n_channels;
     source.check_length(body.len(), n_values * kind.n_bytes)?;
     let values = body.chunks_exact(kind.n_bytes).filter_map(kind.value);
@@ -73,7 +73,7 @@ pub(super) fn read(source: &ForeignSource) -> Result<(ForeignNumbers, bool), Dia
 }
 
 /// Returns the number of channels of an array of this shape.
-fn n_channels(source: &ForeignSource, shape: &str) -> Result<usize, Diagnostic> {
+fn parse_channels(source: &ForeignSource, shape: &str) -> Result<usize, Diagnostic> {
     let shape = shape.trim_start_matches('(').split(')').next();
     let shape = shape.unwrap_or_default();
     let lengths = shape.split(',').map(str::trim).filter(|n| !n.is_empty());

@@ -42,7 +42,7 @@ impl Figure {
             ..Self::default()
         };
         for point in points {
-            let mut plot_point = plot_point(point, label, peak.is_some());
+            let mut plot_point = place_point(point, label, peak.is_some());
             // Points of the same counters in several series coincide: one label is enough.
             let has_same_label = |other: &&PlotPoint| other.label == plot_point.label;
             let same = figure.points().find(has_same_label);
@@ -58,7 +58,7 @@ impl Figure {
 }
 
 /// Returns a point in the plot, by its instructions or by its rays.
-fn plot_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> PlotPoint {
+fn place_point(point: &RooflinePoint, label: &str, by_instructions: bool) -> PlotPoint {
     let bytes = point.bytes_per_ray;
     let per_ray = point.instructions_per_ray.filter(|_| by_instructions);
     let (x, amount) = match per_ray {

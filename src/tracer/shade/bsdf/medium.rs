@@ -65,7 +65,7 @@ impl Scatters for Medium<'_> {
             None => {
                 let split = split_at(&at.point, at.arriving, boundary.eta, boundary.is_visible);
                 let mirrored = at.point.mirrored(at.arriving);
-                chosen(split, mirrored, boundary, lobe)
+                choose(split, mirrored, boundary, lobe)
             }
             Some(rough) => by_facets(rough, at, boundary, numbers, lobe),
         }
@@ -98,7 +98,7 @@ fn by_facets<R: Real>(
     };
     // Choose the reflected or the refracted ray.
     let mirrored = (-at.to_viewer).reflect(facet).normalize();
-    let chosen = chosen(split, mirrored, boundary, lobe);
+    let chosen = choose(split, mirrored, boundary, lobe);
     let reflected = at.reflected(mirrored, reflection(rough, at, boundary, mirrored));
     // Light that other facets hide, or that comes from the wrong side, is lost.
     let to_light = at.in_surface(chosen.direction);
@@ -195,7 +195,7 @@ fn returned<R: Real>(rough: &RoughSurface, at: &Leaving<R>, eta: R) -> R {
 
 /// Returns the reflected or the refracted direction, chosen by the reflectance.
 #[inline(always)]
-fn chosen<R: Real>(
+fn choose<R: Real>(
     Split {
         reflectance,
         refracted,

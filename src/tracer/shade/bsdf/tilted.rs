@@ -22,14 +22,14 @@ pub(in crate::shade) fn evaluate<R: Real>(
     let zero = to_light.x.splat(0.0);
     // Without a tilt, the formulas by the shading normal hold.
     let direct = bsdf.evaluate(at, boundary, to_light);
-    let tilt = tilt(at);
+    let tilt = sine_of_tilt(at);
     if tilt.le(zero).all() {
         return direct;
     }
     // Light between the two planes is lost: it arrives after one more reflection.
     let height = to_light.dot(at.point.geometric_normal);
     let is_between = (height * to_light.dot(at.point.normal)).lt(zero);
-    let turned = turned(at, to_light, -height * tilt);
+    let turned = turn(at, to_light, -height * tilt);
     let is_turned = zero.lt(tilt) & zero.lt(height * turned.dot(at.point.normal));
     let none = Scattering::none(zero);
     let direct = Scattering::select(is_between, none, direct);
@@ -50,7 +50,7 @@ pub(in crate::shade) fn sample<R: Real>(
     // Sample by the shading normal.
     let chosen = bsdf.sample(at, boundary, numbers, lobe);
     let (zero, one) = (lobe.splat(0.0), lobe.splat(1.0));
-    let tilt = tilt(at);
+    let tilt = sine_of_tilt(at);
     if tilt.le(zero).all() {
         return chosen;
     }
@@ -66,7 +66,7 @@ pub(in crate::shade) fn sample<R: Real>(
         (height.abs() / least).min(one) * side,
         -height * tilt,
     );
-    let turned = turned(at, chosen.direction, to);
+    let turned = turn(at, chosen.direction, to);
     let is_found = zero.lt(tilt) & zero.lt(cos) & zero.lt(side * turned.dot(at.point.normal));
     // Add the densities of both ways to choose the direction.
     let of_turned = bsdf.evaluate(at, boundary, turned).density;
@@ -84,7 +84,7 @@ pub(in crate::shade) fn sample<R: Real>(
 
 /// Returns the sine of the angle between the normals, 0 where they are equal.
 #[inline(always)]
-fn tilt<R: Real>(at: &Leaving<R>) -> R {
+fn sine_of_tilt<R: Real>(at: &Leaving<R>) -> R {
     let chord = at.point.normal - at.point.geometric_normal;
     let chord2 = chord.dot(chord);
     let one = chord2.splat(1.0);
@@ -94,7 +94,7 @@ fn tilt<R: Real>(at: &Leaving<R>) -> R {
 /// Returns a direction turned about an axis in the plane of the surface, so that its cosine with
 /// the geometric normal is `height`.
 #[inline(always)]
-fn turned<R: Real>(at: &Leaving<R>, direction: Vector<R>, height: R) -> Vector<R> {
+fn turn<R: Real>(at: &Leaving<R>, direction: Vector<R>, height: R) -> Vector<R> {
     let (zero, one) = (height.splat(0.0), height.splat(1.0));
     let normal = at.point.geometric_normal;
     let before = direction.dot(normal);
