@@ -119,17 +119,39 @@ unsafe fn descend<I: InstructionSet, S: Search>(
     if entered == 0 {
         return None;
     }
-    // One child is hit: visit it next, without the stack.
-    if entered & (entered - 1) == 0 {
-        let only = entered.trailing_zeros() as usize % N_LANES;
-        return Some(NodeRef(node.children[only]));
-    }
-    // Several children are hit: push them in order, pop the nearest.
+    let order_shift = slabs.order_shift();
+    let by_distance = |i: usize| (node.order[i] >> order_shift) as usize;
+    let first = if !S::NEAREST_FIRST {
+        last_entered(node, entered, |i| i)
+    } else if entered.is_power_of_two() {
+        return Some(last_entered(node, entered, |i| i));
+    } else {
+        last_entered(node, entered, by_distance)
+    };
+    // Push all children in order, and drop the one to visit.
     // SAFETY: the caller's promise; a child was pushed.
     unsafe {
-        push_entered::<I, S, 1>(set, node, enter, exit, slabs.order_shift(), stacks, top);
-        Some(stacks.pop(top))
+        push_entered::<I, S, 1>(set, node, enter, exit, order_shift, stacks, top);
+        stacks.pop(top);
     }
+    Some(first)
+}
+
+/// Returns the last child that is entered; there is one. `lane` takes the number of a child in the
+/// order of visits, the first visited last, to its lane.
+///
+/// A branch for each child in place of a bit scan: the CPU predicts them, and loads the next node
+/// while it still tests the boxes of this one (after pull requests 287 and 288 of tinybvh).
+#[inline(always)]
+fn last_entered(node: &WideNode, entered: u8, lane: impl Fn(usize) -> usize) -> NodeRef {
+    let mut last = 0;
+    for i in (0..N_LANES).rev() {
+        last = lane(i) % N_LANES;
+        if entered >> last & 1 != 0 {
+            break;
+        }
+    }
+    NodeRef(node.children[last])
 }
 
 /// Pops the next child that the ray enters before the limit, or `None` if the stack is empty.
