@@ -19,6 +19,7 @@ use crate::rays::{self, Kind, Rays};
 use crate::report::{Discipline, Outcome, Row, goal};
 use crate::scenes::View;
 use crate::selection::{BUILD, Selection};
+use crate::tinybvh::{TinyBvh, Tree};
 
 /// A build quality of raycost and the corresponding one of Embree.
 struct Build {
@@ -45,11 +46,10 @@ type Devices = Vec<(&'static str, Device)>;
 
 /// A scene and the rays to trace through it.
 pub struct Arena<'a> {
-    embree: &'static Functions,
     selection: &'a Selection,
     /// raycost's instruction set.
     simd: Simd,
-    name: &'a str,
+    pub name: &'a str,
     primitives: &'a [Primitive],
     geometry: Geometry,
     rays: [(Kind, Rays); 4],
@@ -61,7 +61,6 @@ impl<'a> Arena<'a> {
     /// # Errors
     /// If the CPU does not have the selected instruction set.
     pub fn new(
-        embree: &'static Functions,
         selection: &'a Selection,
         name: &'a str,
         primitives: &'a [Primitive],
@@ -70,7 +69,6 @@ impl<'a> Arena<'a> {
     ) -> Result<Self, String> {
         let accel = Accel::new(primitives, Acceleration::default());
         Ok(Self {
-            embree,
             selection,
             simd: selection.simd()?,
             name,
@@ -90,9 +88,9 @@ impl<'a> Arena<'a> {
     ///
     /// # Errors
     /// Embree's errors.
-    pub fn check(&self) -> Result<bool, String> {
+    pub fn check(&self, embree: &'static Functions) -> Result<bool, String> {
         let mut is_good = true;
-        let devices = self.devices(1)?;
+        let devices = self.devices(embree, 1)?;
         for build in &BUILDS {
             let accel = self.accel(build);
             let scenes = self.scenes(&devices, build)?;
@@ -118,14 +116,19 @@ impl<'a> Arena<'a> {
     ///
     /// # Errors
     /// Embree's errors.
-    pub fn race(&self, course: Course, report: &mut impl FnMut(Row)) -> Result<(), String> {
+    pub fn race(
+        &self,
+        embree: &'static Functions,
+        course: Course,
+        report: &mut impl FnMut(Row),
+    ) -> Result<(), String> {
         for &n_threads in &self.selection.threads {
             let course = Course {
                 n_threads,
                 ..course
             };
             // Embree builds with the largest number of threads of any living device.
-            let devices = self.devices(n_threads)?;
+            let devices = self.devices(embree, n_threads)?;
             let is_wanted = |build: &&Build| self.selection.has_quality(build.names[0]);
             for build in BUILDS.iter().filter(is_wanted) {
                 let mut report = |outcome| report(self.row(build, n_threads, outcome));
@@ -144,6 +147,28 @@ impl<'a> Arena<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Traces the selected rays with single rays of raycost and of tinybvh, which takes part where
+    /// the scene is made of triangles; calls `report` with each result and the rays that differ.
+    pub fn race_tinybvh(
+        &self,
+        tinybvh: &TinyBvh,
+        course: Course,
+        report: &mut impl FnMut(Row, Agreement),
+    ) {
+        let is_wanted = |build: &&Build| self.selection.has_quality(build.names[0]);
+        for build in BUILDS.iter().filter(is_wanted) {
+            let Some(tree) = Tree::build(tinybvh, self.primitives, build.embree) else {
+                return;
+            };
+            let accel = self.accel(build);
+            for (kind, rays) in self.rays.iter().filter(|(kind, _)| self.selects(*kind)) {
+                let agreement = Agreement::of(&CountingStream(&accel), &tree, rays);
+                let outcome = contest::against_tinybvh(course, &accel, &tree, *kind, rays);
+                report(self.row(build, course.n_threads, outcome), agreement);
+            }
+        }
     }
 
     /// Measures the builds, in turn.
@@ -182,8 +207,8 @@ impl<'a> Arena<'a> {
     }
 
     /// Returns Embree's devices for the selected instruction sets that the CPU has.
-    fn devices(&self, n_threads: usize) -> Result<Devices, String> {
-        let device = |isa| Ok((isa, Device::new(self.embree, isa, n_threads)?));
+    fn devices(&self, embree: &'static Functions, n_threads: usize) -> Result<Devices, String> {
+        let device = |isa| Ok((isa, Device::new(embree, isa, n_threads)?));
         let isas = self.selection.isas();
         let devices: Vec<Result<_, String>> = isas.iter().copied().map(device).collect();
         if devices.iter().any(Result::is_ok) {

@@ -7,6 +7,7 @@ use crate::kernel::{BareStream, CountingStream, Kernel, Single};
 use crate::race::{Course, median};
 use crate::rays::{Kind, Rays};
 use crate::report::{Discipline, Outcome};
+use crate::tinybvh::Tree;
 use crate::trace::{Packets, Singles};
 use tracer::accel::Accel;
 
@@ -86,8 +87,8 @@ pub fn outcomes(
         let some = all.filter(|(rival, _)| rival.way == way);
         fastest(some.map(|(rival, times)| (rival.isa, times.as_slice())))
     };
-    let outcome = |discipline, ours, bare, embree: Option<(&'static str, &[f64])>| {
-        embree.map(|(isa, theirs)| Outcome {
+    let outcome = |discipline, ours, bare, rival: Option<(&'static str, &[f64])>| {
+        rival.map(|(isa, theirs)| Outcome {
             counters_cost: Some(median(ours) / median(bare) - 1.0),
             ..Outcome::new(discipline, rays.len(), ours, theirs, isa)
         })
@@ -106,6 +107,23 @@ pub fn outcomes(
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// Runs single rays of raycost and of tinybvh in turn.
+pub fn against_tinybvh(
+    course: Course,
+    accel: &Accel,
+    tree: &Tree,
+    kind: Kind,
+    rays: &Rays,
+) -> Outcome {
+    let (bare, counting) = (Single::bare(accel), Single::counting(accel));
+    let times = course.times(&[&bare, &counting, tree], rays);
+    let discipline = Discipline::SingleAgainstTinyBvh(kind);
+    Outcome {
+        counters_cost: Some(median(&times[1]) / median(&times[0]) - 1.0),
+        ..Outcome::new(discipline, rays.len(), &times[1], &times[2], "BVH8_CPU")
+    }
 }
 
 /// Returns the kernel with the smallest median.

@@ -3,9 +3,12 @@
 #![expect(unsafe_code, reason = "a C library has no other way in")]
 
 use std::collections::HashMap;
-use std::ffi::{CString, c_int};
+use std::ffi::{CString, c_int, c_void};
+use std::ptr;
 
-use crate::ffi::{self, Functions, Handle, Quality};
+use crate::ffi::{
+    self, Arguments, Context, Functions, Handle, Quality, Ray1, Ray16, RayHit1, RayHit16, Valid16,
+};
 use world::geometry::Shape;
 use world::scene::Primitive;
 
@@ -64,6 +67,8 @@ pub enum Mode {
 pub struct Device {
     embree: &'static Functions,
     handle: Handle,
+    /// The major version: 3 or 4.
+    major: isize,
 }
 
 impl Device {
@@ -78,9 +83,16 @@ impl Device {
         let text = CString::new(configuration.clone()).map_err(|error| error.to_string())?;
         // SAFETY: `text` is a C string that outlives the call.
         let handle = unsafe { (embree.new_device)(text.as_ptr()) };
-        let device = Self { embree, handle };
+        let mut device = Self {
+            embree,
+            handle,
+            major: 0,
+        };
         match (handle.is_null(), device.error()) {
-            (false, 0) => Ok(device),
+            (false, 0) => {
+                device.major = device.property(ffi::VERSION_MAJOR);
+                Ok(device)
+            }
             (_, code) => Err(format!("no Embree device `{configuration}`: error {code}")),
         }
     }
@@ -88,7 +100,7 @@ impl Device {
     /// Returns Embree's version.
     pub fn version(&self) -> String {
         let [minor, patch] = [ffi::VERSION_MINOR, ffi::VERSION_PATCH].map(|p| self.property(p));
-        format!("3.{minor}.{patch}")
+        format!("{}.{minor}.{patch}", self.major)
     }
 
     /// Builds a scene of this geometry.
@@ -196,7 +208,7 @@ impl Drop for Device {
 /// A built scene.
 pub struct Scene<'a> {
     device: &'a Device,
-    pub(crate) handle: Handle,
+    handle: Handle,
     /// The mode in which its rays are intersected.
     pub mode: Mode,
     _geometry: &'a Geometry,
@@ -206,9 +218,65 @@ pub struct Scene<'a> {
 unsafe impl Sync for Scene<'_> {}
 
 impl Scene<'_> {
-    /// Returns Embree's functions.
-    pub fn embree(&self) -> &Functions {
-        self.device.embree
+    /// Intersects a ray.
+    #[inline]
+    pub fn intersect1(&self, ray: &mut RayHit1) {
+        let intersect = self.device.embree.intersect1;
+        // SAFETY: the scene is built, and the pointers are to the ray and the arguments.
+        self.query(ray, false, |a, b| unsafe { intersect(self.handle, a, b) });
+    }
+
+    /// Tests a ray for occlusion.
+    #[inline]
+    pub fn occluded1(&self, ray: &mut Ray1) {
+        let occlude = self.device.embree.occluded1;
+        // SAFETY: as above.
+        self.query(ray, false, |a, b| unsafe { occlude(self.handle, a, b) });
+    }
+
+    /// Intersects the valid ones of 16 rays. The device has packets of 16.
+    #[inline]
+    pub fn intersect16(&self, valid: &Valid16, is_coherent: bool, rays: &mut RayHit16) {
+        let intersect = self.device.embree.intersect16;
+        // SAFETY: as above.
+        let call = |a, b| unsafe { intersect(valid, self.handle, a, b) };
+        self.query(rays, is_coherent, call);
+    }
+
+    /// Tests the valid ones of 16 rays for occlusion. The device has packets of 16.
+    #[inline]
+    pub fn occluded16(&self, valid: &Valid16, is_coherent: bool, rays: &mut Ray16) {
+        let occlude = self.device.embree.occluded16;
+        // SAFETY: as above.
+        let call = |a, b| unsafe { occlude(valid, self.handle, a, b) };
+        self.query(rays, is_coherent, call);
+    }
+
+    /// Calls `query` with pointers to the context and the rays for Embree 3, and to the rays and
+    /// the arguments for Embree 4.
+    #[inline]
+    fn query<R>(
+        &self,
+        rays: &mut R,
+        is_coherent: bool,
+        query: impl FnOnce(*mut c_void, *mut c_void),
+    ) {
+        let rays = (&raw mut *rays).cast();
+        if self.device.major == 3 {
+            let mut context = Context {
+                flags: is_coherent.into(),
+                filter: ptr::null(),
+                instance: ffi::INVALID_ID,
+            };
+            query((&raw mut context).cast(), rays);
+        } else {
+            let mut arguments = Arguments {
+                flags: u32::from(is_coherent) * Arguments::COHERENT,
+                features: u32::MAX,
+                callbacks: [ptr::null(); 3],
+            };
+            query(rays, (&raw mut arguments).cast());
+        }
     }
 
     /// Returns true if packets of 16 rays can be traced through the scene.

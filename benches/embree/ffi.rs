@@ -1,14 +1,11 @@
-//! The part of Embree 3's C API that the race needs, loaded at run time: names, values and layouts
-//! follow its headers `rtcore_*.h`, version 3.13.
+//! The part of the C APIs of Embree 3 and 4 that the race needs, loaded at run time: names, values
+//! and layouts follow the headers `rtcore_*.h` of versions 3.13 and 4.4.
 
 #![expect(unsafe_code, reason = "a C library has no other way in")]
 
-use std::ffi::{c_char, c_int, c_void};
+use std::ffi::{OsStr, c_char, c_int, c_void};
 
 use libloading::Library;
-
-/// The library's name since 3.0; 4 has another API.
-const SONAME: &str = "libembree3.so.3";
 
 /// `RTC_INVALID_GEOMETRY_ID`.
 pub const INVALID_ID: u32 = u32::MAX;
@@ -28,6 +25,8 @@ pub const FLOAT3: c_int = 0x9003;
 pub const FLOAT4: c_int = 0x9004;
 /// `RTC_SCENE_FLAG_ROBUST`.
 pub const ROBUST: c_int = 4;
+/// `RTC_DEVICE_PROPERTY_VERSION_MAJOR`.
+pub const VERSION_MAJOR: c_int = 1;
 /// `RTC_DEVICE_PROPERTY_VERSION_MINOR`.
 pub const VERSION_MINOR: c_int = 2;
 /// `RTC_DEVICE_PROPERTY_VERSION_PATCH`.
@@ -48,7 +47,7 @@ pub enum Quality {
 /// `RTCDevice`, `RTCScene` and `RTCGeometry`.
 pub type Handle = *mut c_void;
 
-/// `RTCIntersectContext`.
+/// `RTCIntersectContext` of Embree 3.
 #[repr(C)]
 pub struct Context {
     /// 0 for incoherent rays, 1 for coherent ones.
@@ -57,6 +56,22 @@ pub struct Context {
     pub filter: *const c_void,
     /// The instance that the rays are in, here always [`INVALID_ID`].
     pub instance: u32,
+}
+
+/// `RTCIntersectArguments` and `RTCOccludedArguments` of Embree 4.
+#[repr(C)]
+pub struct Arguments {
+    /// 0 for incoherent rays, [`COHERENT`](Self::COHERENT) for coherent ones.
+    pub flags: u32,
+    /// `RTC_FEATURE_FLAG_ALL`.
+    pub features: u32,
+    /// The context, a filter and an intersection function, here always null.
+    pub callbacks: [*const c_void; 3],
+}
+
+impl Arguments {
+    /// `RTC_RAY_QUERY_FLAG_COHERENT`.
+    pub const COHERENT: u32 = 1 << 16;
 }
 
 /// `RTCRay`, one ray; `RTCRay16`, lane by lane.
@@ -84,6 +99,8 @@ pub struct HitFields<F, U> {
     /// [`INVALID_ID`] for a miss.
     pub geometry: U,
     pub instance: U,
+    /// Embree 4 alone reads and writes it.
+    pub instance_primitive: U,
 }
 
 /// `RTCRay`.
@@ -123,15 +140,15 @@ macro_rules! functions {
         }
 
         impl Functions {
-            /// Loads the library.
+            /// Loads the library of this name or path.
             ///
             /// # Errors
             /// If it is not installed, or a function is missing.
-            pub fn load() -> Result<Self, libloading::Error> {
+            pub fn load(name: &OsStr) -> Result<Self, libloading::Error> {
                 // SAFETY: Embree's initializers require nothing of the program, and the types below
                 // match its headers.
                 unsafe {
-                    let library = Library::new(SONAME)?;
+                    let library = Library::new(name)?;
                     Ok(Self {
                         $($field: *library.get($symbol)?,)*
                         _library: library,
@@ -159,13 +176,14 @@ functions! {
     set_geometry_quality = "rtcSetGeometryBuildQuality" (Handle, Quality);
     set_shared_buffer = "rtcSetSharedGeometryBuffer"
         (Handle, c_int, u32, c_int, *const c_void, usize, usize, usize);
-    intersect1 = "rtcIntersect1" (Handle, *mut Context, *mut RayHit1);
-    occluded1 = "rtcOccluded1" (Handle, *mut Context, *mut Ray1);
-    intersect16 = "rtcIntersect16" (*const Valid16, Handle, *mut Context, *mut RayHit16);
-    occluded16 = "rtcOccluded16" (*const Valid16, Handle, *mut Context, *mut Ray16);
+    intersect1 = "rtcIntersect1" (Handle, *mut c_void, *mut c_void);
+    occluded1 = "rtcOccluded1" (Handle, *mut c_void, *mut c_void);
+    intersect16 = "rtcIntersect16" (*const Valid16, Handle, *mut c_void, *mut c_void);
+    occluded16 = "rtcOccluded16" (*const Valid16, Handle, *mut c_void, *mut c_void);
 }
 
-// The sizes given by the headers.
-const _: () = assert!(size_of::<Context>() == 24);
-const _: () = assert!(size_of::<Ray1>() == 48 && size_of::<RayHit1>() == 80);
-const _: () = assert!(size_of::<Ray16>() == 768 && size_of::<RayHit16>() == 1280);
+// The sizes given by the headers; a `RayHit1` of Embree 3 has the first 80 bytes, a `RayHit16` the
+// first 1,280.
+const _: () = assert!(size_of::<Context>() == 24 && size_of::<Arguments>() == 32);
+const _: () = assert!(size_of::<Ray1>() == 48 && size_of::<RayHit1>() == 96);
+const _: () = assert!(size_of::<Ray16>() == 768 && size_of::<RayHit16>() == 1344);

@@ -1,9 +1,11 @@
 //! raycost's kernels against Embree's: `cargo bench --bench embree`.
 //!
 //! Both get the same primitives, the same rays to the bit and the same number of threads, and take
-//! turns in one process. Embree 3 is loaded at run time (`tests/with-embree` installs it) and uses
-//! whichever of its instruction sets is faster; raycost is also compared with its robust mode.
-//! raycost counts. The results are medians of millions of rays per second, and of primitives per
+//! turns in one process. Embree 3 or 4 is loaded at run time (`tests/with-embree` installs 3; PyPI's
+//! `embreex` has 4 in its folder embreex.libs, for `--embree`) and uses whichever of its instruction
+//! sets is faster; raycost is also compared with its robust mode.
+//! raycost counts. `--tinybvh DIR` races single rays with tinybvh instead, which is compiled from
+//! its header. The results are medians of millions of rays per second, and of primitives per
 //! second for builds.
 
 mod agreement;
@@ -18,9 +20,11 @@ mod report;
 #[path = "../kernel/scenes.rs"]
 mod scenes;
 mod selection;
+mod tinybvh;
 mod trace;
 
 use std::error::Error;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -32,6 +36,7 @@ use ffi::Functions;
 use race::Course;
 use scenes::View;
 use selection::Selection;
+use tinybvh::TinyBvh;
 
 use world::scene::Primitive;
 
@@ -55,6 +60,12 @@ struct Options {
     /// Write the table's rows to this file as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Embree's library, of version 3 or 4
+    #[arg(long, value_name = "FILE", default_value = "libembree3.so.3")]
+    embree: OsString,
+    /// Race single rays with `BVH8_CPU` of the tiny_bvh.h in this folder, in place of Embree
+    #[arg(long, value_name = "DIR", conflicts_with = "check")]
+    tinybvh: Option<PathBuf>,
     /// Measure nothing, but fail if the hits differ by more than rounding
     #[arg(long)]
     check: bool,
@@ -69,6 +80,14 @@ impl Options {
             n_threads: 1,
             batch: self.batch,
             n_rounds: self.rounds,
+        }
+    }
+
+    /// Writes results, if they are wanted.
+    fn write(&self, results: &serde_json::Value) -> std::io::Result<()> {
+        match &self.json {
+            Some(path) => std::fs::write(path, format!("{results:#}")),
+            None => Ok(()),
         }
     }
 }
@@ -88,41 +107,76 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the races. Returns true if all hits agree.
+/// Runs the races. Returns true if all hits agree, or are not compared.
 fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
-    let embree = Functions::load()
+    if let Some(folder) = &options.tinybvh {
+        return race_tinybvh(options, folder).map(|()| true);
+    }
+    let embree = Functions::load(&options.embree)
         .map_err(|error| format!("{error}\n  install Embree 3, as `tests/with-embree` does"))?;
     // Lives as long as the process: devices and scenes refer to it.
     let embree: &'static Functions = Box::leak(Box::new(embree));
-    let selection = &options.selection;
-    let version = Device::new(embree, selection.isas()[0], 1)?.version();
+    let version = Device::new(embree, options.selection.isas()[0], 1)?.version();
     if options.check {
         println!("Embree {version}; rays that do not agree:");
     } else {
         println!("Embree {version}\n\n{}", report::HEAD);
     }
     let (mut rows, mut is_good) = (Vec::new(), true);
-    for (name, load) in scenes(options.meshes.as_deref())? {
-        if !selection.has_scene(&name) {
-            continue;
-        }
-        let (primitives, view) = load();
-        let arena = Arena::new(embree, selection, &name, &primitives, &view, options.side)?;
+    for_each_scene(options, &mut |arena| {
         if options.check {
-            println!("{name}: {} rays", arena.n_rays());
-            is_good &= arena.check()?;
-            continue;
+            println!("{}: {} rays", arena.name, arena.n_rays());
+            is_good &= arena.check(embree)?;
+            return Ok(());
         }
-        arena.race(options.course(), &mut |row| {
+        arena.race(embree, options.course(), &mut |row| {
             println!("{row}");
             rows.push(row);
-        })?;
-    }
-    if let Some(path) = &options.json {
-        let race = serde_json::json!({ "embree": version, "rows": rows });
-        std::fs::write(path, serde_json::to_string_pretty(&race)?)?;
-    }
+        })
+    })?;
+    options.write(&serde_json::json!({ "embree": version, "rows": rows }))?;
     Ok(is_good)
+}
+
+/// Races single rays with tinybvh, whose header is in this folder.
+fn race_tinybvh(options: &Options, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let tinybvh = TinyBvh::load(folder)?;
+    let version = tinybvh.version();
+    println!("tinybvh {version}\n\n{}", report::HEAD);
+    let (mut rows, mut differences) = (Vec::new(), Vec::new());
+    for_each_scene(options, &mut |arena| {
+        arena.race_tinybvh(&tinybvh, options.course(), &mut |row, agreement| {
+            println!("{row}");
+            if agreement.n_different() > 0 {
+                differences.push(format!("{row} {agreement}"));
+            }
+            rows.push(row);
+        });
+        Ok(())
+    })?;
+    println!("\nRays that do not agree: {differences:#?}");
+    Ok(options.write(&serde_json::json!({ "tinybvh": version, "rows": rows }))?)
+}
+
+/// Calls `race` with each selected scene.
+fn for_each_scene(
+    options: &Options,
+    race: &mut dyn FnMut(&Arena) -> Result<(), String>,
+) -> Result<(), Box<dyn Error>> {
+    for (name, load) in scenes(options.meshes.as_deref())? {
+        if options.selection.has_scene(&name) {
+            let (primitives, view) = load();
+            let selection = &options.selection;
+            race(&Arena::new(
+                selection,
+                &name,
+                &primitives,
+                &view,
+                options.side,
+            )?)?;
+        }
+    }
+    Ok(())
 }
 
 /// Loads or generates a scene.

@@ -17,6 +17,8 @@ pub enum Discipline {
     Build,
     /// One ray at a time against Embree's one ray at a time.
     Single(Kind),
+    /// One ray at a time against tinybvh's one ray at a time.
+    SingleAgainstTinyBvh(Kind),
     /// Batches against Embree's one ray at a time.
     Stream(Kind),
     /// Batches against Embree's one ray at a time in a robust scene.
@@ -31,11 +33,11 @@ pub struct Outcome {
     pub discipline: Discipline,
     /// raycost, with counters.
     pub ours: Speed,
-    /// Embree with the faster of its instruction sets.
-    pub embree: Speed,
-    /// raycost's speed over Embree's.
+    /// tinybvh, or Embree with the faster of its instruction sets.
+    pub rival: Speed,
+    /// raycost's speed over the rival's.
     pub ratio: Ratio,
-    /// The faster instruction set of Embree.
+    /// tinybvh's hierarchy, or the faster instruction set of Embree.
     pub isa: &'static str,
     /// The overhead of the counters, relative to the time without them.
     pub counters_cost: Option<f64>,
@@ -67,14 +69,14 @@ impl Outcome {
         discipline: Discipline,
         n: usize,
         ours: &[f64],
-        embree: &[f64],
+        rival: &[f64],
         isa: &'static str,
     ) -> Self {
         Self {
             discipline,
             ours: Speed::of(n, ours),
-            embree: Speed::of(n, embree),
-            ratio: Ratio::estimate(ours, embree).expect("each kernel runs"),
+            rival: Speed::of(n, rival),
+            ratio: Ratio::estimate(ours, rival).expect("each kernel runs"),
             isa,
             counters_cost: None,
         }
@@ -85,7 +87,7 @@ impl Outcome {
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
     pub scene: String,
-    /// raycost's and Embree's build quality.
+    /// raycost's and the rival's build quality.
     pub quality: [&'static str; 2],
     pub n_threads: usize,
     pub outcome: Outcome,
@@ -93,13 +95,15 @@ pub struct Row {
     pub goal: Option<f64>,
 }
 
-/// Returns the goal of a scene of spheres or of triangles, against Embree's build of this quality:
+/// Returns the goal of a scene of spheres or of triangles, against a build of this quality:
 /// the minimum ratio.
 pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Option<f64> {
-    use Discipline::{Build, Single, Stream, StreamAgainstPackets, StreamAgainstRobust};
+    use Discipline::{
+        Build, Single, SingleAgainstTinyBvh, Stream, StreamAgainstPackets, StreamAgainstRobust,
+    };
     match (discipline, of_spheres) {
         (Build, _) => (quality == Quality::Medium).then_some(1.0),
-        (Single(_), _) => Some(1.1),
+        (Single(_) | SingleAgainstTinyBvh(_), _) => Some(1.1),
         (Stream(Kind::Primary), false) => Some(1.6),
         (Stream(_), false) => Some(1.7),
         (StreamAgainstRobust(Kind::Primary), _) | (StreamAgainstRobust(_), true) => None,
@@ -113,7 +117,7 @@ pub fn goal(discipline: Discipline, quality: Quality, of_spheres: bool) -> Optio
 
 /// The head of the table of rows, in Markdown.
 pub const HEAD: &str = "\
-| scene | quality | threads | race | raycost | Embree | ratio | goal | counters cost |
+| scene | quality | threads | race | raycost | rival | ratio | goal | counters cost |
 |---|---|--:|---|--:|--:|--:|---|--:|";
 
 impl fmt::Display for Row {
@@ -121,12 +125,12 @@ impl fmt::Display for Row {
         let Outcome {
             discipline,
             ours,
-            embree,
+            rival,
             ratio,
             isa,
             counters_cost,
         } = &self.outcome;
-        let [ours, embree] = [ours.median, embree.median];
+        let [ours, rival] = [ours.median, rival.median];
         let [scene, our_quality, their_quality] = [&*self.scene, self.quality[0], self.quality[1]];
         let ratio = ratio.estimate;
         let goal = match self.goal {
@@ -139,7 +143,7 @@ impl fmt::Display for Row {
         write!(
             f,
             "| {scene} | {our_quality} / {their_quality} | {} | {discipline} | {ours:.2} \
-             | {embree:.2} ({isa}) | {ratio:.2} | {goal} | {counters} |",
+             | {rival:.2} ({isa}) | {ratio:.2} | {goal} | {counters} |",
             self.n_threads,
         )
     }
@@ -150,6 +154,7 @@ impl fmt::Display for Discipline {
         match self {
             Self::Build => write!(f, "build"),
             Self::Single(kind) => write!(f, "{kind}, single"),
+            Self::SingleAgainstTinyBvh(kind) => write!(f, "{kind}, single / tinybvh"),
             Self::Stream(kind) => write!(f, "{kind}, stream"),
             Self::StreamAgainstRobust(kind) => write!(f, "{kind}, stream / robust"),
             Self::StreamAgainstPackets(kind) => write!(f, "{kind}, stream / packets of 16"),

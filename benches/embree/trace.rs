@@ -1,14 +1,9 @@
 //! Embree's kernels: one ray at a time, and packets of 16.
 
-#![expect(unsafe_code, reason = "a C library has no other way in")]
-
 use std::array::from_fn;
-use std::ptr;
 
 use crate::device::Scene;
-use crate::ffi::{
-    Context, HitFields, INVALID_ID, Ray1, Ray16, RayFields, RayHit1, RayHit16, Valid16,
-};
+use crate::ffi::{HitFields, INVALID_ID, Ray1, Ray16, RayFields, RayHit1, RayHit16, Valid16};
 use crate::kernel::Kernel;
 use tracer::accel::{Hit, ShadowStream};
 use world::geometry::{Ray, RayStream};
@@ -18,26 +13,22 @@ pub struct Singles<'a>(pub &'a Scene<'a>);
 
 impl Kernel for Singles<'_> {
     fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
-        let mut context = context(false);
         hits.clear();
         hits.extend(rays.iter().map(|ray| {
             let mut traced = RayHit1 {
                 ray: fields(&ray, f32::INFINITY),
                 hit: NO_HIT,
             };
-            // SAFETY: the scene is built, and all pointers are to values of this function.
-            unsafe { (self.0.embree().intersect1)(self.0.handle, &mut context, &mut traced) };
+            self.0.intersect1(&mut traced);
             hit(traced.hit.geometry, traced.ray.t_far, traced.hit.primitive)
         }));
     }
 
     fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
-        let mut context = context(false);
         occluded.clear();
         occluded.extend(rays.iter().map(|shadow| {
             let mut traced = Ray1(fields(&shadow.ray, shadow.t_max));
-            // SAFETY: as above.
-            unsafe { (self.0.embree().occluded1)(self.0.handle, &mut context, &mut traced) };
+            self.0.occluded1(&mut traced);
             traced.0.t_far < 0.0
         }));
     }
@@ -52,7 +43,6 @@ pub struct Packets<'a> {
 
 impl Kernel for Packets<'_> {
     fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>) {
-        let mut context = context(self.is_coherent);
         hits.clear();
         for first in (0..rays.len()).step_by(16) {
             let n = 16.min(rays.len() - first);
@@ -60,10 +50,8 @@ impl Kernel for Packets<'_> {
                 ray: lanes(n, |i| (rays.get(first + i), f32::INFINITY)),
                 hit: NO_HITS,
             };
-            let intersect = self.scene.embree().intersect16;
-            // SAFETY: the scene is built, its device has packets of 16, and all pointers are to
-            // values of this function.
-            unsafe { intersect(&valid(n), self.scene.handle, &mut context, &mut traced) };
+            self.scene
+                .intersect16(&valid(n), self.is_coherent, &mut traced);
             let RayHit16 { ray, hit: found } = &traced;
             let lane = |i| hit(found.geometry[i], ray.t_far[i], found.primitive[i]);
             hits.extend((0..n).map(lane));
@@ -71,25 +59,15 @@ impl Kernel for Packets<'_> {
     }
 
     fn any(&self, rays: &ShadowStream, occluded: &mut Vec<bool>) {
-        let mut context = context(self.is_coherent);
         occluded.clear();
         for first in (0..rays.len()).step_by(16) {
             let n = 16.min(rays.len() - first);
             let shadow = |i| rays.get(first + i);
             let mut traced = Ray16(lanes(n, |i| (shadow(i).ray, shadow(i).t_max)));
-            let occlude = self.scene.embree().occluded16;
-            // SAFETY: as above.
-            unsafe { occlude(&valid(n), self.scene.handle, &mut context, &mut traced) };
+            self.scene
+                .occluded16(&valid(n), self.is_coherent, &mut traced);
             occluded.extend(traced.0.t_far[..n].iter().map(|&t| t < 0.0));
         }
-    }
-}
-
-fn context(is_coherent: bool) -> Context {
-    Context {
-        flags: is_coherent.into(),
-        filter: ptr::null(),
-        instance: INVALID_ID,
     }
 }
 
@@ -99,6 +77,7 @@ const NO_HIT: HitFields<f32, u32> = HitFields {
     primitive: INVALID_ID,
     geometry: INVALID_ID,
     instance: INVALID_ID,
+    instance_primitive: INVALID_ID,
 };
 
 const NO_HITS: HitFields<[f32; 16], [u32; 16]> = HitFields {
@@ -107,6 +86,7 @@ const NO_HITS: HitFields<[f32; 16], [u32; 16]> = HitFields {
     primitive: [INVALID_ID; 16],
     geometry: [INVALID_ID; 16],
     instance: [INVALID_ID; 16],
+    instance_primitive: [INVALID_ID; 16],
 };
 
 fn hit(geometry: u32, t: f32, primitive: u32) -> Option<Hit> {
