@@ -9,6 +9,7 @@ mod failure;
 mod hints;
 mod hottest;
 mod json;
+mod lanes;
 mod merge;
 mod new;
 mod progress;

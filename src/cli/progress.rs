@@ -106,6 +106,7 @@ impl StageBar {
 fn purpose(stage: &str) -> &'static str {
     match stage {
         "observe" => "again for the costs of objects, ",
+        "lanes" => "again for idle lanes, ",
         _ => "",
     }
 }

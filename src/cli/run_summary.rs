@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::scene::SceneArguments;
-use super::{charges, hints, hottest, shell_word, shown, timing_quality};
+use super::{charges, hints, hottest, lanes, shell_word, shown, timing_quality};
 use base::Keyword;
 use base::numbers::{bytes, count, counted, duration};
 use host::folder::Written;
@@ -59,6 +59,8 @@ pub(super) fn lines(
         }
         _ => String::new(),
     };
+    let idle = rendering.lanes.zip(rendering.film.extra.lanes);
+    let lanes = idle.map_or(String::new(), |(idle, warps)| lanes::table(idle, warps));
     let best = [HEATMAP, GEOMETRY, FRAME_VTI, FRAME_PVTI].map(|file| file.name);
     let is_written = |name: &&str| written.iter().any(|file| file.file == *name);
     let next = best.into_iter().find(is_written).unwrap_or_default();
@@ -75,7 +77,7 @@ pub(super) fn lines(
     };
     let ranks = rendering.ranks.map_or(String::new(), ranks);
     let found = format!(
-        "{}{tiles}{ranks}{}{quality}{}{costs}{}{}wrote   {}: {files}\n",
+        "{}{tiles}{ranks}{}{quality}{}{costs}{lanes}{}{}wrote   {}: {files}\n",
         head(rendering, stages),
         noise(rendering),
         hottest::lines(rendering.survey.hottest),

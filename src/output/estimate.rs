@@ -9,6 +9,7 @@ use host::resident_memory;
 use render::attribution::CostAttribution;
 use render::film::{self, columns, written_columns};
 use render::instruments::peak_memory_bytes;
+use render::lanes::IdleLanes;
 use render::schedule::{self, TileGrid};
 use render::tiles::{StoredPicture, least_repeats, repeat_bytes_per_pixel};
 use scene::build::Geometries;
@@ -59,11 +60,14 @@ impl Memory {
         let bare = Self::estimate_primitives(config, geometries, of_attribution);
         let n_pixels = config.image.n_pixels() as u64;
         let of_layers = writers::LAYERS_MEMORY.min(4 * layer_bytes(config)) / 2;
+        let has_lanes = config.output.has(OptionalOutput::Lanes);
+        let of_lanes = u64::from(has_lanes) * IdleLanes::estimate_bytes(&config.image);
         Self {
             film: tile_bytes(config)
                 + n_pixels * pixel_bytes(config)
                 + file_bytes(config)
-                + of_layers,
+                + of_layers
+                + of_lanes,
             ..bare
         }
     }

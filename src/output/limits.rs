@@ -114,6 +114,9 @@ fn reason_against_bands(config: &Config) -> Option<&'static str> {
     if has(OptionalOutput::Tests) {
         return Some("without the output `tests` it would be written in pieces");
     }
+    if has(OptionalOutput::Lanes) {
+        return Some("without the output `lanes` it would be written in pieces");
+    }
     if has(OptionalOutput::Exr) {
         return Some("without `image.exr` it would be written in pieces");
     }

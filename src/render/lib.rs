@@ -6,7 +6,8 @@
 //!
 //! Read [`schedule`] and [`film`], the input and the output of a rendering; then [`tiles`], the
 //! loop. [`checkpoint`] keeps finished tiles, [`ranks`] shares them among processes,
-//! [`attribution`] observes the rays once more, [`instruments`] watch the process.
+//! [`attribution`] observes the rays once more, [`lanes`] puts them in the lanes of warps,
+//! [`instruments`] watch the process.
 
 pub mod schedule;
 pub mod film;
@@ -14,4 +15,5 @@ pub mod checkpoint;
 pub mod ranks;
 pub mod tiles;
 pub mod attribution;
+pub mod lanes;
 pub mod instruments;

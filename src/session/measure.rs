@@ -14,6 +14,7 @@ use output::look::Look;
 use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
+use render::lanes::IdleLanes;
 use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
 use scene::config::SimdSet;
 use tracer::accel::{Accel, BvhStatistics};
@@ -81,6 +82,17 @@ impl Session {
             attribution
         });
         stop::check()?;
+        // Put the rays in the lanes of warps.
+        let warps = film.extra.lanes.filter(|_| scope.part.is_none());
+        let lanes = warps.map(|warps| {
+            let idle = options.reported("lanes", n_pixels, |report: OnProgress| {
+                IdleLanes::measure(tracer, &plan.sensor, &film, warps, report)
+            });
+            film.keep_idle_lanes(&idle.of_pixels);
+            stages.end("lanes");
+            idle
+        });
+        stop::check()?;
         let hierarchy = (attribution.as_ref()).and_then(|costs| costs.hierarchy.as_ref());
         let epo = hierarchy.and_then(|hierarchy| hierarchy.nodes.first()?.epo);
         Ok(Measured {
@@ -93,6 +105,7 @@ impl Session {
             schedule,
             repeats,
             attribution,
+            lanes,
             ranks,
         })
     }

@@ -46,7 +46,7 @@ pub struct Options<'a> {
 /// The progress of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// A stage starts: `build`, `render` or `observe`.
+    /// A stage starts: `build`, `render`, `observe` or `lanes`.
     Begin {
         /// Name of the stage.
         stage: &'static str,

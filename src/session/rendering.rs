@@ -16,6 +16,7 @@ use render::attribution::CostAttribution;
 use render::checkpoint::Checkpoint;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
+use render::lanes::IdleLanes;
 use render::schedule::Schedule;
 use render::tiles::{OnProgress, Repeat, StoredPicture, least_repeats};
 use scene::config::Traversal;
@@ -50,6 +51,7 @@ pub(super) struct Measured {
     pub(super) schedule: Schedule,
     pub(super) repeats: Vec<Repeat>,
     pub(super) attribution: Option<CostAttribution>,
+    pub(super) lanes: Option<IdleLanes>,
     /// The ranks, if there were several.
     pub(super) ranks: Option<RanksSection>,
 }
@@ -75,6 +77,11 @@ impl Rendering<'_> {
     /// outputs that need it.
     pub fn attribution(&self) -> Option<&CostAttribution> {
         self.measured.attribution.as_ref()
+    }
+
+    /// Returns the idle lanes of warps, if the config requests them.
+    pub fn idle_lanes(&self) -> Option<&IdleLanes> {
+        self.measured.lanes.as_ref()
     }
 
     /// Returns the stages and their times, from reading the scene on.
@@ -218,6 +225,7 @@ impl Rendering<'_> {
             other_runs: self.other_runs.as_ref(),
             ranks: measured.ranks.as_ref(),
             attribution: measured.attribution.as_ref(),
+            lanes: measured.lanes.as_ref(),
             vtkhdf: self.vtkhdf,
             profiler,
             threads: self.threads.clone(),

@@ -251,6 +251,16 @@ fn noise_that_samples_do_not_show_is_refused() {
 }
 
 #[test]
+fn idle_lanes_without_counters_are_refused() {
+    let folder = folder();
+    let uncounted = ["render", "scene.yaml", "--also", "lanes", "--cost", "none"];
+    let message = failure(folder.path(), &uncounted, 2);
+    assert!(message.contains("`lanes` requires counters"), "{message}");
+    assert!(message.contains("use `--cost counters`"), "{message}");
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
 fn sampling_until_a_noise_says_how_many_pixels_reached_it() {
     let folder = folder();
     for (noise, most, said) in [

@@ -11,6 +11,7 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
     let extra = ExtraArrays {
         groups: false,
         tests: false,
+        lanes: None,
         metrics: RatioMetrics::default(),
         radiance: true,
         radiance_in_vtk: true,

@@ -18,6 +18,7 @@ mod growth;
 mod import;
 mod instances;
 mod invariance;
+mod lanes;
 mod media;
 mod attribution;
 mod meshes;

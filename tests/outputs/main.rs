@@ -30,6 +30,7 @@ mod hostile;
 mod interrupted;
 mod irregular;
 mod jobs;
+mod lanes;
 mod layers;
 mod only_picture;
 mod output_folder;

@@ -12,6 +12,7 @@ mod frame;
 mod hdf;
 mod heatmap;
 mod hits;
+mod lanes;
 mod layers;
 mod nodes;
 mod objects;
@@ -74,6 +75,7 @@ use math::statistics::upper_median;
 use render::attribution::CostAttribution;
 use render::film::Film;
 use render::instruments::{Profiler, Stages};
+use render::lanes::IdleLanes;
 use render::schedule::Schedule;
 use render::tiles::Repeat;
 use scene::build::Sensor;
@@ -111,6 +113,7 @@ const GROUPS: [FileGroup; 3] = [
             trace_events::FILE,
             state_files::SCHEDULE,
             objects::FILE,
+            lanes::FILE,
             surface::FILE,
             state_files::SURFACE,
             nodes::FILE,
@@ -185,6 +188,8 @@ pub struct RenderingView<'a> {
     pub ranks: Option<&'a RanksSection>,
     /// The cost attribution, if requested.
     pub attribution: Option<&'a CostAttribution>,
+    /// The idle lanes, if requested.
+    pub lanes: Option<&'a IdleLanes>,
     /// True if cloud and frame are also written as VTKHDF.
     pub vtkhdf: bool,
     /// The profiler, if requested.

@@ -112,7 +112,15 @@ fn cost(rendering: &RenderingView) -> CostSection {
         mode: film.cost,
         kernel: Some(film.cost.kernel().to_owned()),
         clock: rendering.meter.clock().map(Into::into),
-        totals: has_counters.then(|| totals(film, rendering.survey)),
+        totals: has_counters.then(|| {
+            let mut totals = totals(film, rendering.survey);
+            let idle = rendering.lanes.zip(film.extra.lanes);
+            totals.extend(idle.map(|(idle, warps)| {
+                let share = idle.sums(None, warps).idle_share();
+                (Metric::IDLE_LANES.name.to_owned(), Number::from_f64(share))
+            }));
+            totals
+        }),
         metrics: (film.extra.metrics.list().iter())
             .map(|metric| (metric.name.clone(), metric.definition.clone()))
             .collect(),

@@ -133,6 +133,7 @@ pub(super) fn kept_columns(
     let bounces = extra.bounces.then_some(Column::BOUNCES);
     let instance = extra.instance.then_some(Column::INSTANCE);
     let groups = extra.groups.then_some(Column::GROUP);
+    let idle_lanes = extra.lanes.map(|_| Column::computed(Metric::IDLE_LANES));
     let tests = extra.tests.then(|| Metric::observed().map(Column::counted));
     all_columns(cost, repeats, counts_samples)
         .chain(radiance)
@@ -142,6 +143,7 @@ pub(super) fn kept_columns(
         .chain(instance)
         .chain(groups)
         .chain(tests.into_iter().flatten())
+        .chain(idle_lanes)
         .chain(Metric::ratios(extra.metrics).map(Column::computed))
 }
 
@@ -268,7 +270,7 @@ mod tests {
     use crate::film::stored_bytes_per_pixel;
     use crate::schedule::TileGrid;
     use base::Keyword;
-    use scene::config::{PixelArray, SampleCost, WrittenArrays};
+    use scene::config::{PixelArray, SampleCost, Warps, WrittenArrays};
 
     #[test]
     fn every_column_has_as_many_bytes_per_pixel_as_its_stride() {
@@ -307,6 +309,7 @@ mod tests {
             instance: true,
             groups: true,
             tests: true,
+            lanes: Some(Warps::default()),
             written: WrittenArrays::only(&[]),
             ..ExtraArrays::default()
         };

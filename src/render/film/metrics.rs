@@ -10,7 +10,9 @@ impl Film {
         counts.clear();
         match metric.source {
             MetricSource::Clock | MetricSource::Ratio(_) => counts.resize(strip.rgb.len(), 0),
-            MetricSource::Noise | MetricSource::Efficiency => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Noise | MetricSource::Efficiency | MetricSource::Lanes => {
+                counts.resize(strip.rgb.len(), 0);
+            }
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::Observed(counter) => {
                 let observed = strip.step_counts.iter();
@@ -32,6 +34,15 @@ impl Film {
         let mut all = all.into_iter();
         for strip in &mut self.strips {
             strip.step_counts = all.by_ref().take(strip.rgb.len()).collect();
+        }
+    }
+
+    /// Keeps the share of idle lanes of all pixels, row-major, row 0 on top.
+    pub fn keep_idle_lanes(&mut self, all: &[f32]) {
+        let mut rest = all;
+        for strip in &mut self.strips {
+            let (of_strip, below) = rest.split_at(strip.rgb.len());
+            (strip.idle_lanes, rest) = (of_strip.to_vec(), below);
         }
     }
 
@@ -77,6 +88,10 @@ impl Film {
             MetricSource::Clock => return values.extend_from_slice(&strip.time_ns),
             MetricSource::Noise => return values.extend_from_slice(&strip.noise),
             MetricSource::Efficiency => return self.efficiency(strip, values),
+            MetricSource::Lanes => {
+                values.extend_from_slice(&strip.idle_lanes);
+                return values.resize(strip.rgb.len(), f32::NAN);
+            }
             _ => {}
         }
         let Some(parts) = metric.parts() else {
@@ -160,6 +175,7 @@ impl Film {
             MetricSource::Observed(counter) => self.total_steps(counter) > 0,
             MetricSource::Counter(_) | MetricSource::AllRays => metric.value(&self.totals) > 0,
             MetricSource::Noise | MetricSource::Efficiency => self.extra.noise.is_some(),
+            MetricSource::Lanes => self.extra.lanes.is_some(),
             MetricSource::Ratio(_) => (metric.parts())
                 .is_some_and(|parts| parts.into_iter().all(|part| self.has_any(part))),
         }

@@ -29,6 +29,8 @@ pub struct Strip {
     pub bounces: Vec<RaysByBounce>,
     /// The steps of the pixel's rays; empty before they are observed, and without observation.
     pub step_counts: Vec<StepCounts>,
+    /// The share of idle lanes; empty before the lanes are counted, and if they are not.
+    pub idle_lanes: Vec<f32>,
     /// The instance at the pixel's hit; empty if the film does not keep it.
     pub instance: Vec<i32>,
     /// The point of the pixel's hit in world space; NaN without a hit.
@@ -63,6 +65,7 @@ impl Strip {
             albedo: Vec::with_capacity(n_if(extra.albedo)),
             bounces: Vec::with_capacity(n_if(extra.bounces)),
             step_counts: Vec::new(),
+            idle_lanes: Vec::new(),
             instance: Vec::with_capacity(n_if(extra.instance)),
             position: Vec::with_capacity(n),
             normal: Vec::with_capacity(n),

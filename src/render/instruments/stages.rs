@@ -11,7 +11,7 @@ use base::numbers::milliseconds;
 
 /// The names of the stages that a rendering of a still may have, in order, each with a description
 /// of its work.
-pub const STAGES: [(&str, &str); 10] = [
+pub const STAGES: [(&str, &str); 11] = [
     ("start", "loading the program"),
     ("read", "reading the scene and its files"),
     ("build", "building the BVH"),
@@ -19,6 +19,7 @@ pub const STAGES: [(&str, &str); 10] = [
     ("order", "estimating the cost of tiles"),
     ("render", "rendering"),
     ("observe", "attributing costs to objects and nodes"),
+    ("lanes", "putting rays in the lanes of warps"),
     ("survey", "reading the pixels of a picture in pieces"),
     ("write", "writing the files"),
     ("profile", "writing the profile"),

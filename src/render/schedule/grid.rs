@@ -6,7 +6,7 @@ use scene::config::CostMode;
 
 /// Pixels along the side of a block within a tile: a block has 16 pixels, one for each ray of a
 /// packet.
-const BLOCK_SIDE: u32 = 4;
+pub const BLOCK_SIDE: u32 = 4;
 
 /// Greatest number of pixels rendered at a time: a larger tile is rendered in groups of rows, whose
 /// pixels stay in the cache until they are written to the film.

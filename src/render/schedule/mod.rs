@@ -10,7 +10,7 @@ mod worker_share;
 
 use std::time::{Duration, Instant};
 
-pub use grid::{GROUP_PATHS, MAX_PIXELS, N_GRIDS, Tile, TileGrid, group_sides};
+pub use grid::{BLOCK_SIDE, GROUP_PATHS, MAX_PIXELS, N_GRIDS, Tile, TileGrid, group_sides};
 pub use hilbert::hilbert_curve;
 pub use load::Load;
 pub use worker_share::{WorkerShare, pause};

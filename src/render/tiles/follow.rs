@@ -35,9 +35,7 @@ pub(crate) fn follow(
     let mut round = view.rounds.first();
     while !round.is_empty() {
         for sample in round.clone() {
-            paths.clear();
-            paths.push(view.camera_path(at.0, at.1, sample));
-            let color = radiance(view, paths, probe);
+            let color = follow_sample(view, at, sample, paths, probe);
             sums.add(view.limited(color.into()), sample == 0);
         }
         round = view.rounds.next(&sums, round.end);
@@ -45,8 +43,17 @@ pub(crate) fn follow(
     (sums, round.end)
 }
 
-/// Returns the radiance along the camera ray in `paths`; appends the rays that continue its path.
-fn radiance(view: &View, paths: &mut Vec<PathRay>, probe: &mut impl PathProbe) -> Vec3 {
+/// Follows the paths of one sample of a pixel. Returns its radiance, without limits. `paths` is a
+/// reused buffer.
+pub(crate) fn follow_sample(
+    view: &View,
+    (x, y): (u32, u32),
+    sample: u32,
+    paths: &mut Vec<PathRay>,
+    probe: &mut impl PathProbe,
+) -> Vec3 {
+    paths.clear();
+    paths.push(view.camera_path(x, y, sample));
     let eye = paths[0].ray.origin;
     let (mut color, mut n_traced) = (Vec3::ZERO, 0);
     // All rays of a depth before the rays of the next, as in waves.

@@ -40,7 +40,7 @@ use crate::ranks::RankFailure;
 use crate::schedule::{MAX_PIXELS, Schedule, Tile, TileRun};
 use canvas::Canvas;
 use deal::{MAX_BATCHES, deal};
-pub(crate) use follow::{PathProbe, follow};
+pub(crate) use follow::{PathProbe, follow, follow_sample};
 use groups::GroupRenderer;
 use host::start_in_scope;
 use pass::Pass;

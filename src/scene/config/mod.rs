@@ -16,6 +16,7 @@ mod place_scale;
 mod instances;
 mod image;
 mod kernels;
+mod lanes;
 mod object;
 mod outputs;
 mod array_check;
@@ -40,6 +41,7 @@ pub use image::{Image, MAX_SIDE, PictureWindow};
 pub use instances::{InstancePlaces, InstancedMesh, OrientArray, PlaceCloud, PlacePoints};
 pub use isosurface::Isosurface;
 pub use kernels::{Pinning, SimdSet};
+pub use lanes::{RayOrder, Warps};
 pub use normals::{Creases, MeshNormals};
 pub use object::{Geometry, MaterialNames, Object};
 pub use outputs::{BvhLimits, ExtraArrays, OptionalOutput, Outputs, SampleCost};
@@ -167,6 +169,7 @@ impl Config {
             bounces: self.output.has(OptionalOutput::Bounces),
             groups: self.output.has(OptionalOutput::Groups),
             tests: self.output.has(OptionalOutput::Tests),
+            lanes: (self.output.has(OptionalOutput::Lanes)).then_some(self.output.warps),
             instance: self.has_instances(),
             metrics: self.metrics,
             written: self.output.written_arrays(),

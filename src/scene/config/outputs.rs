@@ -10,7 +10,7 @@ use serde::de::{
 };
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Acceleration, CostMode, PixelArray, RatioMetrics, WrittenArrays};
+use super::{Acceleration, CostMode, PixelArray, RatioMetrics, Warps, WrittenArrays};
 use crate::yaml::{Fault, FieldPath};
 use base::{Keyword, keywords};
 use world::values;
@@ -39,6 +39,8 @@ pub struct Outputs {
     pub bvh: BvhLimits,
     /// The cost that `efficiency` divides by.
     pub noise: SampleCost,
+    /// The warps of `idle_lanes`.
+    pub warps: Warps,
     /// Requested outputs that have nothing to show.
     left_out: Vec<OptionalOutput>,
 }
@@ -65,6 +67,9 @@ keywords! {
         Groups = "groups",
         /// The tests of boxes and primitives, hits apart from misses, as arrays of the VTK files
         Tests = "tests",
+        /// The idle lanes of a SIMT machine that traces the rays in warps: a table, and an array of
+        /// the VTK files
+        Lanes = "lanes",
         /// The linear light and all arrays of the pixels as an OpenEXR picture
         Exr = "exr",
     }
@@ -87,6 +92,8 @@ pub struct ExtraArrays {
     pub groups: bool,
     /// True if VTK files have the tests of boxes and primitives.
     pub tests: bool,
+    /// The warps that the array of idle lanes is for, if it is kept.
+    pub lanes: Option<Warps>,
     /// True to keep the instance that the center sample hit.
     pub instance: bool,
     /// The metrics that the scene defines; cloud and frame have an array of each.
@@ -161,6 +168,11 @@ impl OptionalOutput {
         )
     }
 
+    /// Returns true if it requires counters.
+    fn needs_counters(self) -> bool {
+        self.needs_attribution() || self == Self::Lanes
+    }
+
     /// Returns true if it requires a bounding volume hierarchy.
     fn needs_hierarchy(self) -> bool {
         self == Self::Bvh
@@ -221,7 +233,7 @@ impl Outputs {
                 let fault = Fault::at_key(output, message, format!("requests `{name}`"));
                 Err((requested, fault.with_help(help)))
             };
-            if requested.needs_attribution() && !cost.has_counters() {
+            if requested.needs_counters() && !cost.has_counters() {
                 let message = format!("`{name}` requires counters, and `cost` is `none`");
                 return fault(message, "use `--cost counters`, or do not request it");
             }
@@ -258,6 +270,7 @@ impl Outputs {
 enum OutputEntry {
     Bvh(BvhLimits),
     Noise(SampleCost),
+    Lanes(Warps),
     #[serde(untagged)]
     Plain(OptionalOutput),
 }
@@ -276,6 +289,10 @@ impl From<Vec<OutputEntry>> for Outputs {
                     outputs.add(OptionalOutput::Noise);
                     outputs.noise = cost;
                 }
+                OutputEntry::Lanes(warps) => {
+                    outputs.add(OptionalOutput::Lanes);
+                    outputs.warps = warps;
+                }
             }
         }
         outputs
@@ -288,6 +305,7 @@ impl Serialize for Outputs {
         let entry = |output: OptionalOutput| match output {
             OptionalOutput::Bvh => OutputEntry::Bvh(self.bvh),
             OptionalOutput::Noise => OutputEntry::Noise(self.noise),
+            OptionalOutput::Lanes => OutputEntry::Lanes(self.warps),
             plain => OutputEntry::Plain(plain),
         };
         let keys = OutputKeys {
@@ -355,7 +373,11 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
         let names: Vec<String> = outputs
             .map(|output| format!("`{}`", output.name()))
             .collect();
-        write!(f, "{}, {{ bvh: … }} or {{ noise: … }}", names.join(", "))
+        write!(
+            f,
+            "{}, {{ bvh: … }}, {{ noise: … }} or {{ lanes: … }}",
+            names.join(", ")
+        )
     }
 
     fn visit_str<E: Error>(self, word: &str) -> Result<OutputEntry, E> {
@@ -367,6 +389,7 @@ impl<'de> Visitor<'de> for OutputEntryVisitor {
             match Settings::deserialize(MapAccessDeserializer::new(map))? {
                 Settings::Bvh(limits) => OutputEntry::Bvh(limits),
                 Settings::Noise(cost) => OutputEntry::Noise(cost),
+                Settings::Lanes(warps) => OutputEntry::Lanes(warps),
             },
         )
     }
@@ -380,4 +403,6 @@ enum Settings {
     Bvh(BvhLimits),
     /// The standard error of each pixel, and the efficiency of its samples by this cost.
     Noise(SampleCost),
+    /// The idle lanes of a SIMT machine, and an array for these warps.
+    Lanes(Warps),
 }

@@ -39,7 +39,7 @@ type Row = (&'static str, &'static str, &'static str);
 
 /// Metrics of each run.
 #[rustfmt::skip]
-const OF_RUNS: [Row; 21] = [
+const OF_RUNS: [Row; 22] = [
     ("process_ms", "ms", "wall time of the whole process, its start included"),
     ("load_imbalance", "1", "longest busy time of a thread over the mean of all, minus 1"),
     ("idle_share", "1", "share of the threads' time without a tile"),
@@ -57,6 +57,7 @@ const OF_RUNS: [Row; 21] = [
     ("instructions_per_ray", "count", "instructions of the stage `render` per ray"),
     ("bytes_per_ray", "bytes", "bytes of BVH nodes and leaves that a ray reads"),
     ("fetches_per_ray", "count", "BVH nodes and leaves that a ray reads"),
+    ("idle_lanes", "1", "share of idle lanes in the warps of the rays, with the output `lanes`"),
     ("rays_in_flight", "count", "rays that a thread traces at a time"),
     ("mrays_per_second", "10^6/s", "million rays per second of wall time"),
     ("pixels_per_second", "1/s", "pixels per second of wall time"),

@@ -78,6 +78,8 @@ keywords! {
         PrimitiveHits = "primitive_hits",
         /// The visits of instances
         InstanceVisits = "instance_visits",
+        /// The share of idle lanes in the warps of the rays
+        IdleLanes = "idle_lanes",
     }
 }
 
@@ -121,7 +123,7 @@ impl PixelArray {
             | PrimitiveHits | InstanceVisits => true,
             PixelX | PixelY | Rgb | Normals | Distance | Footprint | Object | Material
             | Instance | Pixel | Horizon | TimeMadNs | Tile | Thread | Radiance | Noise
-            | Efficiency | RaysByBounce | Group => false,
+            | Efficiency | RaysByBounce | Group | IdleLanes => false,
         }
     }
 

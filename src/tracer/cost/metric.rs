@@ -71,6 +71,8 @@ pub enum MetricSource {
     Noise,
     /// The spread of the samples and a cost, on request.
     Efficiency,
+    /// The steps of rays that are traced in lockstep, on request.
+    Lanes,
 }
 
 const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
@@ -161,6 +163,17 @@ impl Metric {
         source: MetricSource::Efficiency,
         name: "efficiency",
         label: "efficiency",
+        ..Self::NOISE
+    };
+
+    /// The share of idle lanes in the warps that trace the pixel's rays, on request.
+    pub const IDLE_LANES: Self = Self {
+        title: "share of idle lanes per pixel",
+        about: "share of idle lanes in the warps that trace the rays of the pixel",
+        spans_decades: false,
+        source: MetricSource::Lanes,
+        name: "idle_lanes",
+        label: "idle lanes",
         ..Self::NOISE
     };
 
@@ -256,11 +269,13 @@ impl Metric {
     }
 
     /// Returns every metric that a film of this scene may have: the scene's own metrics, then
-    /// [`ALL`](Self::ALL), then those of the spread of samples.
+    /// [`ALL`](Self::ALL), then those of the spread of samples and of idle lanes.
     pub fn with_own(metrics: RatioMetrics) -> impl Iterator<Item = Self> + Clone {
-        Self::ratios(metrics)
-            .chain(Self::ALL)
-            .chain([Self::NOISE, Self::EFFICIENCY])
+        Self::ratios(metrics).chain(Self::ALL).chain([
+            Self::NOISE,
+            Self::EFFICIENCY,
+            Self::IDLE_LANES,
+        ])
     }
 
     /// Returns the metric of [`ALL`](Self::ALL) with this name.
@@ -295,12 +310,12 @@ impl Metric {
         self.source == MetricSource::Clock
     }
 
-    /// Returns the value of a counted cost; 0 for a time, for counts of observed rays, for ratios
-    /// and for noise.
+    /// Returns the value of a counted cost; 0 for a time, for counts of observed rays and for
+    /// ratios.
     pub fn value(self, cost: &Cost) -> u64 {
         match self.source {
             MetricSource::Clock | MetricSource::Observed(_) | MetricSource::Ratio(_) => 0,
-            MetricSource::Noise | MetricSource::Efficiency => 0,
+            MetricSource::Noise | MetricSource::Efficiency | MetricSource::Lanes => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }

@@ -1,0 +1,230 @@
+//! Idle lanes: how well a SIMT machine, such as a graphics card, would be used by a picture's rays.
+//!
+//! A warp traces as many rays as it has lanes in lockstep: it takes as many steps as its longest
+//! ray, and the lanes of shorter rays idle. The steps of a ray are its node visits and primitive
+//! tests, which are exact: no card is needed.
+//!
+//! Rays are traced in launches, as a wavefront path tracer does: of a block of [`LAUNCH_SIDE`] x
+//! [`LAUNCH_SIDE`] pixels the camera rays of one sample, the rays after a number of bounces, the
+//! first shadow ray of each of their hits, the second, and so on. The rays of a launch, without
+//! gaps, fill warps in a [`RayOrder`]. In the last warp of a launch, lanes without a ray idle.
+//!
+//! The rays are traced once more after the rendering, one at a time. All sums are of integers: they
+//! do not depend on threads, on instruction sets or on the tiles of the rendering, except for
+//! [`RayOrder::Waves`], which is the order in these tiles.
+
+mod launches;
+mod order;
+
+use rayon::prelude::*;
+
+use crate::film::Film;
+use crate::schedule::TileGrid;
+use crate::tiles::{OnProgress, Progress, View};
+use base::{Keyword, stop};
+use launches::{LaneRay, Launches, PixelBlock, trace};
+use scene::build::Sensor;
+use scene::config::{Image, RayOrder, Warps};
+use tracer::cost::Counter;
+use tracer::trace::Tracer;
+
+pub use launches::{LAUNCH_SIDE, LaneKind};
+
+/// The idle lanes of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdleLanes {
+    /// By kind of ray, by order, and by size of warp.
+    sums: [[[WarpSums; N_WARPS]; N_ORDERS]; LaneKind::ALL.len()],
+    /// The share of idle lanes, 0 to 1, of the warps that trace the rays of each pixel: a warp
+    /// counts once for each ray. Row-major, row 0 on top; NaN for a pixel whose warps take no
+    /// steps.
+    pub of_pixels: Vec<f32>,
+}
+
+const N_WARPS: usize = Warps::SIZES.len();
+const N_ORDERS: usize = RayOrder::KEYWORDS.len();
+
+/// The steps of some rays and of the warps that trace them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WarpSums {
+    /// Number of rays.
+    pub n_rays: u64,
+    /// Number of warps.
+    pub n_warps: u64,
+    /// Node visits and primitive tests of the rays.
+    pub steps: u64,
+    /// Steps of all lanes, the idle ones included: lanes times the greatest number of steps of a
+    /// ray, summed over the warps.
+    pub lane_steps: u64,
+}
+
+impl WarpSums {
+    /// Returns the sums of one warp of this many lanes.
+    fn of_warp(rays: &[LaneRay], warp: u32) -> Self {
+        let steps = || rays.iter().map(|ray| u64::from(ray.steps));
+        Self {
+            n_rays: rays.len() as u64,
+            n_warps: 1,
+            steps: steps().sum(),
+            lane_steps: u64::from(warp) * steps().max().unwrap_or(0),
+        }
+    }
+
+    /// Adds both.
+    fn with(self, other: Self) -> Self {
+        Self {
+            n_rays: self.n_rays + other.n_rays,
+            n_warps: self.n_warps + other.n_warps,
+            steps: self.steps + other.steps,
+            lane_steps: self.lane_steps + other.lane_steps,
+        }
+    }
+
+    /// Returns the share of idle lanes, 0 to 1; NaN without steps.
+    pub fn idle_share(&self) -> f64 {
+        1.0 - self.steps as f64 / self.lane_steps as f64
+    }
+}
+
+impl IdleLanes {
+    /// Traces all rays of a film of this scene, which was rendered with counters, on the current
+    /// rayon pool. `warps` are those of [`of_pixels`](Self::of_pixels). `report` is called
+    /// after each sample of a block.
+    pub fn measure(
+        tracer: Tracer,
+        sensor: &Sensor,
+        film: &Film,
+        warps: Warps,
+        report: OnProgress,
+    ) -> Self {
+        let view = View::new(tracer, sensor);
+        let n_samples = samples_of_pixels(film);
+        let mut found = Self {
+            sums: Default::default(),
+            of_pixels: vec![f32::NAN; n_samples.len()],
+        };
+        for block in PixelBlock::all(film.grid.width, film.grid.height) {
+            if stop::is_requested() {
+                break;
+            }
+            found.add_block(&view, &film.grid, &block, &n_samples, warps, report);
+        }
+        found
+    }
+
+    /// Adds the rays of a block.
+    fn add_block(
+        &mut self,
+        view: &View,
+        grid: &TileGrid,
+        block: &PixelBlock,
+        n_samples: &[u32],
+        warps: Warps,
+        report: OnProgress,
+    ) {
+        let width = grid.width as usize;
+        let index = |place: (u32, u32)| place.1 as usize * width + place.0 as usize;
+        let most = block.pixels().map(|place| n_samples[index(place)]).max();
+        let most = most.unwrap_or(0);
+        let mut pixels = vec![WarpSums::default(); (LAUNCH_SIDE * LAUNCH_SIDE) as usize];
+        for sample in (0..most).take_while(|_| !stop::is_requested()) {
+            let has_sample = |place| sample < n_samples[index(place)];
+            let launches = trace(view, block, sample, has_sample);
+            let n_rays = launches.values().map(Vec::len).sum::<usize>() as u64;
+            self.add_launches(grid, block, &launches, warps, &mut pixels);
+            report(Progress {
+                n_pixels: if sample == 0 { block.n_pixels() } else { 0 },
+                n_rays,
+                work: block.n_pixels() as f64 / f64::from(most),
+                is_restored: false,
+            });
+        }
+        for place in block.pixels() {
+            self.of_pixels[index(place)] = pixels[block.index(place)].idle_share() as f32;
+        }
+    }
+
+    /// Adds launches to the sums, and the warps of the chosen order and size to those of the pixels.
+    fn add_launches(
+        &mut self,
+        grid: &TileGrid,
+        block: &PixelBlock,
+        launches: &Launches,
+        warps: Warps,
+        pixels: &mut [WarpSums],
+    ) {
+        let unsorted = launches.iter().flat_map(|(launch, rays)| {
+            let orders = RayOrder::KEYWORDS.iter();
+            orders.map(move |&order| (launch.kind, order, rays))
+        });
+        let unsorted: Vec<_> = unsorted.collect();
+        let sorted = unsorted.into_par_iter().map(|(kind, order, rays)| {
+            let rays = order::sorted(rays, order, grid, block);
+            let sums = Warps::SIZES.map(|warp| fill(&rays, warp));
+            (kind, order, sums, rays)
+        });
+        let sorted: Vec<_> = sorted.collect();
+        for (kind, order, sums, rays) in sorted {
+            let all = &mut self.sums[kind as usize][order as usize];
+            for (all, sums) in all.iter_mut().zip(sums) {
+                *all = all.with(sums);
+            }
+            if order == warps.order {
+                add_to_pixels(&rays, warps.warp, pixels);
+            }
+        }
+    }
+
+    /// Returns the sums over the rays of one kind, or over all rays, in warps of one of
+    /// [`Warps::SIZES`].
+    pub fn sums(&self, kind: Option<LaneKind>, warps: Warps) -> WarpSums {
+        let size = Warps::SIZES.iter().position(|warp| *warp == warps.warp);
+        let kinds = LaneKind::ALL.into_iter();
+        let kinds = kinds.filter(|other| kind.is_none_or(|kind| *other == kind));
+        let sums = kinds.map(|kind| match size {
+            Some(size) => self.sums[kind as usize][warps.order as usize][size],
+            None => WarpSums::default(),
+        });
+        sums.fold(WarpSums::default(), WarpSums::with)
+    }
+
+    /// Returns an upper bound of the bytes of a block's rays, if they are as many as in usual
+    /// scenes, and of the shares of all pixels.
+    pub fn estimate_bytes(image: &Image) -> u64 {
+        let n_pixels = image.n_pixels() as u64;
+        let n_rays = RAYS_PER_SAMPLE * n_pixels.min(u64::from(LAUNCH_SIDE * LAUNCH_SIDE));
+        // Rays as they are traced and as they are sorted; numbers of samples, shares, and strips.
+        2 * n_rays * size_of::<LaneRay>() as u64 + 3 * n_pixels * size_of::<f32>() as u64
+    }
+}
+
+/// Rays of a sample in usual scenes.
+const RAYS_PER_SAMPLE: u64 = 16;
+
+/// Fills warps of this many lanes with the rays. Returns their sums.
+fn fill(rays: &[LaneRay], warp: u32) -> WarpSums {
+    let warps = rays.chunks(warp as usize);
+    let warps = warps.map(|rays| WarpSums::of_warp(rays, warp));
+    warps.fold(WarpSums::default(), WarpSums::with)
+}
+
+/// Adds the steps of the warps of one launch to the pixels of their rays.
+fn add_to_pixels(rays: &[LaneRay], warp: u32, pixels: &mut [WarpSums]) {
+    for rays in rays.chunks(warp as usize) {
+        let sums = WarpSums::of_warp(rays, warp);
+        for ray in rays {
+            let pixel = &mut pixels[ray.pixel as usize];
+            *pixel = pixel.with(sums);
+        }
+    }
+}
+
+/// Returns the number of samples of each pixel, row-major; 0 if it was not rendered.
+fn samples_of_pixels(film: &Film) -> Vec<u32> {
+    let mut of_strip = Vec::new();
+    let strips = film.strips.iter().flat_map(|strip| {
+        film.counter(strip, Counter::Samples, &mut of_strip);
+        of_strip.clone()
+    });
+    strips.collect()
+}
