@@ -66,6 +66,8 @@ fn every_key_is_in_a_table() {
 fn table(paths: &str) -> String {
     let mut text = "\n| key | value | default | meaning |\n|---|---|---|---|\n".to_owned();
     let is_one = !paths.contains(' ');
+    // Keys with the same cells share a row.
+    let mut rows: Vec<(String, String)> = Vec::new();
     for path in paths.split(' ') {
         let found = mappings(path);
         assert!(!found.is_empty(), "the schema has no keys at `{path}`");
@@ -73,14 +75,21 @@ fn table(paths: &str) -> String {
         for mapping in found {
             for key in keys_of(mapping) {
                 let shown = if is_one || name == "*" {
-                    key.clone()
+                    format!("`{key}`")
                 } else {
-                    format!("{name}.{key}")
+                    format!("`{name}.{key}`")
                 };
                 let cells = cells(mapping, key).map(|cell| cell.replace('|', "\\|"));
-                writeln!(text, "| `{shown}` | {} |", cells.join(" | ")).unwrap();
+                let cells = cells.join(" | ");
+                match rows.iter_mut().find(|(_, known)| *known == cells) {
+                    Some((keys, _)) if !is_one => write!(keys, ", {shown}").unwrap(),
+                    _ => rows.push((shown, cells)),
+                }
             }
         }
+    }
+    for (keys, cells) in rows {
+        writeln!(text, "| {keys} | {cells} |").unwrap();
     }
     text + "\n"
 }
@@ -108,6 +117,7 @@ fn cells(mapping: &Value, key: &String) -> [String; 3] {
                 .unwrap_or(default)
         }
     };
+    let meaning = without_range(&meaning, expected);
     let words = kinds(of_key).into_iter().filter_map(|kind| {
         let word = kind["const"].as_str()?;
         let text = kind["description"].as_str()?.trim_end_matches('.');
@@ -119,6 +129,25 @@ fn cells(mapping: &Value, key: &String) -> [String; 3] {
         default,
         meaning.join(" ").replace('\n', " "),
     ]
+}
+
+/// Leaves out a range of the meaning that the value states.
+fn without_range(meaning: &str, expected: &str) -> String {
+    const RANGES: [[&str; 2]; 4] = [
+        [", 0 to 1", "from 0 to 1"],
+        [", greater than 0", "greater than 0"],
+        [", at least 0", "at least 0"],
+        [", 0 to 255", "from 0 to 255"],
+    ];
+    let (kind, _) = expected.split_once(" (").unwrap_or((expected, ""));
+    let stated = RANGES
+        .into_iter()
+        .filter(|[_, stated]| kind.ends_with(stated));
+    stated.fold(meaning.to_owned(), |text, [range, _]| {
+        [".", ";", ":"].into_iter().fold(text, |text, end| {
+            text.replace(&format!("{range}{end}"), end)
+        })
+    })
 }
 
 /// Returns the type of a value of which the parser says nothing special.
@@ -133,15 +162,26 @@ fn plain_type(schema: &Value) -> &str {
     }
 }
 
-/// Leaves out bounds that are those of all numbers, and marks examples in braces and brackets as code, which
-/// Markdown would read otherwise.
+/// Leaves out bounds that are those of all numbers, says kinds in few words, and marks examples in braces and
+/// brackets as code, which Markdown would read otherwise.
 fn value(expected: &str) -> String {
-    const BOUNDS: [[&str; 2]; 5] = [
+    const BOUNDS: [[&str; 2]; 13] = [
         [" (1e-15 to 1e15)", ""],
         [" (at most 1e15)", ""],
         [" from -1e15 to 1e15", ""],
         ["from 0 to 18446744073709551615", "of at least 0"],
         ["from 0 to 4294967295", "of at least 0"],
+        [
+            "a color: [r, g, b], \"#rrggbb\" or one number for a gray",
+            "a color",
+        ],
+        ["a number from ", ""],
+        ["a whole number from ", "whole, "],
+        ["a number greater than ", "above "],
+        ["a number of at least ", "at least "],
+        ["a whole number of at least ", "whole, at least "],
+        ["a point [", "["],
+        ["a direction [", "["],
     ];
     let plain = |text: String, [bounds, words]: [&str; 2]| text.replace(bounds, words);
     let expected = BOUNDS.into_iter().fold(expected.to_owned(), plain);

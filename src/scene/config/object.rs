@@ -38,7 +38,7 @@ use world::values::{self, NonEmpty};
     transform = values::one_needed("material mesh instances"),
 )]
 pub struct Object {
-    /// The name, if the file gives one.
+    /// The name in tables, arrays and messages.
     #[serde(with = "values::Name")]
     #[schemars(default)]
     pub name: Option<String>,

@@ -62,11 +62,11 @@ keywords! {
 keywords! {
     /// An [`Acceleration`] as one word, for the command line.
     pub enum Structure {
-        /// A BVH of this quality
+        /// A BVH that splits objects only: the least time to build
         Fast = "fast",
-        /// A BVH of this quality
+        /// A BVH after a split of the triangles that fill their boxes worst
         Balanced = "balanced",
-        /// A BVH of this quality
+        /// A BVH with spatial splits: the fewest tests, the longest time to build
         High = "high",
         /// Every shape against every ray
         BruteForce = "brute_force",

@@ -293,7 +293,7 @@ struct MaterialKeys {
     /// The medium inside the surface, if light enters it.
     #[serde(default)]
     dielectric: Option<Dielectric>,
-    /// The metal, for a conductor.
+    /// The metal of the surface, which mirrors in its color.
     #[serde(default)]
     conductor: Option<Conductor>,
     /// The bumps and dents of the surface, if there are any.
@@ -302,13 +302,13 @@ struct MaterialKeys {
     /// The share of light that the surface meets, 0 to 1: the rest passes. 1 by default.
     #[serde(default)]
     opacity: Option<Opacity>,
-    /// The holes in the surface, if there are any.
+    /// Holes, where a picture is transparent.
     #[serde(default)]
     cutout: Option<Cutout>,
     /// The roughness of a medium's or a metal's surface, 0 to 1; 0 by default.
     #[serde(default, with = "values::Fraction")]
     roughness: Option<f32>,
-    /// The principled surface, if it is one.
+    /// Plastic, metal or glass by a few numbers, in path tracing.
     #[serde(default)]
     principled: Option<Principled>,
     /// If true, light that microscopic facets reflect onto each other counts, in path tracing; true
