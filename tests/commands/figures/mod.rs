@@ -29,6 +29,7 @@ const NOT_MEASURED: &[&str] = &[
     "20 to 40 MB",
     "limit of 10 MB",
     "at most 10 %",
+    "256 points, within 2 %",
     "less than 0.2 ms",
     "in at most 1 %",
     "10 %, the terminal",
