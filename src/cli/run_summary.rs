@@ -15,6 +15,7 @@ use render::instruments::Stages;
 use render::schedule::Schedule;
 use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput};
+use tracer::cost::RayKind;
 use world::scene::Scene;
 
 /// Returns the lines on the picture, the stages and the speed.
@@ -146,17 +147,20 @@ pub(super) fn primitives(scene: &Scene) -> String {
     }
 }
 
-/// Returns the share of the pixels whose noise is below the limit; empty without one.
+/// Returns the share of the pixels whose noise is below the limit, or the mean number of samples by
+/// efficiency; empty without adaptive sampling.
 fn noise(rendering: &RenderingView) -> String {
     let (film, image) = (rendering.film, &rendering.config.image);
     let Some(adaptive) = image.adaptive.filter(|_| film.cost.has_counters()) else {
         return String::new();
     };
+    let Some(noise) = adaptive.noise else {
+        return samples(rendering);
+    };
     let Some(n_below) = rendering.n_below_noise() else {
         let least = counted(adaptive.min_samples.into(), "sample");
         return format!(
-            "noise   not compared with {}: it takes more than {least}, by `--spp`\n",
-            adaptive.noise
+            "noise   not compared with {noise}: it takes more than {least}, by `--spp`\n"
         );
     };
     let n_pixels = image.n_pixels() as u64;
@@ -168,7 +172,19 @@ fn noise(rendering: &RenderingView) -> String {
             format!("{percent:.2} % of the pixels; the others have {most}")
         }
     };
-    format!("noise   below {} in {pixels}\n", adaptive.noise)
+    format!("noise   below {noise} in {pixels}\n")
+}
+
+/// Returns the mean number of samples of the pixels that were rendered.
+fn samples(rendering: &RenderingView) -> String {
+    let schedule = rendering.schedule;
+    let tiles = schedule
+        .rendered()
+        .map(|(number, _)| schedule.grid.tile(number));
+    let n_pixels: usize = tiles.map(|tile| tile.n_pixels()).sum();
+    let n_samples = rendering.film.totals.rays_of(RayKind::Camera);
+    let mean = n_samples as f64 / n_pixels.max(1) as f64;
+    format!("samples {mean:.1} per pixel, by efficiency\n")
 }
 
 /// Returns the ranks, their load balance and their communication.

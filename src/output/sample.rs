@@ -5,7 +5,7 @@ use std::num::NonZeroU8;
 
 use crate::writers;
 use render::film::Film;
-use render::tiles::{TilePlan, render, repeat};
+use render::tiles::{TilePlan, render, repeat, with_samples_planned};
 use scene::build::Sensor;
 use scene::config::{Config, Image, Repeats};
 use tracer::cost::Meter;
@@ -57,6 +57,7 @@ impl<'a> RowSample<'a> {
         };
         let (image, n_rows) = rows(config, n);
         let sensor = Sensor::with_image(tracer.scene, config, image);
+        let sensor = with_samples_planned(tracer, &sensor);
         let plan = TilePlan::with_rows(&sensor, config.tiles.size, n_rows);
         let meter = Meter::new(config.cost);
         let (film, ..) = repeat(repeats, tracer, &plan, &meter, &|_| {});

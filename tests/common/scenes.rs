@@ -339,13 +339,17 @@ const HOLES: [&str; 3] = [
     ", cutout: { image: { file: pictures/spot.png } }",
 ];
 
+/// Needs more than two samples.
+const BY_EFFICIENCY: &str = ", sampler: sobol, adaptive: { by: efficiency, min_samples: 2 }";
+
 /// More keys of the image.
-const SAMPLING: [&str; 5] = [
+const SAMPLING: [&str; 6] = [
     "",
     ", sampler: sobol",
     ", filter: tent, filter_radius: 0.8",
     ", sampler: sobol, filter: blackman_harris",
     ", sampler: sobol, adaptive: { noise: 0.05, min_samples: 2 }",
+    BY_EFFICIENCY,
 ];
 
 /// Fog that scatters light, and fog that does not.
@@ -415,6 +419,7 @@ prop_compose! {
     ) -> RandomScene {
         // Without a hierarchy each ray tests all primitives.
         let most = if acceleration == "brute_force" { 12 } else { 40 };
+        let samples = if sampling == BY_EFFICIENCY { samples.max(3) } else { samples };
         RandomScene {
             model, size: size.map(|n| n.min(most)), samples, max_depth, seed, has_media, has_lamps, openings, has_instances,
             colors: [floor_color, cloud_color, roof_color],

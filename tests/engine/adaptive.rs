@@ -20,10 +20,7 @@ fn levels(film: &Film) -> Vec<[u8; 3]> {
 #[test]
 fn the_error_is_below_the_threshold_wherever_samples_were_left() {
     let noise = 0.02;
-    let adaptive = Adaptive {
-        noise,
-        min_samples: 16,
-    };
+    let adaptive = Adaptive::by_noise(noise);
     let found = film(&marbles(512, Some(adaptive)), 2);
     let n_samples = counts(&found, Counter::Samples);
     let exact = film(&marbles(2048, None), 2);
@@ -89,8 +86,8 @@ objects: [{{ plane: {{ point: [0, 0, 0], normal: [0, 0, 1] }}, material: fine }}
 #[test]
 fn threads_and_modes_change_no_byte() {
     let adaptive = Adaptive {
-        noise: 0.03,
         min_samples: 8,
+        ..Adaptive::by_noise(0.03)
     };
     let config = marbles(200, Some(adaptive));
     let expected = lasting(film(&config, 1));

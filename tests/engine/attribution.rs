@@ -8,7 +8,7 @@ use render::attribution::{
     AttributedCost, AttributionRule, CostAttribution, Hierarchy, Visits, Work,
 };
 use render::film::Strip;
-use scene::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern};
+use scene::config::{Acceleration, Adaptive, Config, CostMode, PixelPattern, SampleRule};
 use tracer::cost::{Counter, RayKind, StepCounter};
 use world::scene::Instances;
 
@@ -36,17 +36,25 @@ fn total(accounts: &[AttributedCost], charge: AttributionRule) -> Work {
 
 #[test]
 fn costs_of_objects_and_materials_sum_to_the_film() {
-    let adaptive = |mut config: Config| {
+    let adaptive = |mut config: Config, by, noise| {
         config.image.sampler = PixelPattern::Sobol;
         config.image.adaptive = Some(Adaptive {
-            noise: 0.02,
+            by,
+            noise,
             min_samples: 2,
         });
         config
     };
     let uniform = |name| (name, small(name, 3, CostMode::Counters));
-    let noisy = |name| (name, adaptive(small(name, 8, CostMode::Counters)));
-    for (name, config) in SCENES.map(uniform).into_iter().chain(SCENES.map(noisy)) {
+    let counted = |name| small(name, 8, CostMode::Counters);
+    let noisy = |name| (name, adaptive(counted(name), SampleRule::Noise, Some(0.02)));
+    let efficient = |name| (name, adaptive(counted(name), SampleRule::Efficiency, None));
+    let configs = [
+        SCENES.map(uniform),
+        SCENES.map(noisy),
+        SCENES.map(efficient),
+    ];
+    for (name, config) in configs.into_iter().flatten() {
         let (.., film, attribution) = kept(&config, 2);
         for accounts in [&attribution.objects, &attribution.materials] {
             for charge in AttributionRule::ALL {

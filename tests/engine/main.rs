@@ -6,6 +6,7 @@ mod common;
 mod accel;
 mod adaptive;
 mod awkward;
+mod by_efficiency;
 mod cameras;
 mod counters;
 mod determinism;

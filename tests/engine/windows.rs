@@ -2,7 +2,7 @@
 
 use crate::common::{config, counts, film, with_cost};
 use render::film::Film;
-use scene::config::CostMode;
+use scene::config::{Adaptive, CostMode, PixelPattern, SampleRule};
 use tracer::cost::Counter;
 
 /// The bytes of all arrays that a rendering stores, and the counters, of a pixel.
@@ -25,10 +25,24 @@ fn pixel(film: &Film, (x, y): (u32, u32)) -> (Vec<u8>, Vec<u32>) {
 
 #[test]
 fn a_window_has_the_pixels_of_the_picture() {
-    for name in ["seed_extended", "hall_of_mirrors", "glass"] {
+    let by_efficiency = Adaptive {
+        by: SampleRule::Efficiency,
+        noise: None,
+        min_samples: 3,
+    };
+    let cases = [
+        ("seed_extended", None),
+        ("hall_of_mirrors", None),
+        ("glass", None),
+        ("glass", Some(by_efficiency)),
+    ];
+    for (name, adaptive) in cases {
         let mut config = config(name);
         (config.image.width, config.image.height) = (70, 50);
-        config.image.samples_per_pixel = 4;
+        (config.image.samples_per_pixel, config.image.adaptive) = (4, adaptive);
+        if adaptive.is_some() {
+            config.image.sampler = PixelPattern::Sobol;
+        }
         for mode in [CostMode::Counters, CostMode::Time, CostMode::SingleRayTime] {
             let config = with_cost(config.clone(), mode);
             let whole = film(&config, 2);

@@ -32,7 +32,7 @@ fn processes_of_one_launch_may_render_a_part_each() {
 
 #[test]
 fn ranks_render_the_same_picture_as_one_process() {
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 7] = [
         ("seed_extended", &["--cost=none"]),
         (
             "still_life",
@@ -50,6 +50,14 @@ fn ranks_render_the_same_picture_as_one_process() {
                 "--spp=16",
                 "--set=image.sampler=sobol",
                 "--set=image.adaptive={noise: 0.05, min_samples: 4}",
+            ],
+        ),
+        (
+            "cornell_box",
+            &[
+                "--cost=counters",
+                "--spp=16",
+                "--set=image.adaptive={by: efficiency, min_samples: 4}",
             ],
         ),
         ("spot", &["--cost=counters", "--tile-size=64"]),

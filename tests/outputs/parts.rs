@@ -70,7 +70,7 @@ const SMALL: [&str; 2] = ["--width=70", "--height=50"];
 
 #[test]
 fn merged_parts_are_the_whole_picture() {
-    let cases: [(&str, &[&str], u32); 6] = [
+    let cases: [(&str, &[&str], u32); 7] = [
         ("seed_extended", &["--cost=none"], 2),
         (
             "still_life",
@@ -92,6 +92,15 @@ fn merged_parts_are_the_whole_picture() {
                 "--set=image.adaptive={noise: 0.05, min_samples: 4}",
             ],
             2,
+        ),
+        (
+            "cornell_box",
+            &[
+                "--cost=counters",
+                "--spp=16",
+                "--set=image.adaptive={by: efficiency, min_samples: 4}",
+            ],
+            3,
         ),
         (
             "spot",

@@ -83,7 +83,11 @@ fn rays(config: &Config) -> String {
         Acceleration::Bvh(quality) => format!("a BVH of {} quality", quality.name()),
         Acceleration::BruteForce => "brute force".to_owned(),
     };
-    let up_to = config.image.adaptive.map_or("", |_| "up to ");
+    let up_to = match config.image.adaptive {
+        None => "",
+        Some(adaptive) if adaptive.noise.is_some() => "up to ",
+        Some(_) => "about ",
+    };
     let n_rays = count(config.image.n_camera_rays());
     format!("{up_to}{n_rays} from the camera, hits found by {structure}")
 }

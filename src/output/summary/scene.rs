@@ -62,7 +62,7 @@ pub struct ImageSection {
     /// The radius of the filter in pixels; left out if it is the filter's usual one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter_radius: Option<f32>,
-    /// Adaptive sampling, whose maximum is the samples per pixel; left out without it.
+    /// Adaptive sampling, whose maximum or mean is the samples per pixel; left out without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub adaptive: Option<Adaptive>,
     /// The position in a larger picture; left out for a whole picture.

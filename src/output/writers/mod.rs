@@ -215,8 +215,9 @@ impl RenderingView<'_> {
     /// their last sample; `None` if no pixel was compared with one, or without counters.
     pub fn n_below_noise(&self) -> Option<u64> {
         let image = &self.config.image;
-        let is_compared =
-            (image.adaptive).is_some_and(|adaptive| adaptive.min_samples < image.samples_per_pixel);
+        let is_compared = (image.adaptive).is_some_and(|adaptive| {
+            adaptive.noise.is_some() && adaptive.min_samples < image.samples_per_pixel
+        });
         (is_compared && self.film.cost.has_counters()).then_some(self.survey.n_below_noise)
     }
 

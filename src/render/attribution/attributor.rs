@@ -134,16 +134,21 @@ impl<'a> Attributor<'a> {
         }
     }
 
-    /// Attributes the cost of a pixel's rays, whose times are scaled to a sum of `time_ns`, if
-    /// given, and adds their steps to `counts`, if given. Returns the number of rays.
+    /// Attributes the cost of a pixel's rays, which have this number of samples, if given; whose
+    /// times are scaled to a sum of `time_ns`, if given; and adds their steps to `counts`, if given.
+    /// Returns the number of rays.
     pub(super) fn pixel(
         &mut self,
         place: (u32, u32),
+        n_samples: Option<u32>,
         time_ns: Option<f32>,
         mut counts: Option<&mut StepCounts>,
     ) -> u64 {
         // Observe the rays of the pixel.
-        self.observer.observe(place, &mut self.tree);
+        match n_samples {
+            Some(n) => self.observer.observe_samples(place, n, &mut self.tree),
+            None => self.observer.observe(place, &mut self.tree),
+        }
         let rays = &self.tree.rays;
         // Scale their times to the time of the pixel.
         let observed_ns: f64 = rays.iter().map(|ray| f64::from(ray.time_ns)).sum();

@@ -92,6 +92,7 @@ impl CostAttribution {
         });
         let tallies = Tallies::new(tracer.scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
+        let samples = film.samples();
         let attributor = || Attributor::new(tracer, sensor, meter.clock(), &tallies);
         let width = film.grid.width;
         let n_counts = if tallies.keeps_counts { width } else { 0 };
@@ -104,7 +105,10 @@ impl CostAttribution {
                     .filter(|&x| film.is_rendered(x, y))
                     .map(|x| {
                         let time_ns = times.get(y as usize).map(|row| row[x as usize]);
-                        attributor.pixel((x, y), time_ns, counts.get_mut(x as usize))
+                        let pixel = y as usize * width as usize + x as usize;
+                        let n_samples = samples.get(pixel).copied();
+                        let counts = counts.get_mut(x as usize);
+                        attributor.pixel((x, y), n_samples, time_ns, counts)
                     })
                     .sum();
                 report(Progress::from_pixels(width.into(), n_rays));

@@ -6,7 +6,7 @@ use std::iter::repeat_n;
 use glam::Vec3;
 
 use crate::attribution::{RayTree, TracedRay};
-use crate::tiles::{PathProbe, View, follow};
+use crate::tiles::{PathProbe, Rounds, View, follow, rounds_of, with_samples_planned};
 use scene::build::Sensor;
 use tracer::accel::{Hit, TraversalStep};
 use tracer::cost::{Clock, Cost, RayKind};
@@ -25,10 +25,11 @@ pub struct PathObserver<'a> {
 
 impl<'a> PathObserver<'a> {
     /// Creates an observer of the pixels of this sensor, which measures their rays with the clock,
-    /// if there is one.
+    /// if there is one. If efficiency decides about samples, unless the sensor knows how, probes some
+    /// pixels on the current rayon pool.
     pub fn new(tracer: Tracer<'a>, sensor: &Sensor, clock: Option<&'a Clock>) -> Self {
         Self {
-            view: View::new(tracer, sensor),
+            view: View::new(tracer, &with_samples_planned(tracer, sensor)),
             keeps_steps: true,
             clock,
         }
@@ -54,6 +55,15 @@ impl<'a> PathObserver<'a> {
 
     /// Overwrites `tree` with the rays of the pixel at a place: column and row, row 0 on top.
     pub fn observe(&self, place: (u32, u32), tree: &mut RayTree) {
+        self.observe_rounds(place, &rounds_of(self.view, place), tree);
+    }
+
+    /// Overwrites `tree` with the rays of this number of samples of the pixel at a place.
+    pub(super) fn observe_samples(&self, place: (u32, u32), n: u32, tree: &mut RayTree) {
+        self.observe_rounds(place, &self.view.rounds.with_samples(n), tree);
+    }
+
+    fn observe_rounds(&self, place: (u32, u32), rounds: &Rounds, tree: &mut RayTree) {
         tree.clear();
         let mut recorder = RayRecorder {
             observer: self,
@@ -61,7 +71,7 @@ impl<'a> PathObserver<'a> {
             number: 0,
             parents: VecDeque::new(),
         };
-        let (_, n_samples) = follow(&self.view, place, &mut Vec::new(), &mut recorder);
+        let (_, n_samples) = follow(&self.view, rounds, place, &mut Vec::new(), &mut recorder);
         for ray in &mut tree.rays {
             ray.contribution /= n_samples as f32;
         }

@@ -66,6 +66,17 @@ impl Film {
         self.clear_missing(strip, counts);
     }
 
+    /// Returns the number of samples of each pixel, row-major, row 0 on top; empty unless they are
+    /// counted.
+    pub(crate) fn samples(&self) -> Vec<u32> {
+        let (mut of_strip, mut all) = (Vec::new(), Vec::new());
+        for strip in self.strips.iter().filter(|_| self.counts_samples()) {
+            self.counter(strip, Counter::Samples, &mut of_strip);
+            all.extend_from_slice(&of_strip);
+        }
+        all
+    }
+
     /// Returns the number of pixels whose noise fell below the limit of adaptive sampling before
     /// their last sample; 0 unless samples are counted.
     pub fn n_below_noise(&self) -> u64 {

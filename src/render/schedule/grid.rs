@@ -122,6 +122,15 @@ impl TileGrid {
 }
 
 impl Tile {
+    /// Creates the tile of one pixel.
+    pub fn one_pixel(x: u32, y: u32) -> Self {
+        Self {
+            number: 0,
+            columns: [x, x + 1],
+            rows: [y, y + 1],
+        }
+    }
+
     /// Returns the tile's pixels (x, y), block by block: consecutive rays are coherent, so the
     /// kernel can trace them as packets.
     pub fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {

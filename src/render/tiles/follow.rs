@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::rounds::SampleSums;
+use super::rounds::{Rounds, SampleSums};
 use super::view::View;
 use tracer::shade::PathRay;
 use tracer::trace::SurfacePoint;
@@ -23,22 +23,23 @@ pub(crate) trait PathProbe {
     ) -> Vec3;
 }
 
-/// Follows the paths of a pixel in rounds of samples until its noise is low enough. Returns the sums
-/// of the samples and their number. `paths` is a reused buffer.
+/// Follows the paths of a pixel in rounds of samples until it needs no more. Returns the sums of the
+/// samples and their number. `paths` is a reused buffer.
 pub(crate) fn follow(
     view: &View,
+    rounds: &Rounds,
     at: (u32, u32),
     paths: &mut Vec<PathRay>,
     probe: &mut impl PathProbe,
 ) -> (SampleSums<f32>, u32) {
     let mut sums = SampleSums::zero(0.0);
-    let mut round = view.rounds.first();
+    let mut round = rounds.first();
     while !round.is_empty() {
         for sample in round.clone() {
             let color = follow_sample(view, at, sample, paths, probe);
             sums.add(view.limited(color.into()), sample == 0);
         }
-        round = view.rounds.next(&sums, round.end);
+        round = rounds.next(&sums, round.end);
     }
     (sums, round.end)
 }

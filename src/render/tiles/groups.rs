@@ -2,6 +2,7 @@
 //! get their shares of its time.
 
 use super::TileRenderer;
+use super::sample_plan::SamplePlanner;
 use super::stream::StreamRenderer;
 use super::view::View;
 use super::wave_times::{ByStage, StageColumns};
@@ -13,6 +14,8 @@ use tracer::cost::{Clock, Counters, Stopwatch};
 /// Renders tiles group by group, and times each.
 pub(super) struct GroupRenderer<'a> {
     stream: StreamRenderer<'a, Counters>,
+    /// Plans the samples of pixels, if efficiency decides.
+    planner: Option<SamplePlanner<'a>>,
     /// Samples of every pixel; 0 if they are counted.
     n_samples: u32,
     groups: Vec<Tile>,
@@ -71,6 +74,7 @@ impl<'a> GroupRenderer<'a> {
     pub(super) fn new(view: View<'a>, clock: &Clock) -> Self {
         Self {
             stream: StreamRenderer::timed(view, clock),
+            planner: SamplePlanner::of(view),
             n_samples: view.rounds.n_uniform(),
             groups: Vec::new(),
             stages_ns: Vec::new(),
@@ -101,11 +105,15 @@ impl<'a> GroupRenderer<'a> {
         self.time_ns.resize(tile.n_pixels(), 0.0);
     }
 
-    /// Renders the groups of a tile, the first of a thread twice, and splits their times.
+    /// Renders the groups of a tile, the first of a thread twice, and splits their times. Planning
+    /// their samples is part of the warm-up.
     fn render_groups(&mut self, tile: &Tile) {
         let n_pixels = tile.n_pixels();
         let stream = &mut self.stream;
         let begin_ns = stream.stopwatch().cpu_ns();
+        if let Some(planner) = &mut self.planner {
+            planner.plan(tile, &mut stream.planned);
+        }
         if !std::mem::replace(&mut self.is_warm, true) {
             stream.begin(n_pixels);
             stream.render_group(tile, &self.groups[0]);

@@ -16,12 +16,14 @@ mod view;
 mod camera_rays;
 mod noisy_pixels;
 mod stream;
+mod prepass;
+mod sample_plan;
+mod planned;
 mod follow;
 mod timed;
 mod time_hottest;
 mod wave_times;
 mod groups;
-mod prepass;
 mod tile_times;
 mod tile_plan;
 mod samples;
@@ -44,6 +46,10 @@ pub(crate) use follow::{PathProbe, follow, follow_sample};
 use groups::GroupRenderer;
 use host::start_in_scope;
 use pass::Pass;
+use planned::planned;
+pub(crate) use rounds::Rounds;
+pub(crate) use sample_plan::rounds_of;
+pub use sample_plan::with_samples_planned;
 use stream::StreamRenderer;
 use tile_queue::{Target, TileQueue};
 use timed::SingleRayRenderer;
@@ -106,6 +112,9 @@ pub fn render(
 /// Creates the renderer of tiles for the calling thread. Not a generic parameter: its calls take no
 /// time beside a tile, and all that handles tiles would be compiled four times.
 fn renderer<'a>(view: View<'a>, meter: &'a Meter, plan: &TilePlan) -> Box<dyn TileRenderer + 'a> {
+    if let Some(renderer) = planned(view, meter) {
+        return renderer;
+    }
     match meter {
         Meter::Off => Box::new(StreamRenderer::<NoProbe>::new(view)),
         Meter::Counters => Box::new(StreamRenderer::<Counters>::new(view)),

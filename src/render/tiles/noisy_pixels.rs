@@ -39,13 +39,15 @@ impl NoisyPixels {
     }
 
     /// Ends a round, after which the pixels of `places` have `n` samples with these sums of colors:
-    /// removes finished pixels from `places`.
+    /// removes finished pixels from `places`. If numbers of samples are planned, `planned` has them
+    /// by pixel.
     pub(super) fn end_round(
         &mut self,
         places: &mut Places,
         colors: &VectorColumn,
         rounds: &Rounds,
         n: u32,
+        planned: &[u32],
     ) {
         let Self {
             all,
@@ -57,6 +59,10 @@ impl NoisyPixels {
         positions.retain(|&position| {
             let position = position as usize;
             n_samples[position] = n as f32;
+            let (number, _) = all.get(position);
+            if let Some(&planned) = planned.get(number) {
+                return n < planned;
+            }
             let sums = sums_at(position, [colors, firsts, squares]);
             !rounds.next(&sums, n).is_empty()
         });
@@ -78,8 +84,14 @@ impl NoisyPixels {
 
     /// Returns the noise of the pixel that started at this position, with these sums of colors.
     pub(super) fn noise(&self, position: usize, colors: &VectorColumn) -> f32 {
-        let sums = sums_at(position, [colors, &self.firsts, &self.squares]);
+        let sums = self.sums(position, colors);
         sums.noise(self.n_samples[position] as u32)
+    }
+
+    /// Returns the sums of the pixel that started at this position, of which `colors` has the
+    /// sums of colors.
+    pub(super) fn sums(&self, position: usize, colors: &VectorColumn) -> SampleSums<f32> {
+        sums_at(position, [colors, &self.firsts, &self.squares])
     }
 
     /// Adds these samples of each pixel of `places` to the sums of their `colors`, by slot, and to

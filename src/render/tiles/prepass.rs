@@ -33,11 +33,12 @@ pub(super) fn work(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<u64>
 }
 
 /// Estimates the counts of the rays of each tile by about one camera ray in 64, from at least one
-/// pixel: with one sample, or with the samples that adaptive sampling gives it.
+/// pixel: with one sample, or with the samples that a limit of noise gives it.
 pub(super) fn counts(tracer: Tracer, sensor: &Sensor, grid: &TileGrid) -> Vec<RayCounts> {
     let image = &sensor.image;
     let n_samples = f64::from(image.samples_per_pixel);
-    let (sensor, step, factor) = match image.adaptive {
+    let limit = image.adaptive.and_then(|adaptive| adaptive.noise);
+    let (sensor, step, factor) = match limit {
         None => {
             let step = (f64::from(STEP) / n_samples.sqrt()).max(1.0) as u32;
             (with_one_sample(sensor), step.next_power_of_two(), n_samples)
@@ -83,7 +84,7 @@ fn with_one_sample(sensor: &Sensor) -> Sensor {
 
 /// Calls `of_chunk` with the tiles of the grid, some at a time, with `n_probed` pixels of each, on
 /// the current rayon pool. Returns the results of all tiles.
-fn chunks<R, T: Send>(
+pub(super) fn chunks<R, T: Send>(
     grid: &TileGrid,
     n_probed: u32,
     renderer: impl Fn() -> R + Sync,
@@ -141,7 +142,7 @@ fn costs_of_tiles(
 }
 
 /// Returns the probed pixels of a tile.
-fn probed_pixels(tile: &Tile, step: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
+pub(super) fn probed_pixels(tile: &Tile, step: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
     let places = move |[first, end]: [u32; 2]| {
         // The middle of each step, or of a shorter tile.
         let middle = first + step.min(end - first) / 2;

@@ -6,9 +6,14 @@ use glam::Vec3;
 
 use math::simd::{Real, Vector};
 use scene::build::Sensor;
+use scene::config::{Adaptive, MAX_SAMPLES, SampleRule};
 
 /// Light below which the curve of a display is a straight line.
 const DARK: f32 = 0.0015;
+
+/// Greatest number of samples by efficiency, relative to the mean: first samples that are all the
+/// same but for a rare bright one would send too many more.
+const MOST_PER_MEAN: u32 = 8;
 
 /// The samples of a pixel, round by round.
 #[derive(Debug, Clone, Copy)]
@@ -17,19 +22,32 @@ pub struct Rounds {
     n_first: u32,
     /// Greatest number of samples.
     n_most: u32,
-    limit: Option<NoiseLimit>,
+    limit: SampleLimit,
+    /// The factor from radiance to the light of the picture.
+    gain: f32,
     /// True if the film has the noise of each pixel.
     pub(super) keeps_noise: bool,
 }
 
-/// The noise of a pixel that needs no more samples.
+/// The reason for which a pixel needs no more samples.
 #[derive(Debug, Clone, Copy)]
-struct NoiseLimit {
+enum SampleLimit {
+    /// It has as many as all others.
+    Number,
     /// The greatest variance of the mean of a channel, over that mean: its root is twice the
     /// standard error of the mean's square root.
-    variance: f32,
-    /// The factor from radiance to the light of the picture.
-    gain: f32,
+    Noise(f32),
+    /// It has this many per root of its neighbors' variance over cost.
+    PerRoot(f64),
+}
+
+/// The first samples of a pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FirstSamples {
+    /// The variance of one sample.
+    pub(super) variance: f64,
+    /// Node visits and primitive tests of all of them.
+    pub(super) cost: u64,
 }
 
 /// Sums over the samples of a pixel.
@@ -47,24 +65,60 @@ impl Rounds {
     /// Creates the rounds of the pixels that a sensor sees.
     pub fn new(sensor: &Sensor) -> Self {
         let image = &sensor.image;
-        let n_most = image.samples_per_pixel;
-        let n_first = image
-            .adaptive
-            .map_or(n_most, |adaptive| adaptive.min_samples);
+        let n = image.samples_per_pixel;
+        let (n_first, n_most, limit) = match image.adaptive {
+            None => (n, n, SampleLimit::Number),
+            Some(Adaptive {
+                by: SampleRule::Efficiency,
+                min_samples,
+                ..
+            }) => {
+                let n_most = n.saturating_mul(MOST_PER_MEAN).min(MAX_SAMPLES);
+                let per_root = sensor.samples_per_root.unwrap_or(0.0);
+                (min_samples, n_most, SampleLimit::PerRoot(per_root))
+            }
+            Some(Adaptive {
+                noise, min_samples, ..
+            }) => {
+                let variance = (2.0 * noise.unwrap_or(0.0)).powi(2);
+                (min_samples, n, SampleLimit::Noise(variance))
+            }
+        };
         Self {
-            n_first: n_first.min(n_most),
+            n_first: n_first.min(n),
             n_most,
-            limit: image.adaptive.map(|adaptive| NoiseLimit {
-                variance: (2.0 * adaptive.noise).powi(2),
-                gain: sensor.development.gain(),
-            }),
+            limit,
+            gain: sensor.development.gain(),
             keeps_noise: sensor.extra_arrays.noise.is_some(),
+        }
+    }
+
+    /// Returns the first samples of all pixels only, whose squares are summed up.
+    pub(super) fn only_first(&self) -> Self {
+        Self {
+            keeps_noise: true,
+            ..self.with_samples(self.n_first)
+        }
+    }
+
+    /// Returns the rounds of pixels that have this number of samples.
+    pub(crate) fn with_samples(&self, n: u32) -> Self {
+        Self {
+            n_first: n,
+            n_most: n,
+            limit: SampleLimit::Number,
+            ..*self
         }
     }
 
     /// Returns true if pixels may have different numbers of samples.
     pub(crate) fn are_adaptive(&self) -> bool {
-        self.limit.is_some()
+        !matches!(self.limit, SampleLimit::Number)
+    }
+
+    /// Returns true if the number of samples of each pixel is planned.
+    pub(super) fn are_planned(&self) -> bool {
+        matches!(self.limit, SampleLimit::PerRoot(_))
     }
 
     /// Returns true if the squares of samples are summed up.
@@ -80,9 +134,14 @@ impl Rounds {
     /// Returns the number of samples of every pixel; 0 if pixels may differ.
     pub(crate) fn n_uniform(&self) -> u32 {
         match self.limit {
-            None => self.n_most,
-            Some(_) => 0,
+            SampleLimit::Number => self.n_most,
+            _ => 0,
         }
+    }
+
+    /// Returns the least number of samples of a pixel.
+    pub(super) fn n_least(&self) -> u32 {
+        self.n_first
     }
 
     /// Returns the greatest number of samples of a pixel.
@@ -93,29 +152,75 @@ impl Rounds {
     /// Returns the samples that a pixel with these sums of `n` samples gets next; empty if it needs
     /// no more.
     pub fn next(&self, sums: &SampleSums<f32>, n: u32) -> Range<u32> {
-        let is_noisy = |limit: NoiseLimit| n < self.n_most && limit.is_exceeded(sums, n);
-        if self.limit.is_some_and(is_noisy) {
-            self.after(n)
-        } else {
-            n..n
+        match self.limit {
+            SampleLimit::Noise(variance)
+                if n < self.n_most && self.is_exceeded(variance, sums, n) =>
+            {
+                self.after(n)
+            }
+            _ => n..n,
         }
     }
 
-    /// Returns the samples that a noisy pixel gets after `n` samples: a quarter of that number, so
-    /// that there are few rounds and few superfluous samples. Empty at the end.
+    /// Returns the samples that a pixel gets after `n` samples, at least 1; empty at the end. If it is
+    /// noisy, a quarter of that number, so that there are few rounds and few superfluous samples. If
+    /// the number is planned, all up to the next power of two or three halves of one: after these,
+    /// Sobol' points are spread most evenly.
     pub fn after(&self, n: u32) -> Range<u32> {
-        let n_more = self.n_first.max(n / 4);
-        n..self.n_most.min(n + n_more)
+        let end = if self.are_planned() {
+            let power = 1 << n.ilog2();
+            let between = power + power / 2;
+            if n < between { between } else { 2 * power }
+        } else {
+            n + self.n_first.max(n / 4)
+        };
+        n..self.n_most.min(end)
     }
-}
 
-impl NoiseLimit {
-    /// Returns true if a pixel with these sums of `n` samples, at least 2, is noisier.
-    fn is_exceeded(&self, sums: &SampleSums<f32>, n: u32) -> bool {
-        let mean = Vec3::from(sums.colors) / n as f32;
-        let light = (self.gain * mean).max(Vec3::splat(DARK));
+    /// Returns the number of samples of a pixel whose neighbors have this root of variance over
+    /// cost: the nearest end of a round.
+    pub(super) fn planned(&self, root: f64) -> u32 {
+        let SampleLimit::PerRoot(factor) = self.limit else {
+            return self.n_most;
+        };
+        let wanted = factor * root;
+        let mut n = self.n_first;
+        loop {
+            let next = self.after(n).end;
+            if next == n || wanted < 0.5 * f64::from(n + next) {
+                return n;
+            }
+            n = next;
+        }
+    }
+
+    /// Returns the variance of a sample and the cost of the first samples of a pixel.
+    ///
+    /// The variance is of the square root of light, as a display shows it: errors count by how much
+    /// they are seen.
+    pub(super) fn first_samples(&self, sums: &SampleSums<f32>, cost: u64) -> FirstSamples {
+        let n = self.n_first;
+        if n < 2 {
+            return FirstSamples::default();
+        }
+        let noise = self.gain * self.gain * sums.variance_of_mean(n) / self.light(sums, n);
+        FirstSamples {
+            variance: f64::from(noise.element_sum()) * f64::from(n),
+            cost,
+        }
+    }
+
+    /// Returns true if a pixel with these sums of `n` samples, at least 2, is noisier than the
+    /// limit.
+    fn is_exceeded(&self, limit: f32, sums: &SampleSums<f32>, n: u32) -> bool {
         let noise = self.gain * self.gain * sums.variance_of_mean(n);
-        noise.cmpgt(self.variance * light).any()
+        noise.cmpgt(limit * self.light(sums, n)).any()
+    }
+
+    /// Returns the light of the picture in a pixel with these sums of `n` samples.
+    fn light(&self, sums: &SampleSums<f32>, n: u32) -> Vec3 {
+        let mean = Vec3::from(sums.colors) / n as f32;
+        (self.gain * mean).max(Vec3::splat(DARK))
     }
 }
 

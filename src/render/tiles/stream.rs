@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::TileRenderer;
 use super::camera_rays::{AddSamples, FinishPixels, Places, StartPaths};
 use super::noisy_pixels::NoisyPixels;
+use super::rounds::FirstSamples;
 use super::view::View;
 use super::wave_times::{ByStage, CountStages, StageColumns, WaveStage, WaveTimes};
 use crate::film::{Pixel, PixelColumns, Rendered};
@@ -18,7 +19,7 @@ use crate::schedule::Tile;
 use base::stop;
 use math::simd::{N_LANES, Simd, VectorColumn};
 use tracer::accel::Hit;
-use tracer::cost::{BounceCounts, ByPixel, Clock, PixelProbe, RayKind, Stopwatch};
+use tracer::cost::{BounceCounts, ByPixel, Clock, Counter, PixelProbe, RayKind, Stopwatch};
 use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use tracer::trace::{Points, ShadowLight};
 
@@ -45,6 +46,8 @@ pub(super) struct StreamRenderer<'a, P> {
     simd: Simd,
     places: Places,
     noisy: NoisyPixels,
+    /// The planned number of samples of each pixel; empty if noise decides.
+    pub(super) planned: Vec<u32>,
     pixels: PixelColumns,
     probe: P,
     bounces: BounceCounts,
@@ -80,6 +83,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             simd,
             places: Places::default(),
             noisy: NoisyPixels::default(),
+            planned: Vec::new(),
             pixels: PixelColumns::default(),
             probe: P::default(),
             bounces: BounceCounts::new(view.counts_bounces),
@@ -129,35 +133,45 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Traces all paths of the pixels in `places`.
     fn follow_places(&mut self) {
-        let n_pixels = self.places.len();
-        self.means.reset(n_pixels);
-        self.distances.clear();
-        self.distances.resize(n_pixels + N_LANES, f32::NAN);
+        self.begin_places();
         let first = self.view.rounds.first();
         if self.view.rounds.measure_noise() {
+            self.noisy.begin(&self.places);
             self.render_adaptively(first);
         } else {
             self.render_round(first);
         }
     }
 
-    /// Renders rounds of samples until no pixel is noisy.
-    fn render_adaptively(&mut self, mut round: Range<u32>) {
+    /// Starts with empty sums of the pixels in `places`.
+    fn begin_places(&mut self) {
+        let n_pixels = self.places.len();
+        self.means.reset(n_pixels);
+        self.distances.clear();
+        self.distances.resize(n_pixels + N_LANES, f32::NAN);
+    }
+
+    /// Renders the first samples of a tile's pixels, whose numbers of samples are planned then.
+    pub(super) fn render_first(&mut self, tile: &Tile) {
+        self.begin(tile.n_pixels());
+        self.places.fill_group(tile, tile);
+        self.begin_places();
         self.noisy.begin(&self.places);
+        self.render_counted(self.view.rounds.first());
+    }
+
+    /// Renders the other samples of the tile's pixels, by their planned numbers.
+    pub(super) fn render_planned(&mut self) {
+        let next = self.end_round(self.view.rounds.first().end);
+        self.render_adaptively(next);
+        self.finish_places();
+    }
+
+    /// Renders rounds of samples until no pixel needs more.
+    fn render_adaptively(&mut self, mut round: Range<u32>) {
         while self.places.len() > 0 && !round.is_empty() && !stop::is_requested() {
-            // Render one round of the noisy pixels, and count its samples.
-            self.render_round(round.clone());
-            if self.view.rounds.are_adaptive() {
-                for i in 0..self.places.len() {
-                    let (number, _) = self.places.get(i);
-                    self.probe.camera_rays(number, round.len());
-                }
-            }
-            // Remove the pixels that have enough samples.
-            let rounds = &self.view.rounds;
-            self.noisy
-                .end_round(&mut self.places, &self.means, rounds, round.end);
-            round = rounds.after(round.end);
+            self.render_counted(round.clone());
+            round = self.end_round(round.end);
         }
         self.noisy.end(&mut self.places);
         if !self.view.rounds.keeps_noise {
@@ -167,6 +181,43 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             let (number, _) = self.places.get(i);
             self.pixels.noise[number] = self.noisy.noise(i, &self.means);
         }
+    }
+
+    /// Renders a round of the noisy pixels, and counts its samples.
+    fn render_counted(&mut self, round: Range<u32>) {
+        let n_samples = round.len();
+        self.render_round(round);
+        if self.view.rounds.are_adaptive() {
+            for i in 0..self.places.len() {
+                let (number, _) = self.places.get(i);
+                self.probe.camera_rays(number, n_samples);
+            }
+        }
+    }
+
+    /// Removes the pixels that need no more than `n` samples. Returns the next round.
+    fn end_round(&mut self, n: u32) -> Range<u32> {
+        let rounds = &self.view.rounds;
+        let (places, means) = (&mut self.places, &self.means);
+        (self.noisy).end_round(places, means, rounds, n, &self.planned);
+        rounds.after(n)
+    }
+
+    /// Returns the columns and rows of the pixels in the order in which they started, while all need
+    /// samples.
+    pub(super) fn started(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.places.len()).map(|i| self.places.get(i).1)
+    }
+
+    /// Returns the variance and the cost of the first samples of a pixel, by its position in the
+    /// order in which pixels started, before others are rendered.
+    pub(super) fn first_samples(&self, i: usize) -> FirstSamples {
+        let sums = self.noisy.sums(i, &self.means);
+        let (number, _) = self.places.get(i);
+        let counters = self.probe.counted();
+        let count = |counter| counters.map_or(0, |counters| counters.get(counter)[number]);
+        let cost = count(Counter::NodeVisits) + count(Counter::PrimitiveTests);
+        self.view.rounds.first_samples(&sums, cost)
     }
 
     /// Renders these samples of all pixels in waves.
@@ -429,6 +480,11 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     /// Renders the pixels in `places`.
     fn render_places(&mut self) {
         self.follow_places();
+        self.finish_places();
+    }
+
+    /// Writes the results of the pixels in `places`.
+    fn finish_places(&mut self) {
         let rounds = &self.view.rounds;
         // Divide the sums of colors by the numbers of samples, and compute footprints.
         self.simd.run(FinishPixels {

@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::sample_plan::with_samples_planned;
 use super::{MAX_PIXELS, prepass};
 use crate::checkpoint::PicturePart;
 use crate::film::Film;
@@ -35,8 +36,10 @@ pub struct TilePlan {
 
 impl TilePlan {
     /// Divides the picture into tiles and orders them. [`TileOrder::Cost`] traces a few rays
-    /// through each tile on the current rayon pool.
+    /// through each tile on the current rayon pool, and efficiency that decides about samples
+    /// through some pixels.
     pub fn new(tracer: Tracer, sensor: &Sensor, tiling: Tiling) -> Self {
+        let sensor = &with_samples_planned(tracer, sensor);
         let image = &sensor.image;
         let grid = TileGrid::new(image.width, image.height, tiling.size);
         let mut work = None;

@@ -64,7 +64,7 @@ pub(super) fn time_hottest_again(
         Meter::SingleRayTime(clock) => {
             let room = (N_BEFORE as usize + 1, &plan.sensor.image);
             let mut renderer = SingleRayRenderer::new(view, clock, room);
-            let group_of = |x, y| Some(pixel(x, y));
+            let group_of = |x, y| Some(Tile::one_pixel(x, y));
             again(film, end, group_of, &mut |group| {
                 let (x, y) = first_pixel(&plan.in_picture(group));
                 let warm_up = before(x, y, plan.sensor.image.width);
@@ -117,15 +117,6 @@ fn part(plan: &TilePlan, x: u32, y: u32) -> Tile {
     let tile = plan.grid.tile(plan.grid.number_at(x, y));
     let mut parts = tile.parts(MAX_PIXELS);
     parts.find(|part| part.has(x, y)).unwrap_or(tile)
-}
-
-/// Returns the tile of one pixel.
-fn pixel(x: u32, y: u32) -> Tile {
-    Tile {
-        number: 0,
-        columns: [x, x + 1],
-        rows: [y, y + 1],
-    }
 }
 
 /// Returns the left pixel of a group's first row.

@@ -3,6 +3,8 @@
 
 use glam::Vec3;
 
+use super::rounds::Rounds;
+use super::sample_plan::SamplePlanner;
 use super::view::View;
 use super::{PathProbe, TileRenderer, follow};
 use crate::film::{Pixel, PixelColumns, Rendered};
@@ -33,6 +35,9 @@ pub(super) struct SingleRayRenderer<'a> {
     /// The pixels of the tile in the order in which they are rendered, listed before any is timed:
     /// finding the next one takes longer where a row of a block ends.
     places: Vec<PixelPlace>,
+    /// Plans their samples, if efficiency decides.
+    planner: Option<SamplePlanner<'a>>,
+    planned: Vec<u32>,
     renderer: PixelRenderer<'a>,
     /// The times in this order, in nanoseconds.
     times_ns: Vec<f32>,
@@ -52,6 +57,7 @@ struct PixelPlace {
     at: (u32, u32),
     /// Number of the pixel in the tile, row by row.
     index: usize,
+    rounds: Rounds,
 }
 
 /// Renders single pixels.
@@ -81,6 +87,8 @@ impl<'a> SingleRayRenderer<'a> {
             stopwatch: Stopwatch::start(*clock),
             overhead_ns: clock.overhead_ns() as f32,
             places: Vec::with_capacity(n_pixels),
+            planner: SamplePlanner::of(view),
+            planned: Vec::new(),
             renderer: PixelRenderer {
                 view,
                 pixels: vec![Pixel::default(); n_pixels],
@@ -113,19 +121,43 @@ impl<'a> SingleRayRenderer<'a> {
                 spread(i % SPREAD, image.width),
                 spread(i / SPREAD, image.height),
             );
-            self.renderer.render_pixel(PixelPlace { at, index: 0 }, 0);
+            let rounds = self.renderer.view.rounds.only_first();
+            let place = PixelPlace {
+                at,
+                index: 0,
+                rounds,
+            };
+            self.renderer.render_pixel(place, 0);
         }
     }
 
     /// Renders some pixels one after the other, at most as many as there is room for. Returns the
     /// nanoseconds that the last one took.
     pub(super) fn time_last(&mut self, places: impl Iterator<Item = (u32, u32)>) -> f32 {
-        let place = |(index, at)| PixelPlace { at, index };
         self.places.clear();
-        self.places.extend(places.enumerate().map(place));
+        for (index, (x, y)) in places.enumerate() {
+            self.plan(&Tile::one_pixel(x, y));
+            self.push_place(index, (x, y), 0);
+        }
         self.renderer.bounces.reset(self.places.len());
         self.render_timed();
         self.times_ns[self.places.len() - 1]
+    }
+
+    /// Plans the samples of a tile's pixels, if efficiency decides.
+    fn plan(&mut self, tile: &Tile) {
+        if let Some(planner) = &mut self.planner {
+            planner.plan(tile, &mut self.planned);
+        }
+    }
+
+    /// Adds a pixel, whose samples are planned as the `i`-th, to the pixels to be rendered.
+    fn push_place(&mut self, index: usize, at: (u32, u32), i: usize) {
+        let mut rounds = self.renderer.view.rounds;
+        if let Some(&n_samples) = self.planned.get(i) {
+            rounds = rounds.with_samples(n_samples);
+        }
+        self.places.push(PixelPlace { at, index, rounds });
     }
 
     /// Renders the pixels and times them. Returns their number.
@@ -165,7 +197,7 @@ impl PixelRenderer<'_> {
     /// Never inlined, so that the same code is timed the first time and again.
     #[inline(never)]
     fn render_pixel(&mut self, place: PixelPlace, i: usize) {
-        let PixelPlace { at, index } = place;
+        let PixelPlace { at, index, rounds } = place;
         self.bounces.reset_pixel(index);
         let pixel = &mut self.pixels[i];
         *pixel = Pixel::default();
@@ -176,7 +208,7 @@ impl PixelRenderer<'_> {
             bounces: &mut self.bounces,
             index,
         };
-        let (sums, n_samples) = follow(&self.view, at, &mut self.paths, &mut probe);
+        let (sums, n_samples) = follow(&self.view, &rounds, at, &mut self.paths, &mut probe);
         self.costs[i] = probe.cost;
         // Average the samples.
         pixel.color = sums.colors.into();
@@ -244,13 +276,17 @@ impl PathProbe for CountedPixel<'_> {
 impl TileRenderer for SingleRayRenderer<'_> {
     fn render(&mut self, tile: &Tile) {
         let n_pixels = tile.n_pixels();
+        let begin_ns = self.stopwatch.cpu_ns();
+        self.plan(tile);
+        let planning_ns = self.stopwatch.cpu_ns() - begin_ns;
         self.places.clear();
-        self.places.extend(tile.pixels().map(|(x, y)| PixelPlace {
-            at: (x, y),
-            index: tile.index(x, y) as usize,
-        }));
+        for (x, y) in tile.pixels() {
+            let index = tile.index(x, y) as usize;
+            self.push_place(index, (x, y), index);
+        }
         self.renderer.bounces.reset(n_pixels);
         self.n_done = self.render_timed();
+        self.warm_up_ns += planning_ns;
     }
 
     /// Copies the pixels to rows, which is not part of their times.

@@ -34,8 +34,9 @@ pub struct View<'a> {
     pub(super) unit: f32,
     sampler: Sampler,
     filter: FilterSampler,
-    /// Columns of the whole picture.
+    /// Columns and rows of the whole picture.
     width: u32,
+    height: u32,
     /// The column and the row of the image's first pixel in the whole picture.
     origin: [u32; 2],
     /// The side of a square with the area of a pixel on the plane.
@@ -47,11 +48,13 @@ impl<'a> View<'a> {
     pub fn new(tracer: Tracer<'a>, sensor: &Sensor) -> Self {
         let (image, plane, scene) = (&sensor.image, sensor.plane, tracer.scene);
         let sampler = Sampler::new(image.sampler, image.samples_per_pixel, image.seed);
+        let rounds = Rounds::new(sensor);
+        let [width, height] = image.picture_size();
         Self {
             tracer: tracer.with_cone(sensor.cone),
             shader: Shader::new(scene, sampler),
             eye_media: EyeMedia::new(tracer, &plane, image.filter_radius()),
-            rounds: Rounds::new(sensor),
+            rounds,
             middle: sampler.center(),
             sample_limit: sensor.sample_limit,
             counts_bounces: sensor.extra_arrays.bounces,
@@ -59,10 +62,31 @@ impl<'a> View<'a> {
             unit: scene.space.world_length(1.0),
             sampler,
             filter: FilterSampler::new(image.filter, image.filter_radius()),
-            width: image.picture_size()[0],
+            width,
+            height,
             origin: image.origin(),
             pitch: plane.pitch(),
         }
+    }
+
+    /// Returns the view of the whole picture through the first samples of its pixels.
+    pub(super) fn of_first_samples(self) -> Self {
+        Self {
+            rounds: self.rounds.only_first(),
+            counts_bounces: false,
+            origin: [0; 2],
+            ..self
+        }
+    }
+
+    /// Returns columns and rows of the whole picture.
+    pub(super) fn picture_size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Returns the column and the row of the image's first pixel in the whole picture.
+    pub(super) fn origin(&self) -> [u32; 2] {
+        self.origin
     }
 
     /// Returns the number of a pixel in the whole picture, row by row.

@@ -21,6 +21,9 @@ pub struct Sensor {
     pub sample_limit: f32,
     /// The arrays of the film beyond what every film keeps.
     pub extra_arrays: ExtraArrays,
+    /// The samples of a pixel per root of its neighbors' variance over cost, if efficiency decides
+    /// and they have been planned.
+    pub samples_per_root: Option<f64>,
 }
 
 impl Sensor {
@@ -52,6 +55,7 @@ impl Sensor {
             development: film.development(model),
             sample_limit: film.sample_limit(model),
             extra_arrays: ExtraArrays::default(),
+            samples_per_root: None,
         }
     }
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::adaptive::{Adaptive, MAX_SAMPLES, sixteen};
+use super::adaptive::{Adaptive, MAX_SAMPLES};
 use crate::yaml::{Fault, FieldPath};
 use math::sampling::{PixelFilter, PixelPattern};
 use world::kinds;
@@ -51,7 +51,7 @@ pub struct Image {
     #[serde(with = "FilterRadius", default)]
     pub filter_radius: Option<f32>,
     /// Adaptive sampling, which needs `sampler: sobol`: then `samples_per_pixel` is the maximum per
-    /// pixel.
+    /// pixel, or by efficiency the mean.
     #[serde(default)]
     pub adaptive: Option<Adaptive>,
     /// The position in a larger picture, for a window of one.
@@ -137,10 +137,13 @@ impl Image {
 
     /// Samples each pixel until its standard error is below this share of white, from 0.0001 to 1.
     pub fn sample_until(&mut self, noise: f32) {
-        let min_samples = self
-            .adaptive
-            .map_or(sixteen(), |adaptive| adaptive.min_samples);
-        self.adaptive = Some(Adaptive { noise, min_samples });
+        let by_noise = Adaptive::by_noise(noise);
+        self.adaptive = Some(Adaptive {
+            min_samples: self
+                .adaptive
+                .map_or(by_noise.min_samples, |adaptive| adaptive.min_samples),
+            ..by_noise
+        });
         self.sampler = PixelPattern::Sobol;
     }
 
@@ -149,7 +152,8 @@ impl Image {
         self.width as usize * self.height as usize
     }
 
-    /// Returns the number of camera rays of the picture; the maximum if sampling is adaptive.
+    /// Returns the number of camera rays of the picture: the maximum if noise decides, about the
+    /// number if efficiency does.
     pub fn n_camera_rays(&self) -> u64 {
         self.n_pixels() as u64 * u64::from(self.samples_per_pixel)
     }
@@ -172,15 +176,16 @@ impl Image {
     /// # Errors
     /// The first key that does not fit.
     pub fn check_sampling(&self) -> Result<(), Fault> {
-        if self.adaptive.is_none() || self.sampler == PixelPattern::Sobol {
+        let Some(adaptive) = self.adaptive else {
             return Ok(());
+        };
+        let path = FieldPath::default().key("image").key("adaptive");
+        if self.sampler == PixelPattern::Sobol {
+            return adaptive.check(path, self.samples_per_pixel);
         }
         let message = "`adaptive` needs samples whose first ones are evenly spread";
-        let image = FieldPath::default().key("image");
-        Err(
-            Fault::at_key(image.key("adaptive"), message, "requires `sampler: sobol`")
-                .with_help("add `sampler: sobol` to `image`"),
-        )
+        Err(Fault::at_key(path, message, "requires `sampler: sobol`")
+            .with_help("add `sampler: sobol` to `image`"))
     }
 
     /// Returns the radius of the filter in pixels.

@@ -31,7 +31,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use adaptive::{Adaptive, MAX_SAMPLES};
+pub use adaptive::{Adaptive, MAX_SAMPLES, SampleRule};
 pub use file::{
     GeometryFile, MeshFile, PointRadius, RadiusArray, SpheresFile, TubesFile, at_value,
 };
