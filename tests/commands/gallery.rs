@@ -57,7 +57,7 @@ struct Costs {
     /// animation.
     objects: BTreeMap<(String, String), BTreeMap<String, f64>>,
     totals: Value,
-    /// The medians of `noise` and `efficiency`, if they are written, over the pixels of each object and of the `picture`.
+    /// The medians of [`SAMPLES`], if they are written, over the pixels of each object and of the `picture`.
     medians: BTreeMap<(&'static str, String), f64>,
 }
 
@@ -130,7 +130,7 @@ fn read_medians(frame: &Path) -> BTreeMap<(&'static str, String), f64> {
     let names = names.map(|(name, object)| (name.as_str(), Some(object)));
     let mut medians = BTreeMap::new();
     for (name, object) in names.chain([("picture", None)]) {
-        for array in SAMPLES {
+        for (array, _) in SAMPLES {
             let Some(found) = frame.arrays.iter().find(|found| found.name == array) else {
                 continue;
             };
@@ -148,8 +148,12 @@ fn read_medians(frame: &Path) -> BTreeMap<(&'static str, String), f64> {
     medians
 }
 
-/// The arrays of `--also noise`.
-const SAMPLES: [&str; 2] = ["noise", "efficiency"];
+/// Arrays, and the values of `--also` that write them.
+const SAMPLES: [(&str, &str); 3] = [
+    ("noise", "noise"),
+    ("efficiency", "noise"),
+    ("idle_lanes", "lanes"),
+];
 
 /// The renderings of scenes by their flags, each made once.
 #[derive(Default)]
@@ -162,8 +166,8 @@ impl Renderings {
         let (subject, flags) = subject.split_once(" with ").unwrap_or((subject, ""));
         let frame = subject.strip_prefix("frame ");
         let flags = frame.map_or(flags.to_owned(), |frame| format!("--frames={frame}"));
-        if let Some(array) = SAMPLES.into_iter().find(|array| *array == counter) {
-            let costs = self.render(scene, &format!("--also=noise {flags}"));
+        if let Some((array, also)) = SAMPLES.into_iter().find(|(array, _)| *array == counter) {
+            let costs = self.render(scene, &format!("--also={also} {flags}"));
             return costs.medians[&(array, subject.to_owned())];
         }
         let costs = self.render(scene, &flags);
