@@ -161,15 +161,16 @@ impl IdleLanes {
         let sorted = unsorted.into_par_iter().map(|(kind, order, rays)| {
             let rays = order::sorted(rays, order, grid, block);
             let sums = Warps::SIZES.map(|warp| fill(&rays, warp));
-            (kind, order, sums, rays)
+            let of_pixels = (order == warps.order).then_some(rays);
+            (kind, order, sums, of_pixels)
         });
         let sorted: Vec<_> = sorted.collect();
-        for (kind, order, sums, rays) in sorted {
+        for (kind, order, sums, of_pixels) in sorted {
             let all = &mut self.sums[kind as usize][order as usize];
             for (all, sums) in all.iter_mut().zip(sums) {
                 *all = all.with(sums);
             }
-            if order == warps.order {
+            if let Some(rays) = of_pixels {
                 add_to_pixels(&rays, warps.warp, pixels);
             }
         }
@@ -193,8 +194,8 @@ impl IdleLanes {
     pub fn estimate_bytes(image: &Image) -> u64 {
         let n_pixels = image.n_pixels() as u64;
         let n_rays = RAYS_PER_SAMPLE * n_pixels.min(u64::from(LAUNCH_SIDE * LAUNCH_SIDE));
-        // Rays as they are traced and as they are sorted; numbers of samples, shares, and strips.
-        2 * n_rays * size_of::<LaneRay>() as u64 + 3 * n_pixels * size_of::<f32>() as u64
+        // Rays row by row, launch by launch, and sorted; numbers of samples, shares, and strips.
+        3 * n_rays * size_of::<LaneRay>() as u64 + 3 * n_pixels * size_of::<f32>() as u64
     }
 }
 
