@@ -100,7 +100,11 @@ fn every_figure_is_quoted_somewhere() {
 #[test]
 fn no_measured_figure_is_typed_in() {
     let mut typed_in = Vec::new();
-    for document in documents() {
+    // Another test compares the numbers of the course with the program's.
+    let others = documents()
+        .into_iter()
+        .filter(|document| document.name() != "course.md");
+    for document in others {
         for (number, line) in document.prose() {
             let mut line = line;
             for phrase in NOT_MEASURED {
