@@ -92,7 +92,11 @@ impl CostAttribution {
         });
         let tallies = Tallies::new(tracer.scene, nodes.as_deref(), outputs);
         let times: Vec<&[f32]> = film.rows(|strip| &strip.time_ns).collect();
-        let samples = film.samples();
+        let samples = if film.counts_samples() {
+            film.samples()
+        } else {
+            Vec::new()
+        };
         let attributor = || Attributor::new(tracer, sensor, meter.clock(), &tallies);
         let width = film.grid.width;
         let n_counts = if tallies.keeps_counts { width } else { 0 };

@@ -66,15 +66,14 @@ impl Film {
         self.clear_missing(strip, counts);
     }
 
-    /// Returns the number of samples of each pixel, row-major, row 0 on top; empty unless they are
-    /// counted.
+    /// Returns the number of samples of each pixel, row-major, row 0 on top. The film has counters.
     pub(crate) fn samples(&self) -> Vec<u32> {
-        let (mut of_strip, mut all) = (Vec::new(), Vec::new());
-        for strip in self.strips.iter().filter(|_| self.counts_samples()) {
+        let mut of_strip = Vec::new();
+        let strips = self.strips.iter().flat_map(|strip| {
             self.counter(strip, Counter::Samples, &mut of_strip);
-            all.extend_from_slice(&of_strip);
-        }
-        all
+            of_strip.clone()
+        });
+        strips.collect()
     }
 
     /// Returns the number of pixels whose noise fell below the limit of adaptive sampling before

@@ -25,7 +25,6 @@ use base::{Keyword, stop};
 use launches::{LaneRay, Launches, PixelBlock, trace};
 use scene::build::Sensor;
 use scene::config::{Image, RayOrder, Warps};
-use tracer::cost::Counter;
 use tracer::trace::Tracer;
 
 pub use launches::{LAUNCH_SIDE, LaneKind};
@@ -98,7 +97,7 @@ impl IdleLanes {
         report: OnProgress,
     ) -> Self {
         let view = View::new(tracer, sensor);
-        let n_samples = samples_of_pixels(film);
+        let n_samples = film.samples();
         let mut found = Self {
             sums: Default::default(),
             of_pixels: vec![f32::NAN; n_samples.len()],
@@ -218,14 +217,4 @@ fn add_to_pixels(rays: &[LaneRay], warp: u32, pixels: &mut [WarpSums]) {
             *pixel = pixel.with(sums);
         }
     }
-}
-
-/// Returns the number of samples of each pixel, row-major; 0 if it was not rendered.
-fn samples_of_pixels(film: &Film) -> Vec<u32> {
-    let mut of_strip = Vec::new();
-    let strips = film.strips.iter().flat_map(|strip| {
-        film.counter(strip, Counter::Samples, &mut of_strip);
-        of_strip.clone()
-    });
-    strips.collect()
 }
