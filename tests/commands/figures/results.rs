@@ -58,6 +58,11 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("trace", Results::trace),
     ("cache", Results::cache),
     ("waves", Results::waves),
+    ("sampling", Results::sampling),
+    ("sampling-plan", |of| {
+        let plan = of.0.get("sampling")?["plan"].as_f64()?;
+        Some(format!("{:.0} %", 100.0 * (plan - 1.0)))
+    }),
     ("ladder", Results::ladder),
     ("ladder-16", Results::ladder_on_16_cores),
     ("threads-16", Results::speedup_of_16_threads),
@@ -135,6 +140,41 @@ impl Results {
         let head = "\n\n| scene | `time` over `counters` | sum over tiles | windows that agree |\n\
                     |---|--:|--:|--:|\n";
         Some(format!("{head}{}\n", rows.collect::<Option<String>>()?))
+    }
+
+    /// A table of squared errors by the rules of adaptive sampling.
+    fn sampling(&self) -> Option<String> {
+        let plan = self.0.get("sampling")?["plan"].as_f64()?;
+        let all = self.list("sampling", "rows")?;
+        let ratio = |row: &Value, error: &str| {
+            let [ratio, low, high] = ["ratio", "low", "high"].map(|key| row[error][key].as_f64());
+            let [ratio, low, high] = [ratio?, low?, high?];
+            Some((ratio, format!("{ratio:.2} [{low:.2}, {high:.2}]")))
+        };
+        let of_scene = |by_efficiency: &Value| {
+            let scene = by_efficiency["scene"].as_str()?;
+            let is_other = |row: &&Value| row["scene"] == scene && row["rule"] == "noise";
+            let by_noise = all.iter().find(is_other)?;
+            let (linear, shown) = ratio(by_efficiency, "linear")?;
+            let (perceived, shown_perceived) = ratio(by_efficiency, "perceived")?;
+            let (noise, noise_perceived) = (
+                ratio(by_noise, "linear")?.0,
+                ratio(by_noise, "perceived")?.0,
+            );
+            let row = format!(
+                "| `{scene}` | {shown} | {:.2} | {noise:.2} | {shown_perceived} | {:.2} | {noise_perceived:.2} |\n",
+                plan * linear,
+                plan * perceived,
+            );
+            Some((linear, row))
+        };
+        let rows = all.iter().filter(|row| row["rule"] == "efficiency");
+        let mut rows = rows.map(of_scene).collect::<Option<Vec<_>>>()?;
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let rows: String = rows.into_iter().map(|(_, row)| row).collect();
+        let head = "\n\n| scene | by efficiency | with its plan | by noise | seen: by efficiency | with its plan | by noise |\n\
+                    |---|--:|--:|--:|--:|--:|--:|\n";
+        Some(format!("{head}{rows}\n"))
     }
 
     /// The table of the ladder's steps, and the steps that were left out.
