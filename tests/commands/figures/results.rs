@@ -24,6 +24,13 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("codec-zlib", |of| of.codec("zlib")),
     ("vtk-write", Results::vtk_write),
     ("embree", Results::embree),
+    ("embree-version", |of| of.version("embree")),
+    ("tinybvh", |of| {
+        let rows = of.list("tinybvh", "rows")?.iter();
+        let ratios = rows.map(|row| row["outcome"]["ratio"]["estimate"].as_f64());
+        range(ratios, "")
+    }),
+    ("tinybvh-version", |of| of.version("tinybvh")),
     ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
     ("embree-packets", |of| {
@@ -106,6 +113,12 @@ impl Results {
     /// A list in a file.
     fn list(&self, file: &str, key: &str) -> Option<&Vec<Value>> {
         self.0.get(file)?.get(key)?.as_array()
+    }
+
+    /// "4.4": the version of a peer in its race, without the patch.
+    fn version(&self, peer: &str) -> Option<String> {
+        let (version, _) = self.0.get(peer)?[peer].as_str()?.rsplit_once('.')?;
+        Some(version.to_owned())
     }
 
     /// "3 % [2, 4] in `spot`, …": the CPU time that measuring adds.
