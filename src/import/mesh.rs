@@ -95,7 +95,8 @@ impl Mesh {
     ) {
         let n = names.len();
         if n > MAX_NODES {
-            let note = format!("its {n} objects are not told apart: at most {MAX_NODES} are");
+            let note =
+                format!("its {n} objects are counted as one: at most {MAX_NODES} are kept apart");
             self.notes.push(note);
         } else if n > 0 {
             let short = |name: &str| name.chars().take(MAX_NODE_NAME).collect();

@@ -249,7 +249,9 @@ fn is_structural(message: &str) -> bool {
         "unknown key",
         "needs the key",
         "exactly one key",
-        "cannot lack",
+        "needs a shape",
+        "needs a size",
+        "needs an angle of view",
     ];
     is_of_one || of_keys.iter().any(|words| message.contains(words))
 }

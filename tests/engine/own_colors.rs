@@ -336,7 +336,7 @@ fn objects_of_an_obj_file_are_told_apart() {
         .collect::<String>();
     assert_eq!(names(&format!("{vertices}{many}"), objects), ["mesh 0"]);
     let read = read_mesh_with_materials(&folder.path().join("chair.obj"), 1 << 20).unwrap();
-    let expected = "its 4097 objects are not told apart: at most 4096 are";
+    let expected = "its 4097 objects are counted as one: at most 4096 are kept apart";
     assert!(
         read.notes.iter().any(|note| note == expected),
         "{:?}",

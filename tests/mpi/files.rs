@@ -52,7 +52,7 @@ fn a_copy_that_differs_is_refused() {
     for (change, expected) in [
         (
             "echo '# other' >> linked/wall.obj",
-            "the files of the scene differ from those of rank 0",
+            "the files of the scene differ from the files of rank 0",
         ),
         (
             "echo 'max_memory: 3' >> linked/matte.yaml",

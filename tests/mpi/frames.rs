@@ -126,7 +126,7 @@ animation: { fps: 2 }
     assert_refused(
         &output,
         2,
-        "the files of the scene differ from those of rank 0",
+        "the files of the scene differ from the files of rank 0",
     );
     assert!(job.path("out/frames/0000/summary.json").exists());
     assert!(!job.path("out/frames/0001/summary.json").exists());

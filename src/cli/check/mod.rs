@@ -54,8 +54,8 @@ pub(super) struct CheckArguments {
     #[arg(long)]
     json: bool,
 
-    /// Print the scene with every value, also those it leaves out: a scene file that gives the same
-    /// picture, for the folder of the scene
+    /// Print the scene with all values, defaults included: a scene file of the same picture, for the
+    /// folder of the scene
     #[arg(long, conflicts_with_all = ["json", "others", "crop"])]
     resolved: bool,
 }

@@ -15,7 +15,7 @@ pub(super) struct RunArguments {
     pub(super) threads: Option<u16>,
 
     /// Use at most this much memory, such as 4G or 500M [default: three quarters of what is
-    /// available]. A picture that needs more is written in pieces, by way of a file of tiles
+    /// available]. A picture that needs more is written in pieces
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     memory: Option<u64>,
 

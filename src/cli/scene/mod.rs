@@ -64,7 +64,7 @@ pub(in crate::cli) struct SceneArguments {
     spp: Option<u32>,
 
     /// Sample each pixel until its standard error is below this share of white, 0.0001 to 1, with
-    /// at most `--spp` samples [default of that: 65,536]: `image.adaptive` with `sampler: sobol`
+    /// at most `--spp` samples, 65,536 by default: `image.adaptive` with `sampler: sobol`
     #[arg(long, value_name = "NOISE", allow_negative_numbers = true, value_parser = noise)]
     until_noise: Option<f32>,
 

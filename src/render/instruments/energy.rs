@@ -56,7 +56,7 @@ impl EnergyMeters {
         let packages = self.packages.as_mut().ok()?;
         let joules: io::Result<f64> = packages.iter_mut().map(Package::lap).sum();
         if let Err(error) = &joules {
-            self.packages = Err(format!("no longer available: {error}"));
+            self.packages = Err(format!("not available any more: {error}"));
         }
         joules.ok()
     }

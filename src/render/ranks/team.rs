@@ -206,7 +206,7 @@ pub(super) fn meet(ranks: &Ranks, leader: Hello) -> Result<Vec<Hello>, (String, 
 /// Waits until all others have read the files of the scene, and compares their renderings.
 fn compare(ranks: &Ranks, hellos: &[Hello], header: &Header) -> Result<(), (String, RankFailure)> {
     let fault = |other: &Header| {
-        let message = "the files of the scene differ from those of rank 0";
+        let message = "the files of the scene differ from the files of rank 0";
         let is_foreign = other.foreign_to(header).is_some();
         is_foreign.then(|| RankFailure::input(message))
     };

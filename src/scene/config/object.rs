@@ -45,8 +45,7 @@ pub struct Object {
     /// The geometry.
     #[serde(flatten)]
     pub geometry: Geometry,
-    /// The name of the material; an object of many spheres may have several, and a mesh none, for
-    /// the materials of its file.
+    /// The name of the material; many spheres may have several, and a mesh none.
     #[serde(skip_serializing_if = "MaterialNames::is_of_file")]
     #[schemars(default)]
     pub material: MaterialNames,
@@ -162,7 +161,7 @@ impl<'de> Visitor<'de> for ObjectVisitor {
         }
         let geometry = geometry.ok_or_else(|| {
             let keys = GEOMETRIES.join("`, `");
-            A::Error::custom(format!("cannot lack a shape, expected one of `{keys}`"))
+            A::Error::custom(format!("needs a shape, expected one of `{keys}`"))
         })?;
         let of_file = matches!(
             geometry,

@@ -167,10 +167,7 @@ impl<V: FnMut(Node)> Walk<'_, V> {
             .filter(|(_, c)| is_strange(*c));
         let (offset, space) = strange.next().unwrap_or_default();
         let place = at + offset..at + offset + space.len_utf8();
-        let message = format!(
-            "a space other than that of the keyboard: U+{:04X}",
-            space as u32
-        );
+        let message = format!("a space that no keyboard types: U+{:04X}", space as u32);
         let fault = Fault::at_bytes(place, message, "expected a plain space");
         Err(fault.with_help("type it again: text that is copied from web pages has such spaces"))
     }

@@ -74,9 +74,8 @@ impl Cloud {
     /// Returns a note on the omitted points, if any.
     pub(super) fn note(&self) -> Option<String> {
         let [shown, all] = [self.len(), self.n_all].map(|n| count(n as u64));
-        (self.len() < self.n_all).then(|| {
-            format!("The cloud shows {shown} of {all} hit points: those of the shown pixels.")
-        })
+        (self.len() < self.n_all)
+            .then(|| format!("The cloud shows {shown} of {all} hit points, at the shown pixels."))
     }
 }
 

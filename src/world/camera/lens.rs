@@ -119,7 +119,7 @@ impl TryFrom<LensFields> for LensKeys {
             (Some(_), Some(_)) => {
                 return Err("cannot have two sizes, expected either `radius` or `f_number`");
             }
-            (None, None) => return Err("cannot lack a size, expected `radius` or `f_number`"),
+            (None, None) => return Err("needs a size, expected `radius` or `f_number`"),
         };
         let focus = match (fields.focus_distance, fields.focus_point) {
             (None, None) => Focus::Target,

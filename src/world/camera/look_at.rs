@@ -74,9 +74,7 @@ impl TryFrom<LookAtKeys> for LookAt {
                      expected either `fov_y_deg` or `focal_length_mm`");
             }
             (None, None) => {
-                return Err(
-                    "cannot lack an angle of view, expected `fov_y_deg` or `focal_length_mm`",
-                );
+                return Err("needs an angle of view, expected `fov_y_deg` or `focal_length_mm`");
             }
         };
         let basis = Basis::look_at(keys.eye, keys.target, keys.up)?;

@@ -129,10 +129,7 @@ fn a_large_rendering_is_subsampled_with_a_note() {
     let mut browser = Chromium::open(&viewed(folder.path()), WINDOW);
     let notes = browser.text("#notes");
     assert!(notes.contains("2,400 x 1,600 pixels"), "{notes}");
-    assert!(
-        notes.contains("hit points: those of the shown pixels"),
-        "{notes}"
-    );
+    assert!(notes.contains("hit points, at the shown pixels"), "{notes}");
     let [width, height] = [0, 1].map(|axis| {
         let n = browser.value(&format!(
             "JSON.parse(document.getElementById('about').textContent).size[{axis}]"
