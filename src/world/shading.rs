@@ -132,8 +132,7 @@ keywords! {
     pub enum LightSampling {
         /// Every light, with one ray each.
         Each = "each",
-        /// One light, chosen with a probability proportional to the light that would arrive at the
-        /// point if nothing were in the way; for more than 16 lights, to its power plus the mean power.
+        /// One light, by the light that would arrive unblocked; of more than 16 lights, by power.
         Power = "power",
     }
 }
@@ -142,14 +141,14 @@ keywords! {
     /// A shading model.
     #[derive(Default)]
     pub enum ShadingModel {
-        /// Blinn-Phong with shadows and Whitted's recursive reflection.
+        /// Shadows and Whitted's recursive reflection.
         #[default]
         BlinnPhong = "blinn_phong",
-        /// The model of the course's NumPy code, for comparison with it.
+        /// The course's program.
         Seed = "seed",
-        /// Ambient occlusion: the unoccluded fraction of the space around each point.
+        /// The unoccluded fraction of the space around each point.
         AmbientOcclusion = "ambient_occlusion",
-        /// Path tracing: all light that surfaces scatter to each other.
+        /// All light that surfaces scatter to each other.
         Path = "path",
     }
 }

@@ -1,8 +1,8 @@
-//! The reference of scene files has every key: its tables are made from the schema.
+//! The reference of scene files has every key: its lists are made from the schema.
 //!
-//! A table stands between `<!-- keys: film -->` and `<!-- /keys -->`, with the paths of one mapping or
+//! A list stands between `<!-- keys: film -->` and `<!-- /keys -->`, with the paths of one mapping or
 //! several: keys, and `*` for any name or item; `scene` for a whole scene and `study` for a whole study. `RAYCOST_BLESS=1 cargo test
-//! --test commands reference::` writes the tables anew.
+//! --test commands reference::` writes the lists anew.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -62,40 +62,80 @@ fn every_key_is_in_a_table() {
     assert!(missing.is_empty(), "no table has the keys of {missing:#?}");
 }
 
-/// Returns the table of the keys of the mappings at these paths.
+/// The paths of all tables.
+static SHOWN: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
+    let of_page = |text: String| {
+        let names = text.split(BEGIN).skip(1);
+        let paths = names.flat_map(|part| part.split(" -->").next().unwrap().split(' '));
+        paths.map(str::to_owned).collect::<Vec<_>>()
+    };
+    pages()
+        .into_iter()
+        .flat_map(|(_, text)| of_page(text))
+        .collect()
+});
+
+/// Returns the list of the keys of the mappings at these paths. A key has no row if it stands only for keys that are
+/// in a table.
 fn table(paths: &str) -> String {
-    let mut text = "\n| key | value | default | meaning |\n|---|---|---|---|\n".to_owned();
-    let is_one = !paths.contains(' ');
-    // Keys with the same cells share a row.
+    let mut text = "\n".to_owned();
+    let paths: Vec<&str> = paths.split(' ').collect();
+    let common = common_prefix(&paths);
+    // Keys with the same meaning share a row.
     let mut rows: Vec<(String, String)> = Vec::new();
-    for path in paths.split(' ') {
+    for path in &paths {
         let found = mappings(path);
         assert!(!found.is_empty(), "the schema has no keys at `{path}`");
-        let (_, name) = path.rsplit_once('.').unwrap_or_default();
+        let steps = path.trim_start_matches("scene").split('.').skip(common);
+        let below = steps.filter(|name| !name.is_empty() && *name != "*");
+        let below: String = below.map(|name| format!("{name}.")).collect();
         for mapping in found {
             for key in keys_of(mapping) {
-                let shown = if is_one || name == "*" {
-                    format!("`{key}`")
-                } else {
-                    format!("`{name}.{key}`")
+                let own = match *path {
+                    "scene" => key.clone(),
+                    path => format!("{path}.{key}"),
                 };
-                let cells = cells(mapping, key).map(|cell| cell.replace('|', "\\|"));
-                let cells = cells.join(" | ");
-                match rows.iter_mut().find(|(_, known)| *known == cells) {
-                    Some((keys, _)) if !is_one => write!(keys, ", {shown}").unwrap(),
-                    _ => rows.push((shown, cells)),
+                let is_shown = SHOWN.contains(&own) || SHOWN.contains(&format!("{own}.*"));
+                if is_shown && stands_for_keys(&mapping["properties"][key]) {
+                    continue;
+                }
+                let meaning = meaning(mapping, key);
+                match rows.iter_mut().find(|(_, known)| *known == meaning) {
+                    Some((keys, _)) if paths.len() > 1 => {
+                        write!(keys, ", `{below}{key}`").unwrap();
+                    }
+                    _ => rows.push((format!("`{below}{key}`"), meaning)),
                 }
             }
         }
     }
-    for (keys, cells) in rows {
-        writeln!(text, "| {keys} | {cells} |").unwrap();
+    for (keys, meaning) in rows {
+        writeln!(text, "- {keys}: {meaning}").unwrap();
     }
     text + "\n"
 }
 
-/// Returns the value, the default and the meaning of a key.
-fn cells(mapping: &Value, key: &String) -> [String; 3] {
+/// Whether a value has no other form than a mapping, or a list of mappings.
+fn stands_for_keys(of_key: &Value) -> bool {
+    kinds(of_key).into_iter().all(|kind| {
+        let is_mapping = |kind: &Value| kind["properties"].is_object() || kind["type"] == "null";
+        let items = kinds(&kind["items"]);
+        is_mapping(kind) || items.into_iter().all(is_mapping)
+    })
+}
+
+/// Returns the number of steps with which all paths begin.
+fn common_prefix(paths: &[&str]) -> usize {
+    let first: Vec<&str> = paths[0].split('.').collect();
+    let begins = |n: usize| {
+        let is_below = |path: &&str| path.split('.').take(n).eq(first[..n].iter().copied());
+        paths.iter().all(is_below)
+    };
+    (0..=first.len()).rev().find(|n| begins(*n)).unwrap_or(0)
+}
+
+/// Returns the value of a key with its default, and what it means, unless the key says that itself.
+fn meaning(mapping: &Value, key: &String) -> String {
     let of_key = &mapping["properties"][key];
     let description = of_key["description"].as_str().unwrap_or_default();
     let (meaning, expected) = match description.split_once("Expected: ") {
@@ -106,46 +146,53 @@ fn cells(mapping: &Value, key: &String) -> [String; 3] {
     let required = mapping["required"].as_array();
     let is_required = required.is_some_and(|required| required.iter().any(|name| name == key));
     let default = match &of_key["default"] {
-        Value::Null if is_required => "required".to_owned(),
-        Value::Null => said.unwrap_or_default(),
+        Value::Null if is_required => Some("required".to_owned()),
+        Value::Null => said,
         default => {
             let default = match default {
                 Value::String(word) => format!("`{word}`"),
                 default => format!("`{default}`").replace(',', ", "),
             };
             said.filter(|said| said.starts_with(&default))
-                .unwrap_or(default)
+                .or(Some(default))
         }
     };
-    let meaning = without_range(&meaning, expected);
+    let mut value = value(expected);
+    let meaning = without_range(&meaning, &value);
     let words = kinds(of_key).into_iter().filter_map(|kind| {
         let word = kind["const"].as_str()?;
         let text = kind["description"].as_str()?.trim_end_matches('.');
         Some(format!("`{word}`: {text}."))
     });
-    let meaning: Vec<String> = [meaning].into_iter().chain(words).collect();
-    [
-        value(expected),
-        default,
-        meaning.join(" ").replace('\n', " "),
-    ]
+    let words: Vec<String> = words.collect();
+    let listed = value.split(", ").flat_map(|words| words.split(" or "));
+    let is_explained = |word: &str| {
+        words
+            .iter()
+            .any(|text| text.starts_with(&format!("{word}:")))
+    };
+    if listed.into_iter().all(is_explained) {
+        value = "a choice".to_owned();
+    }
+    let default = default.map(|default| format!(" ({default})"));
+    let value = format!("{value}{}.", default.unwrap_or_default());
+    let is_new = meaning.to_lowercase() != format!("the {}.", key.replace('_', " "));
+    let meaning = is_new.then_some(meaning);
+    let sentences: Vec<String> = [value].into_iter().chain(meaning).chain(words).collect();
+    sentences.join(" ").replace('\n', " ")
 }
 
 /// Leaves out a range of the meaning that the value states.
-fn without_range(meaning: &str, expected: &str) -> String {
-    const RANGES: [[&str; 2]; 4] = [
-        [", 0 to 1", "from 0 to 1"],
-        [", greater than 0", "greater than 0"],
-        [", at least 0", "at least 0"],
-        [", 0 to 255", "from 0 to 255"],
-    ];
-    let (kind, _) = expected.split_once(" (").unwrap_or((expected, ""));
-    let stated = RANGES
-        .into_iter()
-        .filter(|[_, stated]| kind.ends_with(stated));
-    stated.fold(meaning.to_owned(), |text, [range, _]| {
-        [".", ";", ":"].into_iter().fold(text, |text, end| {
-            text.replace(&format!("{range}{end}"), end)
+fn without_range(meaning: &str, value: &str) -> String {
+    let (range, _) = value.split_once(" (").unwrap_or((value, ""));
+    let range = range.trim_start_matches("whole, ");
+    let range = range.replace("above 0", "greater than 0");
+    let joints = [", from ", " from ", ", "];
+    let stated = joints.map(|joint| format!("{joint}{range}"));
+    let ends = [".", ",", ";", ":"];
+    stated.iter().fold(meaning.to_owned(), |text, stated| {
+        ends.into_iter().fold(text, |text, end| {
+            text.replace(&format!("{stated}{end}"), end)
         })
     })
 }
@@ -157,7 +204,7 @@ fn plain_type(schema: &Value) -> &str {
     match () {
         () if has("object") => "keys",
         () if has("array") => "a list",
-        () if has("boolean") => "`true` or `false`",
+        () if has("boolean") => "boolean",
         () => "text",
     }
 }
@@ -165,9 +212,10 @@ fn plain_type(schema: &Value) -> &str {
 /// Leaves out bounds that are those of all numbers, says kinds in few words, and marks examples in braces and
 /// brackets as code, which Markdown would read otherwise.
 fn value(expected: &str) -> String {
-    const BOUNDS: [[&str; 2]; 13] = [
+    const BOUNDS: [[&str; 2]; 15] = [
         [" (1e-15 to 1e15)", ""],
         [" (at most 1e15)", ""],
+        [" (at most 1e20)", ""],
         [" from -1e15 to 1e15", ""],
         ["from 0 to 18446744073709551615", "of at least 0"],
         ["from 0 to 4294967295", "of at least 0"],
@@ -182,9 +230,11 @@ fn value(expected: &str) -> String {
         ["a whole number of at least ", "whole, at least "],
         ["a point [", "["],
         ["a direction [", "["],
+        ["a text", "text"],
     ];
     let plain = |text: String, [bounds, words]: [&str; 2]| text.replace(bounds, words);
     let expected = BOUNDS.into_iter().fold(expected.to_owned(), plain);
+    let expected = without_noun(expected);
     let mut text = String::new();
     let mut depth = 0;
     for c in expected.chars() {
@@ -199,6 +249,19 @@ fn value(expected: &str) -> String {
         }
     }
     text
+}
+
+/// Leaves out the noun of a range and of an example, which the meaning repeats.
+fn without_noun(expected: String) -> String {
+    if let Some((_, range)) = expected.rsplit_once(" from ")
+        && range.starts_with(|c: char| c.is_ascii_digit() || c == '-')
+    {
+        return range.to_owned();
+    }
+    match expected.split_once(" such as ") {
+        Some((noun, example)) if !noun.contains([',', '`']) => format!("as {example}"),
+        _ => expected,
+    }
 }
 
 /// Splits a doc comment into its meaning and the default that it states at its end.

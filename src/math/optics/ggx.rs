@@ -23,10 +23,10 @@ keywords! {
     /// does not reach), both by Smith's function.
     #[derive(Default)]
     pub enum Masking {
-        /// Facets in hollows are both masked and shadowed: as in pbrt and Blender's Cycles.
+        /// As in pbrt and Blender's Cycles.
         #[default]
         HeightCorrelated = "height_correlated",
-        /// Uncorrelated, which is darker: as in Mitsuba.
+        /// Darker, as in Mitsuba.
         Separable = "separable",
     }
 }

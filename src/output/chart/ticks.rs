@@ -6,10 +6,10 @@ keywords! {
     /// The scale of colors or of an axis.
     #[derive(Default)]
     pub enum Scale {
-        /// Logarithmic; for positive values.
+        /// For positive values.
         #[default]
         Logarithmic = "log",
-        /// Linear; for changes, around zero, and for data.
+        /// For changes around zero.
         Linear = "linear",
     }
 }

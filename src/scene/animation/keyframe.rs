@@ -36,7 +36,7 @@ keywords! {
         /// By the same amount in each frame.
         #[default]
         Linear = "linear",
-        /// By a cubic curve that begins and ends at rest and never goes beyond the two values.
+        /// By a cubic curve that begins and ends at rest.
         Smooth = "smooth",
     }
 }

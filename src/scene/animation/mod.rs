@@ -51,13 +51,13 @@ pub struct Animation {
     /// series.
     #[serde(default, with = "values::Between::<1, MAX_FRAMES>")]
     pub frames: Option<u32>,
-    /// Frames per second of the video, and of time if no data series gives it; 24 by default.
+    /// Frames per second; 24 by default.
     #[serde(default = "default_fps", with = "FramesPerSecond")]
     pub fps: f32,
     /// The interpolation between keyframes that do not specify one.
     #[serde(default)]
     pub interpolation: Interpolation,
-    /// Lists of keyframes, by the path of the value that they change.
+    /// Keyframes by the path of the value that they change.
     #[serde(default)]
     pub keyframes: IndexMap<String, Vec<Keyframe>>,
     /// Moves the camera around its target.

@@ -16,10 +16,10 @@ keywords! {
     /// A rule that gives pixels their numbers of samples.
     #[derive(Default)]
     pub enum SampleRule {
-        /// More samples while the standard error of the pixel is above `noise`
+        /// While the standard error is above `noise`
         #[default]
         Noise = "noise",
-        /// The root of variance over cost, as the first samples of the pixel's neighbors show it
+        /// By the root of variance over cost of the pixel's neighbors
         Efficiency = "efficiency",
     }
 }
@@ -37,16 +37,14 @@ keywords! {
 #[schemars(transform = world::values::expected::<Self>)]
 #[serde(deny_unknown_fields, expecting = "a limit such as { noise: 0.01 }")]
 pub struct Adaptive {
-    /// The rule that gives a pixel its number of samples; `noise` if not given.
+    /// The rule by which pixels get samples; `noise` if not given.
     #[serde(default, skip_serializing_if = "SampleRule::is_default")]
     pub by: SampleRule,
-    /// The standard error of a pixel's channels below which it gets no more samples, as a
-    /// share of white in a picture with a gamma of 2, from 0.0001 to 1. Needed by `by: noise`, and
-    /// only there.
+    /// With `by: noise`, the standard error of a channel below which a pixel gets no more samples,
+    /// as a share of white in a picture with a gamma of 2, from 0.0001 to 1.
     #[serde(with = "Noise", default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<f32>,
-    /// Samples that each pixel gets, at least 2 and at most the image's samples per pixel;
-    /// 16 if not given.
+    /// Samples that each pixel gets, at most the image's samples per pixel; 16 if not given.
     #[serde(with = "values::Between::<2, MAX_SAMPLES>", default = "sixteen")]
     pub min_samples: u32,
 }

@@ -112,12 +112,9 @@ impl fmt::Display for GeometryFile {
     expecting = "a mesh such as { file: meshes/spot.obj }"
 )]
 pub struct MeshFile {
-    /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtu`, a list of ParaView, `.pvd` or `.vtu.series`, or a VTKHDF file with
-    /// several.
+    /// The file, relative to the scene file's folder, or a data series: `step_%04d.vtu`, `.pvd`.
     pub file: PathBuf,
-    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
-    /// frames, if not given.
+    /// The time step of a VTKHDF file or a `.pvd`, from 0; all of them, as frames, if not given.
     #[serde(default, with = "Step")]
     pub step: Option<usize>,
     /// The shading normals.
@@ -153,16 +150,12 @@ pub struct MeshFile {
     expecting = "spheres such as { file: particles.csv, radius: 0.01 }"
 )]
 pub struct SpheresFile {
-    /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtp`, a list of ParaView, `.pvd` or `.vtp.series`, or a VTKHDF file with
-    /// several.
+    /// The file, relative to the scene file's folder, or a data series: `step_%04d.vtp`, `.pvd`.
     pub file: PathBuf,
-    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
-    /// array of radii at the points: a column of a table.
+    /// The radius, if the table has no column `r`; or an array of radii.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
-    /// frames, if not given.
+    /// The time step of a VTKHDF file or a `.pvd`, from 0; all of them, as frames, if not given.
     #[serde(default, with = "Step")]
     pub step: Option<usize>,
 }
@@ -188,16 +181,12 @@ pub struct SpheresFile {
     expecting = "tubes such as { file: streamlines.vtp, radius: 0.01 }"
 )]
 pub struct TubesFile {
-    /// The file, relative to the scene file's folder; or one for each time step:
-    /// `step_%04d.vtp`, a list of ParaView, `.pvd` or `.vtp.series`, or a VTKHDF file with
-    /// several.
+    /// The file, relative to the scene file's folder, or a data series: `step_%04d.vtp`, `.pvd`.
     pub file: PathBuf,
-    /// The radius of all spheres or tubes, greater than 0, if the table has no column `r`; or an
-    /// array of radii at the points: a column of a table.
+    /// The radius, if the table has no column `r`; or an array of radii.
     #[serde(default)]
     pub radius: Option<PointRadius>,
-    /// The time step of a VTKHDF file or a `.pvd` with several, counted from 0; all of them, as
-    /// frames, if not given.
+    /// The time step of a VTKHDF file or a `.pvd`, from 0; all of them, as frames, if not given.
     #[serde(default, with = "Step")]
     pub step: Option<usize>,
 }

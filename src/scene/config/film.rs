@@ -26,7 +26,7 @@ use world::values::{self, Number};
     expecting = "a film such as { exposure: 1, tone_curve: agx }"
 )]
 pub struct FilmSettings {
-    /// Stops, -32 to 32, each of which doubles the light; 0 if not given.
+    /// Stops, each of which doubles the light; 0 if not given.
     #[serde(with = "Stops")]
     pub exposure: f32,
     /// The tone curve; none if not given.
@@ -36,9 +36,8 @@ pub struct FilmSettings {
     /// Bits per channel of `image.png`, 8 or 16; 8 if not given.
     #[serde(with = "Bits")]
     pub bits: u8,
-    /// The greatest value of a channel of a sample, greater than 0: brighter ones are limited before
-    /// the mean is taken, which removes single bright pixels and some light; none, and 1 for the
-    /// shading model `seed`, by default.
+    /// The greatest value of a channel of a sample, greater than 0, which removes single bright
+    /// pixels and some light; none, and 1 for the shading model `seed`, by default.
     #[serde(with = "values::Positive")]
     pub sample_limit: Option<f32>,
 }

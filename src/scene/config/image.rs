@@ -28,13 +28,13 @@ pub const MAX_SIDE: u32 = 65_535;
     expecting = "a size such as { width: 400, height: 300 }"
 )]
 pub struct Image {
-    /// Columns, 1 to 65,535.
+    /// Columns.
     #[serde(with = "values::Count::<MAX_SIDE>")]
     pub width: u32,
-    /// Rows, 1 to 65,535.
+    /// Rows.
     #[serde(with = "values::Count::<MAX_SIDE>")]
     pub height: u32,
-    /// Camera rays through each pixel, 1 to 65,536; 1 if not given.
+    /// Camera rays through each pixel.
     #[serde(with = "values::Count::<MAX_SAMPLES>", default = "values::one")]
     pub samples_per_pixel: u32,
     /// Seed of the sampling pattern; 0 if not given.

@@ -65,7 +65,7 @@ pub enum InstancePlaces {
 struct InstanceKeys {
     /// The mesh.
     mesh: MeshFile,
-    /// The places of the instances, at least one: for each a list of steps as in `transform`.
+    /// For each instance a list of steps as in `transform`.
     #[serde(default, with = "Places")]
     places: Option<Vec<Vec<TransformStep>>>,
     /// Instead of `places`, a table or a VTK file: an instance at each of its points.
@@ -134,10 +134,10 @@ kinds! {
 pub struct PlacePoints {
     /// The file, relative to the scene file's folder.
     pub file: PathBuf,
-    /// The scale of all instances, other than 0; of a VTK file also an array at its points.
+    /// The scale of all instances; of a VTK file also an array.
     #[serde(default)]
     pub scale: PlaceScale,
-    /// The array of vectors at the points of a VTK file to which the x axis of the mesh is turned.
+    /// The array of vectors to which the x axis of the mesh is turned.
     #[serde(default)]
     pub orient: Option<OrientArray>,
 }

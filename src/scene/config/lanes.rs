@@ -39,11 +39,11 @@ keywords! {
         Tiles = "tiles",
         /// Along a Morton curve
         Morton = "morton",
-        /// In raycost's tiles and in blocks of 4 x 4 pixels in these, as its waves hold them
+        /// As raycost's waves hold pixels: tile by tile, in blocks of 4 x 4
         Waves = "waves",
-        /// By the signs of the direction, then in tiles of 8 x 4 pixels
+        /// By the signs of the direction, then as in `tiles`
         Octant = "octant",
-        /// By the material that the ray starts from, then in tiles of 8 x 4 pixels
+        /// By the material that it starts from, then as in `tiles`
         Material = "material",
     }
 }

@@ -125,7 +125,7 @@ pub struct Config {
     /// How the picture is divided among threads.
     #[serde(default)]
     pub tiles: Tiling,
-    /// The optional outputs, in addition to the files of every run, and the arrays of these.
+    /// The optional outputs, and the arrays of VTK files.
     #[serde(default)]
     #[schemars(extend("default" = NO_OUTPUTS))]
     pub output: Outputs,

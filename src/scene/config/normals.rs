@@ -20,11 +20,10 @@ use world::values::{Number, WordChoice, WordOr};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(from = "WordOr<NormalsWord, NormalsKeys>")]
 pub enum MeshNormals {
-    /// The normals in the file, or flat normals if it has none; for an isosurface, the normals from
-    /// the gradient.
+    /// The normals in the file, else flat ones; of an isosurface, from the gradient.
     #[default]
     File,
-    /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are any.
+    /// The means of the adjacent triangles' normals.
     Smooth(Option<Creases>),
     /// The geometric normals of the triangles.
     Flat,
@@ -47,11 +46,9 @@ kinds! {
 keywords! {
     /// Normals as a word.
     enum NormalsWord {
-        /// The normals in the file, or flat normals if it has none; for an isosurface, the normals
-        /// from the gradient.
+        /// The normals in the file, else flat ones; of an isosurface, from the gradient.
         File = "file",
-        /// At each vertex the mean of the adjacent triangles' normals, up to creases if there are
-        /// any.
+        /// The means of the adjacent triangles' normals.
         Smooth = "smooth",
         /// The geometric normals of the triangles.
         Flat = "flat",

@@ -22,8 +22,7 @@ use world::values::Count;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema)]
 #[schemars(rename_all = "snake_case", transform = world::values::expected::<Self>)]
 pub enum Repeats {
-    /// If pixels are timed, up to five times, within half a second and with at
-    /// most 64 MiB of samples. Otherwise once.
+    /// If pixels are timed, up to five times within half a second, otherwise once.
     #[default]
     Auto,
     /// Exactly this many times.

@@ -34,12 +34,12 @@ keywords! {
     /// The order in which threads take tiles.
     #[derive(Default)]
     pub enum TileOrder {
-        /// Row by row, from the top left
+        /// Row by row
         #[default]
         Scanline = "scanline",
-        /// Along a Hilbert curve, where consecutive tiles are neighbors
+        /// Along a Hilbert curve
         Hilbert = "hilbert",
-        /// The most expensive first, estimated from a few rays through each
+        /// The most expensive first
         Cost = "cost",
     }
 }

@@ -32,7 +32,7 @@ pub struct Tube {
 struct TubeKeys {
     /// The points, at least two of which differ.
     points: Vec<LinePoint>,
-    /// The radius, greater than 0, or a list with one per point.
+    /// The radius, or one for each point.
     #[serde(with = "Radius")]
     radius: OneOrList,
 }

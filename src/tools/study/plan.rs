@@ -36,7 +36,7 @@ pub struct StudyPlan {
     /// Scene files, relative to the study's folder; at least one.
     #[serde(with = "Scenes")]
     pub scenes: Vec<PathBuf>,
-    /// The factors that are crossed: each level of one with each level of the others.
+    /// The factors that are crossed.
     #[serde(default)]
     pub vary: Vary,
     /// Levels that change together, such as the image size with the threads; each case is crossed

@@ -24,20 +24,16 @@ use world::values::{Either, Text, expected};
 pub struct PlotSpec {
     /// The factor or metric along the horizontal axis.
     pub x: String,
-    /// The metrics along the vertical axis, of one unit: medians with their confidence intervals.
-    /// In YAML one name or a list of names.
+    /// The metrics along the vertical axis, of one unit.
     #[serde(with = "Names")]
     pub y: Vec<String>,
-    /// The factors that distinguish series; if not given, the factors without which a series would
-    /// have several points at one `x`.
+    /// The factors that distinguish series.
     #[serde(default)]
     pub by: Option<Vec<String>>,
-    /// The scale of both axes: `log`, which is linear if a value is 0, or `linear`, from 0;
-    /// logarithmic if not given.
+    /// The scale of both axes; logarithmic if not given.
     #[serde(default)]
     pub scale: Scale,
-    /// If true, draws a horizontal bar for each median, one below the other, with the speedups of
-    /// steps beside them.
+    /// If true, draws a bar for each median, with the speedups of steps.
     #[serde(default)]
     pub bars: bool,
     /// If true, fits a law of the cost, a + b n^k, to each series.

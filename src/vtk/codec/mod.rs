@@ -25,12 +25,12 @@ keywords! {
     /// ```
     #[derive(Default)]
     pub enum Codec {
-        /// No compression: supported by every reader of VTK files
+        /// Read by every reader of VTK files
         #[default]
         None = "none",
-        /// Fast; supported by ParaView and other programs built on VTK
+        /// Fast; read by VTK and ParaView
         Lz4 = "lz4",
-        /// Smaller; also supported by vtk.js
+        /// Smaller; read by vtk.js, too
         Zlib = "zlib",
     }
 }

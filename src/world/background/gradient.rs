@@ -11,10 +11,10 @@ use math::simd::{Real, Vector};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "two colors: { bottom: …, top: … }")]
 pub struct Gradient {
-    /// The color straight down, each channel at least 0.
+    /// The color straight down.
     #[serde(with = "values::Radiance")]
     pub bottom: Vec3,
-    /// The color straight up, each channel at least 0.
+    /// The color straight up.
     #[serde(with = "values::Radiance")]
     pub top: Vec3,
 }

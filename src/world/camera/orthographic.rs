@@ -28,7 +28,7 @@ pub struct Orthographic {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OrthographicKeys {
-    /// A point of the plane where the view begins, in the middle of the picture.
+    /// The middle of the plane where the view begins.
     #[serde(with = "values::Point")]
     eye: DVec3,
     /// Another point in the middle of the picture.

@@ -31,8 +31,7 @@ keywords! {
         /// In the centers of `width * height` equal cells.
         #[default]
         Centers = "centers",
-        /// In equal steps from edge to edge, both included, as in the course's NumPy model. An
-        /// image that is one pixel wide or high samples the left or top edge.
+        /// In equal steps from edge to edge, both included, as in the course's program.
         Edges = "edges",
     }
 }

@@ -16,7 +16,7 @@ macro_rules! maps {
             /// Colors for numbers.
             #[derive(Default)]
             pub enum ColorMap {
-                /// From blue over gray to red: ParaView's Cool to Warm
+                /// Blue, gray, red, as in ParaView
                 #[default]
                 CoolToWarm = "cool_to_warm",
                 $($(#[doc = $doc])* $kind = $name,)*
@@ -47,41 +47,41 @@ macro_rules! maps {
 
 maps! {
     gradients {
-        /// From violet over green to yellow
+        /// Violet, green, yellow
         Viridis "viridis" = VIRIDIS,
-        /// From black over red to pale yellow
+        /// Black, red, pale yellow
         Inferno "inferno" = INFERNO,
-        /// From black over purple to pale yellow
+        /// Black, purple, pale yellow
         Magma "magma" = MAGMA,
-        /// From blue over purple to yellow
+        /// Blue, purple, yellow
         Plasma "plasma" = PLASMA,
-        /// From blue to yellow, for all kinds of color vision
+        /// Blue to yellow, for all kinds of color vision
         Cividis "cividis" = CIVIDIS,
         /// A rainbow of smooth lightness
         Turbo "turbo" = TURBO,
-        /// From black to white in a spiral of hues
+        /// Black to white through hues
         Cubehelix "cubehelix" = CUBEHELIX,
-        /// From white to black
+        /// White to black
         Greys "greys" = GREYS,
-        /// From white to blue
+        /// White to blue
         Blues "blues" = BLUES,
-        /// From white to red
+        /// White to red
         Reds "reds" = REDS,
-        /// From red over white to blue: matplotlib's RdBu
+        /// Red, white, blue
         RedBlue "red_blue" = RED_BLUE,
-        /// From orange over white to purple: matplotlib's PuOr
+        /// Orange, white, purple
         PurpleOrange "purple_orange" = PURPLE_ORANGE,
-        /// From red over yellow to blue
+        /// Red, yellow, blue
         Spectral "spectral" = SPECTRAL,
     }
     categories {
-        /// Ten colors for categories
+        /// Ten categories
         Tableau10 "tableau10" = TABLEAU10,
-        /// Nine strong colors for categories
+        /// Nine strong colors
         Set1 "set1" = SET1,
-        /// Eight soft colors for categories
+        /// Eight soft colors
         Set2 "set2" = SET2,
-        /// Twelve colors for categories, in pairs
+        /// Twelve, in pairs
         Paired "paired" = PAIRED,
     }
 }

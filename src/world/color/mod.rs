@@ -41,7 +41,7 @@ keywords! {
         /// Of sRGB displays (IEC 61966-2-1)
         #[default]
         Srgb = "srgb",
-        /// None: the numbers are proportional to the light
+        /// Numbers proportional to the light
         Linear = "linear",
     }
 }

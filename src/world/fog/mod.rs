@@ -31,21 +31,19 @@ pub use sphere::FogSphere;
     expecting = "fog such as { mean_free_path: 10, color: 0.8 }"
 )]
 pub struct Fog {
-    /// The distance in world units, greater than 0, at which a fraction of 1/e of the light is
-    /// left.
+    /// The distance at which 1/e of the light is left.
     #[serde(with = "values::Positive")]
     pub mean_free_path: f32,
-    /// The color; white by default. In path tracing, the fraction of the light that the particles
-    /// scatter rather than absorb (the albedo). In `blinn_phong`, the color that distant objects
-    /// fade to.
+    /// In path tracing, the share of light that particles scatter; in `blinn_phong`, the color that
+    /// distant objects fade to.
     #[serde(default = "values::white", with = "values::Color")]
     pub color: Vec3,
-    /// The mean cosine of the angle by which particles scatter light, -0.99 to 0.99, in path
-    /// tracing: greater than 0 for forward; 0, the same in all directions, by default.
+    /// The mean cosine of the angle by which particles scatter, above 0 for forward, in path
+    /// tracing; 0, the same in all directions, by default.
     #[serde(default, with = "Anisotropy")]
     pub anisotropy: f32,
-    /// The radius of the sphere of fog around the center of the objects; by default, the smallest
-    /// sphere that contains all bounded objects and the camera.
+    /// The radius of the fog around the center of the objects; by default it holds the objects and
+    /// the camera.
     #[serde(default, with = "values::Positive")]
     pub radius: Option<f32>,
 }

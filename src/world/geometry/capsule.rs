@@ -38,8 +38,7 @@ pub struct Capsule {
 pub struct CapsuleKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
-    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
-    /// which one may be 0; of a capsule one number, or one for each end.
+    /// The radius, or one for each end.
     #[serde(with = "values::Radii")]
     radius: [f32; 2],
 }

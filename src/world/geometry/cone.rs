@@ -35,8 +35,7 @@ pub struct Cone {
 pub struct ConeKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
-    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
-    /// which one may be 0; of a capsule one number, or one for each end.
+    /// The radius at each end; one may be 0.
     #[serde(with = "values::ConeRadii")]
     radius: [f32; 2],
 }

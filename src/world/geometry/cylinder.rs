@@ -28,8 +28,7 @@ pub struct Cylinder(Cone);
 pub struct CylinderKeys {
     /// The centers of the two ends, which differ.
     ends: EndKeys,
-    /// The radius, greater than 0: of a cylinder one number; of a cone one for each end, of
-    /// which one may be 0; of a capsule one number, or one for each end.
+    /// The radius.
     #[serde(with = "values::Positive")]
     radius: f32,
 }

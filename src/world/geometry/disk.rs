@@ -39,7 +39,7 @@ pub struct DiskKeys {
     /// The center.
     #[serde(with = "values::Point")]
     center: DVec3,
-    /// The unit normal; the file may give any length but zero.
+    /// The normal.
     #[serde(with = "values::Direction")]
     normal: Vec3,
     /// The radius, greater than 0.

@@ -35,7 +35,7 @@ pub struct PlaneKeys {
     /// One of its points.
     #[serde(with = "values::Point")]
     point: DVec3,
-    /// The unit normal; the file may give any length but zero.
+    /// The normal.
     #[serde(with = "values::Direction")]
     normal: Vec3,
 }

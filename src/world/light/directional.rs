@@ -20,11 +20,10 @@ use math::simd::{Real, Vector};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
-    /// The direction in which the light travels, a unit vector; the file may give any length but
-    /// zero.
+    /// The direction in which the light travels.
     #[serde(with = "values::Direction")]
     pub direction: Vec3,
-    /// The color, each channel at least 0; white by default.
+    /// The color; white by default.
     #[serde(with = "values::Radiance", default = "values::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.

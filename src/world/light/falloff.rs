@@ -7,7 +7,7 @@ keywords! {
     /// The falloff of a light with the distance `d` from it.
     #[derive(Default)]
     pub enum Falloff {
-        /// None: independent of the distance.
+        /// Independent of the distance.
         #[default]
         None = "none",
         /// 1 / d: weaker than in nature.

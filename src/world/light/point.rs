@@ -24,7 +24,7 @@ pub struct PointLight {
     /// The position.
     #[serde(with = "values::Point")]
     pub position: DVec3,
-    /// The color, each channel at least 0; white by default.
+    /// The color; white by default.
     #[serde(with = "values::Radiance", default = "values::white")]
     pub color: Vec3,
     /// A factor on the color, at least 0; 1 by default.

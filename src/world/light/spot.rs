@@ -53,7 +53,7 @@ struct SpotKeys {
     /// The outer fraction of the angle, in which the light fades, 0 to 1; 0.1 by default.
     #[serde(with = "values::Fraction", default = "soft_edge")]
     soft_edge: f32,
-    /// The color, each channel at least 0; white by default.
+    /// The color; white by default.
     #[serde(with = "values::Radiance", default = "values::white")]
     color: Vec3,
     /// A factor on the color, at least 0; 1 by default.

@@ -78,8 +78,7 @@ struct ArrayKeys {
     /// The component of a vector array, counted from 0; the magnitude by default.
     #[serde(default, with = "values::Between::<0, MAX_COMPONENT>")]
     component: Option<u32>,
-    /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
-    /// if it has both.
+    /// The kind of the array; by default, whichever the file has.
     #[serde(default)]
     of: Option<ArrayOf>,
     /// The colors.
@@ -116,11 +115,10 @@ struct CategoryLabel(#[serde(with = "values::Name")] String);
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(rename_all = "snake_case")]
 pub enum ArrayRange {
-    /// The least and the greatest number of the data of the material's objects, as in ParaView:
-    /// in all blocks, on their surfaces or in the interior.
+    /// The least and the greatest number of the data of the material's objects.
     #[default]
     Data,
-    /// The 1 % and the 99 % quantiles of these numbers, so that a few do not hide the others.
+    /// The 1 % and the 99 % quantiles of these numbers.
     Quantiles,
     /// Given numbers, ascending.
     #[serde(untagged)]

@@ -30,9 +30,9 @@ impl ArrayChoice {
 keywords! {
     /// The elements that an array has values for.
     pub enum ArrayOf {
-        /// Points: interpolated between them.
+        /// Interpolated between points.
         Points = "points",
-        /// Cells: constant on each cell.
+        /// Constant on each cell.
         Cells = "cells",
     }
 }

@@ -30,8 +30,7 @@ pub struct Checker {
     /// Side length of a cell in world units.
     #[serde(with = "values::ExactPositive")]
     pub size: f64,
-    /// The axes along which the colors alternate; all by default. A floor at the
-    /// boundary of two cells in y needs `xz`: rounding would mix their colors.
+    /// The axes along which the colors alternate; a floor needs `xz`.
     #[serde(default)]
     pub axes: Axes,
     /// The rounding of coordinates to cell indices.
@@ -62,10 +61,10 @@ keywords! {
     /// The rounding of coordinates to cell indices.
     #[derive(Default)]
     pub enum Rounding {
-        /// Toward negative infinity: all cells have the same size.
+        /// Down: all cells have the same size.
         #[default]
         Floor = "floor",
-        /// Toward zero, as in the course's NumPy model: the cells at zero are twice as wide.
+        /// Toward zero, as in the course's program.
         Truncate = "truncate",
     }
 }

@@ -20,15 +20,13 @@ use crate::values::{self, Number};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = values::expected::<Self>))]
 #[serde(deny_unknown_fields, expecting = "a medium such as { index: 1.5 }")]
 pub struct Dielectric {
-    /// The index of refraction, from 1 (vacuum) to 10.
+    /// The index of refraction: 1.33 for water, 1.5 for glass.
     #[serde(with = "Index")]
     pub index: f32,
-    /// The absorption coefficient of each channel per world unit, at least 0: light is
-    /// weakened by `exp(-absorption * distance)`, the law of Beer and Lambert.
+    /// The absorption coefficient of each channel per world unit, by the law of Beer and Lambert.
     #[serde(with = "values::Radiance", default)]
     pub absorption: Vec3,
-    /// Where media overlap, the one with the highest priority counts; of equal ones the one that
-    /// the ray entered last.
+    /// Where media overlap, the highest priority counts.
     #[serde(with = "values::Byte", default)]
     pub priority: u8,
 }

@@ -266,14 +266,14 @@ impl Material {
     )
 )]
 struct MaterialKeys {
-    /// The color of the diffuse reflection; white by default for a medium or a metal.
+    /// The color of the diffuse reflection.
     #[serde(default)]
     color: Option<Texture>,
-    /// Fraction of the scene's ambient light, 0 to 1; 1 by default, 0 for a medium or a metal.
+    /// Fraction of the scene's ambient light, 0 to 1; 0 by default for a medium or a metal.
     #[serde(default, with = "values::Fraction")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     ambient: Option<f32>,
-    /// Fraction of the diffuse light, 0 to 1; 1 by default, 0 for a medium or a metal.
+    /// Fraction of the diffuse light, 0 to 1; 0 by default for a medium or a metal.
     #[serde(default, with = "values::Fraction")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     diffuse: Option<f32>,
@@ -285,15 +285,14 @@ struct MaterialKeys {
     #[serde(default, with = "values::NonNegative")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 50)))]
     exponent: Option<f32>,
-    /// Fraction of the mirrored ray's light, 0 to 1; 0 by default. Not used for a medium or a
-    /// metal, which reflect light by Fresnel's equations.
+    /// Fraction of the mirrored ray's light, 0 to 1, not of a medium or a metal; 0 by default.
     #[serde(default, with = "values::Fraction")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 0)))]
     reflection: Option<f32>,
     /// The medium inside the surface, if light enters it.
     #[serde(default)]
     dielectric: Option<Dielectric>,
-    /// The metal of the surface, which mirrors in its color.
+    /// The metal.
     #[serde(default)]
     conductor: Option<Conductor>,
     /// The bumps and dents of the surface, if there are any.

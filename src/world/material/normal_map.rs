@@ -23,7 +23,7 @@ use math::simd::{Real, Vector};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(from = "NormalMapKeys")]
 pub struct NormalMap {
-    /// The picture. Its numbers are linear unless specified otherwise.
+    /// The picture, linear by default.
     pub image: ImageTexture,
     /// The factor of the bumps' slopes, at least 0.
     pub strength: f32,
@@ -36,7 +36,7 @@ pub struct NormalMap {
     expecting = "a picture of normals such as { image: { file: normals.png } }"
 )]
 struct NormalMapKeys {
-    /// The picture. Its numbers are linear unless specified otherwise.
+    /// The picture, linear by default.
     image: ImageTexture,
     /// The factor of the bumps' slopes, at least 0.
     #[serde(default = "values::one", with = "values::NonNegative")]

@@ -99,7 +99,7 @@ impl<'de> Visitor<'de> for OpacityVisitor {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct OpacityKeys {
-    /// The picture: its opacity counts, or its largest channel if it is opaque.
+    /// The picture: its opacity, or its largest channel if it is opaque.
     image: ImageTexture,
     /// The factor of the picture's opacity, 0 to 1; 1 by default.
     #[serde(default = "values::one", with = "values::Fraction")]
@@ -123,7 +123,7 @@ struct OpacityKeys {
     expecting = "a picture with holes such as { image: { file: leaf.png } }"
 )]
 pub struct Cutout {
-    /// The picture: its opacity counts, or its largest channel if it is opaque.
+    /// The picture: its opacity, or its largest channel if it is opaque.
     pub image: ImageTexture,
     /// The least opacity of the surface, 0 to 1; there are holes below it. 0.5 by default.
     #[serde(default = "values::half", with = "values::Fraction")]

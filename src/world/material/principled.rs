@@ -28,15 +28,13 @@ use math::optics::{Ggx, Masking};
     expecting = "a principled surface such as { metallic: 1, roughness: 0.3 }"
 )]
 pub struct Principled {
-    /// The share of metal, 0 to 1: it reflects the color, brighter at grazing angles. 0 by
-    /// default.
+    /// The share of metal, 0 to 1: it mirrors in the color. 0 by default.
     #[serde(default, with = "values::Fraction")]
     pub metallic: f32,
     /// The roughness, 0 to 1; 0.5 by default.
     #[serde(default = "values::half", with = "values::Fraction")]
     pub roughness: f32,
-    /// The share of the rest that lets light through, 0 to 1: the surface of a clear medium
-    /// that colors it. 0 by default.
+    /// The share of the rest that lets light through, in the color. 0 by default.
     #[serde(default, with = "values::Fraction")]
     pub transmission: f32,
     /// The index of refraction of the coat and of the medium, 1 to 10; 1.5 by default.

@@ -57,8 +57,7 @@ struct VertexColorKeys {
     /// The name of the array of colors in a VTK file.
     #[serde(with = "values::Name")]
     array: String,
-    /// `points` or `cells`: the kind of the array; by default, whichever the file has, and points
-    /// if it has both.
+    /// The kind of the array; by default, whichever the file has.
     #[serde(default)]
     of: Option<ArrayOf>,
 }

@@ -43,13 +43,12 @@ keywords! {
     /// The filter between the texels of a picture.
     #[derive(Default)]
     pub enum TexelFilter {
-        /// Linearly between the four nearest texels of the two copies whose texels are closest in
-        /// size to the ray's footprint.
+        /// Between texels, and between the two copies closest to the ray's footprint.
         #[default]
         Trilinear = "trilinear",
-        /// Linearly between the four nearest texels of the whole picture.
+        /// Between the four nearest texels of the whole picture.
         Bilinear = "bilinear",
-        /// The nearest texel of the whole picture.
+        /// The nearest texel.
         Nearest = "nearest",
     }
 }

@@ -7,12 +7,12 @@ keywords! {
     /// The continuation of a picture beyond its edges.
     #[derive(Default)]
     pub enum Wrap {
-        /// The picture is repeated.
+        /// Repeated.
         #[default]
         Repeat = "repeat",
-        /// The color of the nearest edge continues.
+        /// The nearest edge continues.
         Clamp = "clamp",
-        /// The picture is repeated, and every other copy is mirrored.
+        /// Repeated, every other copy mirrored.
         Mirror = "mirror",
     }
 }

@@ -63,7 +63,6 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("visits-of-objects", Results::visits_of_objects),
     ("thread-time", Results::thread_time),
     ("trace", Results::trace),
-    ("cache", Results::cache),
     ("waves", Results::waves),
     ("sampling", Results::sampling),
     ("sampling-plan", |of| {
@@ -134,25 +133,34 @@ impl Results {
         Some(listed(&of_mode.map(scene).collect::<Option<Vec<_>>>()?))
     }
 
-    /// A table of the clock of waves.
+    /// "1.00 to 1.04 times …": what the clock of waves costs, and how well it agrees.
     fn waves(&self) -> Option<String> {
-        let row = |row: &Value| {
+        let rows = self.list("waves", "rows")?;
+        let ratios = |key: &str| {
+            let ratios: Option<Vec<f64>> = rows.iter().map(|row| row[key].as_f64()).collect();
+            let ratios = ratios?.into_iter().map(|ratio| format!("{ratio:.2}"));
+            let (least, most) = (ratios.clone().min()?, ratios.max()?);
+            Some(if least == most {
+                least
+            } else {
+                format!("{least} to {most}")
+            })
+        };
+        let agreeing = |row: &Value| {
             let windows = row["window_over_map"].as_array()?;
             let agrees = |ratio: &&Value| ratio.as_f64().is_some_and(|it| (it - 1.0).abs() <= 0.1);
-            let ratio = |key: &str| row[key].as_f64().map(|ratio| format!("{ratio:.2}"));
-            Some(format!(
-                "| `{}` | {} | {} | {} of {} |\n",
-                row["scene"].as_str()?,
-                ratio("time_over_counters")?,
-                ratio("sum_over_thread_time")?,
-                windows.iter().filter(agrees).count(),
-                windows.len(),
-            ))
+            let scene = row["scene"].as_str()?.to_owned();
+            Some((windows.iter().filter(agrees).count(), windows.len(), scene))
         };
-        let rows = self.list("waves", "rows")?.iter().map(row);
-        let head = "\n\n| scene | `time` over `counters` | sum over tiles | windows that agree |\n\
-                    |---|--:|--:|--:|\n";
-        Some(format!("{head}{}\n", rows.collect::<Option<String>>()?))
+        let agreeing: Vec<_> = rows.iter().map(agreeing).collect::<Option<_>>()?;
+        let (least, n, scene) = agreeing.iter().min()?;
+        Some(format!(
+            "The times are {} times as long, the sums {}, and in {} scenes {least} (`{scene}`) to {} of {n} windows agree",
+            ratios("time_over_counters")?,
+            ratios("sum_over_thread_time")?,
+            rows.len(),
+            agreeing.iter().max()?.0,
+        ))
     }
 
     /// A table of squared errors by the rules of adaptive sampling.
@@ -510,35 +518,6 @@ impl Results {
     fn trace(&self) -> Option<String> {
         let tree = self.0.get("trace")?.as_str()?.trim_end();
         Some(format!("\n\n```\n{tree}\n```\n\n"))
-    }
-
-    /// The rows of the table of cachegrind's counts.
-    fn cache(&self) -> Option<String> {
-        let rows = self.list("cache", "rows")?;
-        let row = |single: &Value| {
-            let is_stream =
-                |row: &&Value| row["scene"] == single["scene"] && row["way"] == "stream";
-            let stream = rows.iter().find(is_stream)?;
-            let cell = |key: &str, n_digits: usize| {
-                let [a, b] = [single, stream].map(|row| row[key].as_f64());
-                // Not "-0.0".
-                let text = |x: f64| format!("{:.n_digits$}", x.max(0.0));
-                Some(format!("{} / {}", text(a?), text(b?)))
-            };
-            Some(format!(
-                "| `{}`, {} primitives | {} | {} | {} | {} |",
-                single["scene"].as_str()?,
-                single["n_primitives"],
-                cell("instructions_per_ray", 0)?,
-                cell("d1_misses_per_ray", 1)?,
-                cell("ll_misses_per_ray", 1)?,
-                cell("mispredicts_per_ray", 1)?
-            ))
-        };
-        let single = rows.iter().filter(|row| row["way"] == "single");
-        let rows = single.map(row).collect::<Option<Vec<_>>>()?;
-        let head = "| per ray, single / in a stream | instructions | misses D1 | misses LL | mispredicted branches |\n|---|---|---|---|---|";
-        Some(format!("\n{head}\n{}\n", rows.join("\n")))
     }
 }
 

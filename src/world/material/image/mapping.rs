@@ -32,8 +32,7 @@ pub enum Mapping {
     Planar(Planar),
     /// Projected onto a sphere, as a map of longitudes and latitudes.
     Spherical(Spherical),
-    /// Projected along all three axes of world space, weighted by how close the normal is to each
-    /// axis.
+    /// Projected along x, y and z, each weighted by how close the normal is to it.
     #[serde(untagged)]
     Triplanar(Triplanar),
 }
@@ -47,8 +46,7 @@ keywords! {
         Planar = "planar",
         /// Projected onto a sphere, as a map of longitudes and latitudes.
         Spherical = "spherical",
-        /// Projected along all three axes of world space, weighted by how close the normal is to
-        /// each axis.
+        /// Projected along x, y and z, each weighted by how close the normal is to it.
         Triplanar = "triplanar",
     }
 }
