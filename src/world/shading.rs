@@ -46,7 +46,7 @@ struct ShadingKeys {
     /// The shading model.
     #[serde(default)]
     model: ShadingModel,
-    /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
+    /// The ambient light, in path tracing none by default; 0.05 if not given.
     #[serde(default, with = "values::Radiance")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().ambient.x)))]
     ambient: Option<Vec3>,

@@ -148,6 +148,7 @@ fn meaning(mapping: &Value, key: &String) -> String {
     let default = match &of_key["default"] {
         Value::Null if is_required => Some("required".to_owned()),
         Value::Null => said,
+        default if *default == u32::MAX => Some("no limit".to_owned()),
         default => {
             let default = match default {
                 Value::String(word) => format!("`{word}`"),

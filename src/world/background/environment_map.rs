@@ -36,7 +36,7 @@ pub struct EnvironmentMap {
     /// A factor on the colors, at least 0; 1 by default.
     #[serde(default = "values::one", with = "values::NonNegative")]
     pub intensity: f32,
-    /// The transfer function of the file's numbers, by default as usual.
+    /// The transfer function of the file's numbers; without it, the usual one of the format.
     #[serde(default)]
     pub transfer: Option<Transfer>,
     /// The picture: white until the file is read.

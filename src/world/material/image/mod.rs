@@ -59,7 +59,7 @@ pub struct ImageTexture {
     /// The filter between the texels of the picture.
     #[serde(default)]
     pub filter: TexelFilter,
-    /// The transfer function of the file's numbers, by default as usual.
+    /// The transfer function of the file's numbers; without it, the usual one of the format.
     #[serde(default)]
     pub transfer: Option<Transfer>,
     /// The coordinates of the picture at the origin of the mapping, in mesh files.
