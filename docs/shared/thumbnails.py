@@ -46,6 +46,18 @@ def ball(**material):
     return {"materials": {"ball": material}}
 
 
+def metal(**material):
+    """The studio in warm colors, which metals mirror."""
+    wood = {"even": [0.34, 0.24, 0.17], "odd": [0.1, 0.06, 0.04], "size": 0.4, "axes": "xz"}
+    materials = {
+        "ball": material,
+        "floor": {"color": {"checker": wood}},
+        "wall": {"color": [0.3, 0.2, 0.15]},
+        "window": {"emission": [12, 8.6, 5.6], "two_sided": False},
+    }
+    return {"materials": materials, "background": {"gradient": {"bottom": [0.1, 0.06, 0.04], "top": [0.5, 0.36, 0.24]}}}
+
+
 def texture(mapping):
     return {"image": {"file": str(CONFIGS / "pictures" / mapping.pop("file")), **mapping}}
 
@@ -76,8 +88,12 @@ def through(lens):
     balls = [
         {"sphere": {"center": [0.9 - 0.75 * i, 0.3, 1.5 - 1.5 * i], "radius": 0.3}, "material": "ball"} for i in range(5)
     ]
-    eye = {"eye": [0, 1.1, 4.6], "target": [0, 0.35, 0], "fov_y_deg": 26, "lens": lens}
-    return {"camera": {"look_at": eye}, "objects": [*STUDIO["objects"][:-1], *balls]}
+    # Points of light far behind, whose blur has the shape of the aperture.
+    centers = [[-1.1 + 0.55 * i, 0.9 + 0.25 * (i % 2), -2.7] for i in range(5)]
+    points = [{"sphere": {"center": center, "radius": 0.02}, "material": "point"} for center in centers]
+    eye = {"eye": [0, 1.1, 4.6], "target": [0, 0.45, 0], "fov_y_deg": 26, "lens": lens}
+    materials = {"point": {"emission": [60, 48, 30]}}
+    return {"camera": {"look_at": eye}, "materials": materials, "objects": [*STUDIO["objects"][:-1], *balls, *points]}
 
 
 def in_fog(**fog):
@@ -101,13 +117,13 @@ SCENES = {
     "diffuse": ball(color=[0.6, 0.15, 0.08]),
     "specular": ball(color=[0.6, 0.15, 0.08], specular=0.3, exponent=60),
     "reflection": ball(color=[0.6, 0.15, 0.08], reflection=0.4),
-    "conductor_gold": ball(conductor="gold"),
-    "conductor_copper": ball(conductor="copper"),
+    "conductor_gold": metal(conductor="gold"),
+    "conductor_copper": metal(conductor="copper"),
     "conductor_silver": ball(conductor="silver"),
-    "conductor_aluminum": ball(conductor="aluminum"),
-    "roughness_02": ball(conductor="gold", roughness=0.2),
-    "roughness_05": ball(conductor="gold", roughness=0.5),
-    "roughness_10": ball(conductor="gold", roughness=1),
+    "conductor_aluminum": ball(conductor="aluminum", roughness=0.35),
+    "roughness_02": metal(conductor="gold", roughness=0.2),
+    "roughness_05": metal(conductor="gold", roughness=0.5),
+    "roughness_10": metal(conductor="gold", roughness=1),
     "dielectric": ball(dielectric={"index": 1.5}),
     "dielectric_index": ball(dielectric={"index": 2.42}),
     "dielectric_absorption": ball(dielectric={"index": 1.5, "absorption": [1.4, 0.2, 0.7]}),
@@ -115,13 +131,15 @@ SCENES = {
     "principled_rough_0": ball(color=[0.05, 0.2, 0.55], principled={"roughness": 0}),
     "principled_rough_05": ball(color=[0.05, 0.2, 0.55], principled={"roughness": 0.5}),
     "principled_rough_1": ball(color=[0.05, 0.2, 0.55], principled={"roughness": 1}),
-    "principled_metallic": ball(color=[0.9, 0.75, 0.35], principled={"metallic": 1, "roughness": 0.25}),
+    "principled_metallic": metal(color=[0.9, 0.75, 0.35], principled={"metallic": 1, "roughness": 0.25}),
     "principled_transmission": ball(color=[0.7, 0.9, 0.8], principled={"transmission": 1, "roughness": 0.2}),
     "emission": ball(emission=[2.2, 1.4, 0.6]),
     "checker": ball(color={"checker": {"even": [0.75, 0.7, 0.6], "odd": [0.4, 0.05, 0.05], "size": 0.3}}),
     "image": ball(color=globe(), specular=0.1),
     "triplanar": ball(color=planks("planks.png")),
-    "normal_map": ball(color=planks("planks.png"), normal_map={**planks("plank_normals.png"), "strength": 1}),
+    "normal_map": ball(
+        color=[0.5, 0.32, 0.2], specular=0.2, normal_map={**planks("plank_normals.png"), "strength": 4}
+    ),
     "cutout": ball(color=[0.5, 0.35, 0.1], cutout={**globe(), "threshold": 0.35}),
     "light_point": lit(DIM, {"point": {"position": [-1.5, 2.6, 2], "intensity": 9, "falloff": "inverse_square"}}),
     "light_spot": lit(
@@ -149,8 +167,8 @@ SCENES = {
     "fog": in_fog(mean_free_path=14, radius=6),
     "fog_forward": in_fog(mean_free_path=14, radius=6, anisotropy=0.8),
     "lens_0": through({"radius": 0}),
-    "lens_circle": through({"radius": 0.16, "focus_point": [0.15, 0.3, 0]}),
-    "lens_blades": through({"radius": 0.16, "focus_point": [0.15, 0.3, 0], "blades": 5}),
+    "lens_circle": through({"radius": 0.3, "focus_point": [0.15, 0.3, 0]}),
+    "lens_blades": through({"radius": 0.3, "focus_point": [0.15, 0.3, 0], "blades": 5}),
     "curve_none": toned("none"),
     "curve_agx": toned("agx"),
     "curve_aces": toned("aces"),
