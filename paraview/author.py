@@ -31,6 +31,7 @@ BLACK, WHITE, LIGHT_GRAY, DARK_GRAY = (0, 0, 0), (1, 1, 1), (0.85, 0.85, 0.85), 
 BACKDROP = dict(
     UseColorPaletteForBackground=0, Background=WHITE, OrientationAxesVisibility=0, CenterAxesVisibility=0
 )
+TEXTS_OF_A_CHART = ("BottomAxisLabel", "LeftAxisLabel", "BottomAxisTitle", "LeftAxisTitle", "ChartTitle")
 UNLIT = dict(Ambient=1, Diffuse=0)  # so that colors are those of the color bar
 SQUARES = """//VTK::Color::Impl
 if (max(abs(offsetVCVSOutput.x), abs(offsetVCVSOutput.y)) > 1.01) { discard; }
@@ -69,7 +70,7 @@ def heatmap(out):
     counter = in_unit(frame, "POINTS", "counter", "node_visits")
     time = picture(cost, "cost", INFERNO, "log", 3)
     visits = picture(counter, "counter", VIRIDIS, "linear", 3)
-    layout("Heatmap", above(0.67, beside(time, visits), histogram(frame, "time_ns", "cost")))
+    layout("Heatmap", above(0.67, beside(time, visits), histogram(frame, "time_ns", "cost", "histogram.title")))
 
 
 def overview(out):
@@ -85,7 +86,7 @@ def overview(out):
     put(cloud(cost_of_hits, turned), ColorArrayName=["POINTS", "cost"], LookupTable=inferno)
     color_bar(inferno, turned)
     caption("The same in space: turn it", turned)
-    layout("Overview", above(0.5, beside(color, time), beside(turned, histogram(frame, "time_ns", "cost"))))
+    layout("Overview", above(0.5, beside(color, time), beside(turned, histogram(frame, "time_ns", "cost", "histogram.notes"))))
 
 
 def schedule(out):
@@ -180,7 +181,7 @@ def rays(out):
         put(drawn(lines, view), ColorArrayName=["CELLS", array], LookupTable=colors)
         put(pv.Show(heads, view), ColorArrayName=["POINTS", array], LookupTable=colors, **UNLIT)
     bar(pv.GetScalarBar(pv.GetColorTransferFunction("kind"), kind), "")
-    caption("Kind of each ray", kind)
+    caption(Fill("rays.caption", "Kind of each ray"), kind)
     color_bar(inferno, cost)
     caption(Fill("rays.cost.title", "Time of each ray"), cost)
     layout("Rays", beside(kind, cost))
@@ -338,7 +339,7 @@ def ray_kinds():
 def true_picture(frame, n_panels):
     view = render_view(picture_camera(frame, n_panels))
     put(pixels(frame, view), **true_colors())
-    caption("The picture", view)
+    caption(Fill("subject", "The picture"), view)
     return view
 
 
@@ -369,11 +370,12 @@ def tile_map(tiles, frame, array, preset, scale, key=None):
     return view
 
 
-def histogram(frame, array, key):
+def histogram(frame, array, key, title):
     """A view of how many pixels took which value: bars over log10, labeled with the values."""
     log10 = calculated(frame, "POINTS", "log10", Fill(f"{key}.log10.formula", f"log10({array})"), "log10")
     ends = fill_ends(f"{key}.log10", [math.log10(end) for end in spread(frame, array)])
     view = bars(log10, "log10", ends, Fill(f"{key}.log10.title", f"{array}, log scale"))
+    put(view, ChartTitle=Fill(title, "Histogram"))
     return labels(view, f"{key}.log10.labels")
 
 
@@ -399,9 +401,15 @@ def bars(source, array, ends, title):
         BottomAxisTitle=title,
         BottomAxisTitleFontSize=16,
         BottomAxisLabelFontSize=14,
-        LeftAxisTitle="Pixels",
+        LeftAxisTitle="Pixels, log scale",
         LeftAxisTitleFontSize=16,
         LeftAxisLabelFontSize=14,
+        LeftAxisLogScale=1,
+        LeftAxisUseCustomRange=1,  # a logarithmic axis does not show bins without pixels by itself
+        LeftAxisRangeMinimum=0.7,
+        LeftAxisRangeMaximum=Fill("histogram.pixels", n_pixels(source)),
+        # In Arial, pictures that ParaView saves have a second row of dashes below each label.
+        **{f"{text}FontFamily": "Courier" for text in TEXTS_OF_A_CHART},
         ShowLegend=0,
     )
     put(
@@ -413,6 +421,10 @@ def bars(source, array, ends, title):
         SeriesColor=["bin_values", *CRIMSON],
     )
     return view
+
+
+def n_pixels(source):
+    return source.GetDataInformation().GetNumberOfPoints()
 
 
 def fill_ends(key, ends):

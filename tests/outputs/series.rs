@@ -368,6 +368,22 @@ fn ends(state: &Path, key: &str) -> [f64; 2] {
 }
 
 #[test]
+fn overviews_name_scene_size_and_samples_and_those_of_a_series_the_time() {
+    let scene = Scene::ball(ANIMATION);
+    scene.render(&["--width=24", "--height=18", "--spp=2"]);
+    let out = scene.path("out/scene");
+    let subject = "value=\"scene: 24 &#215; 18 pixels, 2 samples per pixel";
+    for (file, end) in [
+        (out.join("series_overview.pvsm"), ", time {time:g}\""),
+        (frame(&out, 1).join("overview.pvsm"), "\""),
+    ] {
+        let text = fs::read_to_string(&file).unwrap();
+        assert_eq!(text.matches(subject).count(), 1, "{}", file.display());
+        assert!(text.contains(&format!("{subject}{end}")), "{text}");
+    }
+}
+
+#[test]
 fn the_states_have_one_range_of_colors_for_all_frames() {
     let scene = Scene::ball(ANIMATION);
     scene.render(&[]);

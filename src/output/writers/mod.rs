@@ -65,8 +65,8 @@ pub use traced::{refuse_foreign_traced, write_rays, write_traced};
 use rayon::prelude::*;
 
 use file::{FileContent, WriterInput};
-pub use states::StateValues;
 use states::States;
+pub use states::{StateValues, with_time_in_subject};
 
 use crate::summary::{Build, FrameSection, OtherRuns, Partial, RanksSection, Threads};
 use host::folder::{OutputFolder, Own, Replace, WriteError, Written, write_file};

@@ -60,6 +60,11 @@ impl<'a> Rays<'a> {
         }
     }
 
+    /// Returns the name of the scene.
+    pub(super) fn name(&self) -> &'a str {
+        self.traced.name
+    }
+
     /// Returns the image plane of the picture.
     pub(super) fn plane(&self) -> &'a ImagePlane {
         self.traced.plane

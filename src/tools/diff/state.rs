@@ -53,6 +53,9 @@ fn text(diff: &Diff, folder: &OutputFolder) -> String {
         if key == volume::FILE.name {
             return Some(folder.path_of(key).to_string_lossy().into_owned().into());
         }
+        if key == "histogram.pixels" {
+            return Some((size[0] * size[1]).to_string().into());
+        }
         if let Some(key) = key.strip_prefix("difference.") {
             return difference.value(key);
         }

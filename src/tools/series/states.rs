@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::PREFIX;
 use host::provenance::{RunId, stamped};
-use output::writers::{StateValues, state_template};
+use output::writers::{StateValues, state_template, with_time_in_subject};
 
 /// The readers of single files, as the templates name them.
 const READERS: [&str; 2] = [
@@ -29,6 +29,7 @@ pub(super) fn from_files(
             .fold(state_template(file)?.to_owned(), |text, reader| {
                 text.replace(reader, COLLECTION_READER)
             });
+        let template = with_time_in_subject(&template);
         let state = with_time(&values.filled(&template, &path_of), times);
         Some((format!("{PREFIX}_{file}"), stamped(&state, run)))
     };

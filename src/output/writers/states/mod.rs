@@ -32,6 +32,9 @@ pub(super) struct States<'a> {
 /// The values of a rendering, or of several, for all states.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StateValues {
+    /// Scene, size and samples of the picture, such as `glass: 800 × 500 pixels, 4 samples per pixel`.
+    #[serde(default)]
+    subject: String,
     /// The axis of the files' preferred cost metric, or of the distance if they have no cost.
     cost: Axis,
     counter: Option<Axis>,
@@ -96,6 +99,7 @@ impl StateValues {
         let counter = survey.shown[1];
         let counter = counter.map(|second| counter_axis(second, survey.counter_ends));
         Self {
+            subject: subject(rendering),
             cost: cost_axis(survey).with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: ViewCamera::new(&rendering.image_plane(), distances.median),
@@ -117,6 +121,7 @@ impl StateValues {
     pub fn spanning(&self, other: &Self) -> Self {
         let counters = self.counter.as_ref().zip(other.counter.as_ref());
         Self {
+            subject: self.subject.clone(),
             cost: self.cost.spanning(&other.cost),
             counter: counters.map(|(a, b)| a.spanning(b)),
             camera: self.camera.clone(),
@@ -147,7 +152,7 @@ impl StateValues {
     /// Returns the value of a key; titles say if the picture is partial.
     fn value(&self, key: &str) -> Option<StateValue> {
         let value = self.value_of_whole(key);
-        let is_title = ["cost.title", "counter.title", "hits.caption"].contains(&key);
+        let is_title = ["cost.title", "counter.title", "hits.caption", "subject"].contains(&key);
         match value {
             Some(StateValue::One(title)) if self.is_partial && is_title => {
                 Some(format!("{title} (partial picture)").into())
@@ -162,10 +167,22 @@ impl StateValues {
             "hits.caption" if !self.has_hits => {
                 return Some("True colors: no ray met anything".into());
             }
-            "hits.caption" if self.is_partial => return Some("True colors".into()),
+            "hits.caption" | "subject" => return Some(self.subject.clone().into()),
+            SUBJECT_AT_TIME => {
+                let subject = self.subject.replace('{', "{{").replace('}', "}}");
+                return Some(format!("{subject}, time {{time:g}}").into());
+            }
             "histogram.title" => {
+                let subject = std::iter::once(&self.subject);
+                let parts: Vec<&str> = subject.chain(&self.time_notes).map(|it| &**it).collect();
+                return Some(parts.join("; ").into());
+            }
+            "histogram.notes" => {
                 let notes = self.time_notes.join("; ");
                 return (!notes.is_empty()).then(|| notes.into());
+            }
+            "histogram.pixels" => {
+                return Some((self.size[0] * self.size[1]).to_string().into());
             }
             _ => {}
         }
@@ -180,6 +197,34 @@ impl StateValues {
             _ => (self.attribution.value(key)).or_else(|| value_of_panels(self.size, key)),
         }
     }
+}
+
+/// Names the picture.
+fn subject(rendering: &RenderingView) -> String {
+    let (image, name) = (&rendering.config.image, rendering.name);
+    let [width, height] = [image.width, image.height];
+    format!(
+        "{name}: {width} × {height} pixels, {} per pixel",
+        image.samples()
+    )
+}
+
+/// The key of the subject that ends with ParaView's time.
+const SUBJECT_AT_TIME: &str = "subject.at_time";
+
+/// Returns a template whose subject ends with ParaView's time, for a series.
+pub fn with_time_in_subject(template: &str) -> String {
+    let proxies = template.split_inclusive("</Proxy>");
+    let replaced = proxies.map(|proxy| {
+        if !proxy.contains("fill=\"subject\"") {
+            return proxy.to_owned();
+        }
+        proxy
+            .replace("\"TextSource\"", "\"TimeToTextConvertorSource\"")
+            .replace("name=\"Text\"", "name=\"Format\"")
+            .replace("\"subject\"", &format!("\"{SUBJECT_AT_TIME}\""))
+    });
+    replaced.collect()
 }
 
 /// Returns a template that reads the pieces of cloud and frame.

@@ -16,9 +16,11 @@ const RAYS: &str = include_str!("rays.pvsm");
 const LONGEST: f32 = 50.0;
 /// Maximum distance from the center, in radii, of points that must be in view: on rays, and in the
 /// scene.
-const FRAMED: [f32; 2] = [1.5, 0.8];
+const FRAMED: [f32; 2] = [1.1, 0.8];
 /// Maximum number of rays drawn as wide lines; more would cover each other.
 const FEW: usize = 300;
+/// The sides to choose from, as parts of the scene's camera's directions to the right and upward.
+const SIDES: [[f32; 2]; 4] = [[0.75, 0.4], [-0.75, 0.4], [0.75, 0.9], [-0.75, 0.9]];
 /// The view's vertical angle in degrees.
 const VIEW_ANGLE: f32 = 30.0;
 /// Length of an arrow's head as a fraction of the view's height, for few and for many rays.
@@ -62,6 +64,7 @@ pub(in crate::writers) fn ray_state(rays: &Rays, folder: &OutputFolder) -> Strin
         match key {
             FILE => Some(path_of(FILE).into()),
             CLOUD => Some(path_of(CLOUD).into()),
+            "rays.caption" => Some(format!("{}: the kind of each ray", rays.name()).into()),
             "panels2.outer" => view.panels.direction("outer").map(|n| n.to_string().into()),
             "rays.kinds" => Some(StateValue::Many(kinds.iter().flat_map(name).collect())),
             "rays.kind_colors" => Some(StateValue::Many(kinds.iter().flat_map(color).collect())),
@@ -125,12 +128,8 @@ struct SideView {
 }
 
 impl SideView {
+    /// Chooses the side on which rays and scene fill the view most.
     fn new(rays: &Rays, camera: &ViewCamera, max_distance: f32) -> Self {
-        let [right, up, forward] = camera.axes();
-        let back = (0.75 * right + 0.4 * up - 0.6 * forward).normalize();
-        let to_right = up.cross(back).normalize();
-        let axes = [to_right, back.cross(to_right), back];
-        // Project each point onto these axes, from the center of the ball.
         let (center, radius) = rays.sphere_in_world();
         let center = camera.mirrored(center);
         let space = rays.plane().space;
@@ -141,8 +140,30 @@ impl SideView {
             .chain(hits)
             .map(|(point, within)| ((camera.mirrored(point) - center).as_vec3(), within))
             .filter(|(point, within)| point.length() <= within * radius)
-            .map(|(point, _)| Vec3::from(axes.map(|axis| axis.dot(point))))
+            .map(|(point, _)| point)
             .collect();
+        let views = SIDES.map(|side| Self::from_side(side, camera, &seen, center, radius));
+        let nearest = views
+            .into_iter()
+            .min_by(|a, b| a.height.total_cmp(&b.height));
+        nearest.expect("`SIDES` is not empty")
+    }
+
+    /// Returns the view from a side of points that are relative to the center of a ball.
+    fn from_side(
+        [aside, above]: [f32; 2],
+        camera: &ViewCamera,
+        points: &[Vec3],
+        center: DVec3,
+        radius: f32,
+    ) -> Self {
+        let [right, up, forward] = camera.axes();
+        let back = (aside * right + above * up - 0.6 * forward).normalize();
+        let to_right = up.cross(back).normalize();
+        let axes = [to_right, back.cross(to_right), back];
+        // Project each point onto these axes, from the center of the ball.
+        let on_axes = |point: &Vec3| Vec3::from(axes.map(|axis| axis.dot(*point)));
+        let seen: Vec<Vec3> = points.iter().map(on_axes).collect();
         let least = seen.iter().copied().reduce(Vec3::min).unwrap_or(Vec3::ZERO);
         let most = seen.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ZERO);
         let middle = 0.5 * (least + most);
