@@ -47,16 +47,16 @@ impl SplitCandidate {
         let max_overlap = SMALL_OVERLAP * context.root_half_area;
         let is_good = |split: &ObjectSplit| split.overlap() <= max_overlap;
         let spatial = if may_split && !object.as_ref().is_some_and(is_good) {
-            let primitives = context.primitives;
-            SpatialSplit::cheapest(references, primitives, &subset.bounds, max_duplicates)
+            let SplitContext {
+                primitives, simd, ..
+            } = *context;
+            SpatialSplit::cheapest(simd, references, primitives, &subset.bounds, max_duplicates)
         } else {
             None
         };
         // Take the cheaper one.
         match (object, spatial) {
-            (Some(object), Some(spatial)) if object.cost() <= spatial.cost() => {
-                Self::Object(object)
-            }
+            (Some(object), Some(spatial)) if object.cost() <= spatial.cost => Self::Object(object),
             (_, Some(spatial)) => Self::Spatial(spatial),
             (Some(object), None) => Self::Object(object),
             (None, None) => Self::Halves,
