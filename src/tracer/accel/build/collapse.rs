@@ -1,6 +1,7 @@
 //! The optimal eight-wide tree that a binary tree can be collapsed into, by the choices made in
 //! `forests`.
 
+use super::forests::Forests;
 use super::nodes::{BinaryNode, TreePosition};
 use super::reference::Reference;
 use world::geometry::Aabb;
@@ -33,6 +34,15 @@ impl BinaryTree {
         };
         self.references
             .get(subtree.reference..subtree.reference + n)
+    }
+
+    /// Returns the cost of a subtree as a single root, in units of half a surface area.
+    pub(super) fn cost(&self, subtree: TreePosition) -> f32 {
+        if subtree.is_leaf {
+            Forests::from_reference(&self.references[subtree.reference]).cost()
+        } else {
+            self.nodes[subtree.node].cost
+        }
     }
 
     /// Returns the cache lines of a subtree as a single root.

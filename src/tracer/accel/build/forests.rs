@@ -137,6 +137,12 @@ impl Forests {
         (forests, choices)
     }
 
+    /// Returns the cost of the subtree as a single root.
+    #[inline(always)]
+    pub(super) fn cost(&self) -> f32 {
+        self.costs[0]
+    }
+
     /// Returns the cache lines of the subtree as a single root.
     #[inline(always)]
     pub(super) fn n_lines(&self) -> u32 {

@@ -89,18 +89,14 @@ pub(super) fn arena(
         return Ok(Arena::default());
     }
     // Build the binary tree.
-    let split = SplitContext {
-        primitives,
-        simd,
-        root_half_area: whole.bounds.half_area(),
-    };
+    let split = SplitContext { primitives, simd };
     // The arena's memory serves the partition first.
     let mut lines = bytemuck::zeroed_vec(RESERVED_LINES_PER_REFERENCE * references.len());
     let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
         return Ok(Arena::default());
     };
     // Write the collapsed tree as cache lines.
-    let lines = emit::lines(simd, &tree, primitives, lines)?;
+    let lines = emit::lines(simd, &tree, primitives, quality, lines)?;
     let bounds = tree.bounds(tree.root);
     let (arena, ()) = rayon::join(|| Arena::new(lines, bounds), || drop(tree));
     Ok(arena)

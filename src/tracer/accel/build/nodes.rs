@@ -20,6 +20,8 @@ pub(super) struct BinaryNode {
     pub(super) choices: ForestChoices,
     /// Cache lines of the subtree in the arena if it becomes a node or a leaf there.
     pub(super) n_lines: u32,
+    /// Cost of the subtree in the time SAH, in units of half a surface area.
+    pub(super) cost: f32,
 }
 
 /// The position of a subtree in the arrays.
@@ -84,6 +86,7 @@ impl OpenNode<'_> {
             link: self.second as u32 | first_leaf << 30 | second_leaf << 31,
             choices,
             n_lines: forests.n_lines(),
+            cost: forests.cost(),
         };
         forests
     }

@@ -6,6 +6,7 @@
 //! can outweigh the cost of the duplicate reference.
 
 use super::bounds::LaneBounds;
+use super::object_bins::TWO_TO_23;
 use super::reference::{Reference, center, map_reduce};
 use math::simd::{Arithmetic, InstructionSet, Lanes, Real, Simd, SimdKernel};
 use world::geometry::{Shape, Triangle};
@@ -15,8 +16,6 @@ use world::scene::Primitive;
 const N_BINS: usize = 16;
 /// Number of references from which they are binned in parallel.
 const PARALLEL: usize = 1 << 12;
-/// From 2^23 on, floats are integers, held in the low bits.
-const TWO_TO_23: f32 = 8_388_608.0;
 
 /// A plane between two bins on one axis.
 pub(super) struct SpatialSplit {
