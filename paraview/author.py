@@ -31,7 +31,7 @@ BLACK, WHITE, LIGHT_GRAY, DARK_GRAY = (0, 0, 0), (1, 1, 1), (0.85, 0.85, 0.85), 
 BACKDROP = dict(
     UseColorPaletteForBackground=0, Background=WHITE, OrientationAxesVisibility=0, CenterAxesVisibility=0
 )
-TEXTS_OF_A_CHART = ("BottomAxisLabel", "LeftAxisLabel", "BottomAxisTitle", "LeftAxisTitle", "ChartTitle")
+TEXTS_OF_AXES = ("BottomAxisLabel", "LeftAxisLabel", "BottomAxisTitle", "LeftAxisTitle")
 UNLIT = dict(Ambient=1, Diffuse=0)  # so that colors are those of the color bar
 SQUARES = """//VTK::Color::Impl
 if (max(abs(offsetVCVSOutput.x), abs(offsetVCVSOutput.y)) > 1.01) { discard; }
@@ -409,7 +409,7 @@ def bars(source, array, ends, title):
         LeftAxisRangeMinimum=0.7,
         LeftAxisRangeMaximum=Fill("histogram.pixels", n_pixels(source)),
         # In Arial, pictures that ParaView saves have a second row of dashes below each label.
-        **{f"{text}FontFamily": "Courier" for text in TEXTS_OF_A_CHART},
+        **{f"{text}FontFamily": "Courier" for text in TEXTS_OF_AXES},
         ShowLegend=0,
     )
     put(

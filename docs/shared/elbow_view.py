@@ -12,7 +12,7 @@ pv.ColorBy(shown, ("POINTS", "temperature"))
 colors = pv.GetColorTransferFunction("temperature")
 colors.ApplyPreset("Inferno (matplotlib)", True)
 # Of the outer side: the hot water is inside.
-colors.RescaleTransferFunction(290, 320)
+colors.RescaleTransferFunction(290, 307)
 shown.SetScalarBarVisibility(view, True)
 pv.ResetCamera(view)
 camera = pv.GetActiveCamera()
