@@ -92,7 +92,7 @@ impl Unbounded {
         mut found: impl FnMut(usize, f32, u32),
     ) {
         for (primitive, plane) in &self.planes {
-            let t = plane.hits(origin, direction);
+            let t = plane.hits_of_lanes(origin, direction);
             let mut hits = (set.splat(0.0).lt(t) & t.lt(limits)).bits();
             let t = t.to_array();
             while hits != 0 {

@@ -72,42 +72,49 @@ fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
     (axis.slope * cos, cos)
 }
 
-impl Intersectable for Cone {
-    /// Clips the ray to the infinite cone and to the slab between the ends, so that no ray gets in
-    /// between side and end.
-    #[inline]
-    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+impl Cone {
+    /// Returns the parameter at which one ray, or one per lane, hits a cone with these parameters;
+    /// not a positive number for a miss. Clips the ray to the infinite cone and to the slab between
+    /// the ends, so that no ray gets in between side and end.
+    #[inline(always)]
+    pub fn hits<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        origin: Vector<R>,
+        direction: Vector<R>,
+    ) -> R {
         // Clip the ray to the infinite cone.
-        let axis = ShapeAxis::new(&self.parameters());
+        let axis = ShapeAxis::new(parameters);
         let (sine, cos) = slant(&axis);
-        let ray = AxisRay::new(&axis, ray.origin.into(), ray.direction.into());
+        let ray = AxisRay::new(&axis, origin, direction);
         let side = ray.cone(cos * axis.radius, sine, cos);
-        let (enter, exit) = if side.a == 0.0 && side.b == 0.0 {
-            // Parallel to the side, inside of it or outside.
-            if side.c > 0.0 {
-                return None;
-            }
-            (f32::NEG_INFINITY, f32::INFINITY)
-        } else if side.a < 0.0 {
-            // Through both halves of the double cone: the right half has positive radii.
-            if side.growth > 0.0 {
-                (side.enter, f32::INFINITY)
-            } else {
-                (f32::NEG_INFINITY, side.exit)
-            }
-        } else if side.hits {
-            (side.enter, side.exit)
-        } else {
-            return None;
-        };
+        let zero = sine.splat(0.0);
+        // Parallel to the side, a ray is inside of it or outside.
+        let is_parallel = side.a.equals(zero) & side.b.equals(zero);
+        // Through both halves of the double cone: the right half has positive radii.
+        let is_double = !is_parallel & side.a.lt(zero);
+        let grows = zero.lt(side.growth);
+        let is_open_before = is_parallel | (is_double & !grows);
+        let is_open_after = is_parallel | (is_double & grows);
+        let enter = R::select(is_open_before, zero.splat(f32::NEG_INFINITY), side.enter);
+        let exit = R::select(is_open_after, zero.splat(f32::INFINITY), side.exit);
+        let is_inside = is_parallel & !zero.lt(side.c);
+        let hits = is_inside | is_double | (!is_parallel & side.hits);
         // Clip it to the slab between the ends.
-        let inverse = ray.direction_along.recip();
+        let inverse = zero.splat(1.0) / ray.direction_along;
         let to_first = (-axis.half_length - ray.along) * inverse;
         let to_second = (axis.half_length - ray.along) * inverse;
         let enter = ray.start + enter.max(to_first.min(to_second));
         let exit = ray.start + exit.min(to_first.max(to_second));
-        let t = if enter > 0.0 { enter } else { exit };
-        (enter <= exit && t > 0.0 && t < t_max).then_some(t)
+        let t = R::select(zero.lt(enter), enter, exit);
+        R::select(hits & enter.le(exit), t, zero)
+    }
+}
+
+impl Intersectable for Cone {
+    #[inline]
+    fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
+        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn bounds(&self) -> Aabb {

@@ -54,17 +54,36 @@ impl Cuboid {
     }
 }
 
+impl Cuboid {
+    /// Returns the parameter at which one ray, or one per lane, hits a box with these parameters, by
+    /// the slab test of Kay and Kajiya (SIGGRAPH 1986); not a positive number for a miss.
+    #[inline(always)]
+    pub fn hits<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        origin: Vector<R>,
+        direction: Vector<R>,
+    ) -> R {
+        let (zero, one) = (origin.x.splat(0.0), origin.x.splat(1.0));
+        let span = |min: R, max: R, origin: R, direction: R| {
+            let inverse = one / direction;
+            let (t0, t1) = ((min - origin) * inverse, (max - origin) * inverse);
+            (t0.min(t1), t0.max(t1))
+        };
+        let (min, max) = (vector(parameters, 0), vector(parameters, 3));
+        let x = span(min.x, max.x, origin.x, direction.x);
+        let y = span(min.y, max.y, origin.y, direction.y);
+        let z = span(min.z, max.z, origin.z, direction.z);
+        let (enter, exit) = (x.0.max(y.0.max(z.0)), x.1.min(y.1.min(z.1)));
+        let t = R::select(zero.lt(enter), enter, exit);
+        R::select(enter.le(exit), t, zero)
+    }
+}
+
 impl Intersectable for Cuboid {
-    /// Intersects by the slab test of Kay and Kajiya (SIGGRAPH 1986).
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let inverse = ray.direction.recip();
-        let t0 = (self.bounds.min - ray.origin) * inverse;
-        let t1 = (self.bounds.max - ray.origin) * inverse;
-        let enter = t0.min(t1).max_element();
-        let exit = t0.max(t1).min_element();
-        let t = if enter > 0.0 { enter } else { exit };
-        (enter <= exit && t > 0.0 && t < t_max).then_some(t)
+        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn bounds(&self) -> Aabb {

@@ -65,20 +65,27 @@ impl Described for Disk {
 }
 
 impl Disk {
-    fn plane(&self) -> Plane {
-        Plane {
-            point: self.center,
-            normal: self.normal,
-        }
+    /// Returns the parameter at which one ray, or one per lane, hits a disk with these parameters; 0
+    /// for a miss.
+    #[inline(always)]
+    pub fn hits<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        origin: Vector<R>,
+        direction: Vector<R>,
+    ) -> R {
+        let t = Plane::hits(parameters, origin, direction);
+        let from_center = (origin + direction * t) - vector(parameters, 0);
+        let radius = parameters[6];
+        let hits = from_center.dot(from_center).le(radius * radius);
+        R::select(hits, t, t.splat(0.0))
     }
 }
 
 impl Intersectable for Disk {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        self.plane()
-            .intersect(ray, t_max)
-            .filter(|&t| ray.at(t).distance_squared(self.center) <= self.radius * self.radius)
+        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn bounds(&self) -> Aabb {

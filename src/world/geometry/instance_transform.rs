@@ -54,6 +54,17 @@ impl InstanceTransform {
         }
     }
 
+    /// Returns the columns of the map from world space to the mesh, and the position that it
+    /// subtracts before.
+    pub fn mesh_from_world(&self) -> [Vec3; 4] {
+        let Mat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = self.mesh_from_world;
+        [x_axis, y_axis, z_axis, self.position]
+    }
+
     /// Transforms a point of the mesh to world space.
     #[inline]
     pub fn world_point(&self, point: Vec3) -> Vec3 {

@@ -11,7 +11,7 @@ use crate::values;
 use math::simd::{Real, Vector};
 
 /// Minimum |cos| of the angle between a ray and the normal: other rays miss the plane.
-pub(super) const MIN_COS: f32 = 1e-6;
+pub const MIN_COS: f32 = 1e-6;
 
 /// The points of an infinite plane.
 ///
@@ -49,24 +49,35 @@ impl Described for Plane {
 }
 
 impl Plane {
-    /// Returns the parameter at which one ray, or one per lane, hits the plane; 0 for a miss.
+    /// Returns the parameter at which one ray, or one per lane, hits a plane with these parameters;
+    /// 0 for a miss.
     #[inline(always)]
-    pub fn hits<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> R {
-        let [point, normal] = [self.point, self.normal];
-        let (point, normal) = (
-            Vector::splat(origin.x, point),
-            Vector::splat(origin.x, normal),
-        );
+    pub fn hits<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        origin: Vector<R>,
+        direction: Vector<R>,
+    ) -> R {
+        let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
         let cos = direction.dot(normal);
         let t = (point - origin).dot(normal) / cos;
         R::select(cos.splat(MIN_COS).le(cos.abs()), t, cos.splat(0.0))
+    }
+
+    /// Returns [`hits`](Self::hits) of this plane with a ray per lane.
+    #[inline(always)]
+    pub fn hits_of_lanes<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> R {
+        let mut parameters = [origin.x.splat(0.0); N_PARAMETERS];
+        for (lanes, number) in parameters.iter_mut().zip(self.parameters()) {
+            *lanes = lanes.splat(number);
+        }
+        Self::hits(&parameters, origin, direction)
     }
 }
 
 impl Intersectable for Plane {
     #[inline(always)]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = self.hits(ray.origin.into(), ray.direction.into());
+        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
         (t > 0.0 && t < t_max).then_some(t)
     }
 

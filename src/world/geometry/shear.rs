@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Ray;
 use super::areas::{AreaTest, Areas};
-use math::simd::{Arithmetic, Vector};
+use math::simd::{Arithmetic, Real, Vector};
 
 /// A space in which a ray starts at the origin and points along the last axis.
 ///
@@ -29,6 +29,14 @@ pub fn dominant_axis<R: Arithmetic>(direction: Vector<R>) -> (R::Mask, R::Mask) 
     let Vector { x, y, z } = direction;
     let (x, y, z) = (x.abs(), y.abs(), z.abs());
     (x.lt(y), x.max(y).lt(z))
+}
+
+/// Permutes the axes of a vector, given the [`dominant_axis`]: that axis comes last.
+#[inline(always)]
+pub fn permuted_by<R: Real>(v: Vector<R>, (is_y, is_z): (R::Mask, R::Mask)) -> Vector<R> {
+    let Vector { x, y, z } = v;
+    let (if_x, if_y) = (Vector { x: y, y: z, z: x }, Vector { x: z, y: x, z: y });
+    Vector::select(is_z, v, Vector::select(is_y, if_y, if_x))
 }
 
 /// Returns the shear constants for a ray in this direction, whose axes are permuted.

@@ -48,16 +48,27 @@ impl Described for Sphere {
     }
 }
 
+impl Sphere {
+    /// Returns the parameter at which one ray, or one per lane, hits a sphere with these parameters:
+    /// the first root of the [`SphereEquation`]; not a positive number for a miss.
+    #[inline(always)]
+    pub fn hits<R: Real>(
+        parameters: &[R; N_PARAMETERS],
+        origin: Vector<R>,
+        direction: Vector<R>,
+    ) -> R {
+        let (to_center, radius) = (vector(parameters, 0) - origin, parameters[3]);
+        let a = squared_length(direction);
+        let equation = SphereEquation::new(to_center, radius * radius, direction, a);
+        R::select(equation.hits(), equation.first(), radius.splat(0.0))
+    }
+}
+
 impl Intersectable for Sphere {
-    /// Intersects at the first root of the [`SphereEquation`].
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let (to_center, direction) = (self.center - ray.origin, ray.direction.into());
-        let r2 = self.radius * self.radius;
-        let a = squared_length(direction);
-        let equation = SphereEquation::new(to_center.into(), r2, direction, a);
-        let hit = equation.hits().then(|| equation.first());
-        hit.filter(|&t| t > 0.0 && t < t_max)
+        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
+        (t > 0.0 && t < t_max).then_some(t)
     }
 
     fn bounds(&self) -> Aabb {

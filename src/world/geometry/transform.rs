@@ -101,6 +101,16 @@ impl Transform {
         self.object_from_world.transform_point3(point)
     }
 
+    /// Returns the columns and the translation of the map from world space to object space.
+    pub fn object_from_world(&self) -> [Vec3; 4] {
+        let Affine3A {
+            matrix3,
+            translation,
+        } = self.object_from_world;
+        let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Vec3::from);
+        [x, y, z, translation.into()]
+    }
+
     /// Transforms a surface normal from object space to a unit vector in world space.
     pub fn world_normal(&self, normal: Vec3) -> Vec3 {
         // Normals transform by the inverse transpose (pbrt, 4th ed., 3.10.3).

@@ -5,7 +5,9 @@ use bytemuck::Zeroable;
 use super::leaf::LeafIntersector;
 use super::slab::{SlabSetup, Slabs};
 use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Vector, lane_of, set_lane, to_arrays};
-use world::geometry::{Ray, RayStream, Shear, dominant_axis, shear_constants, squared_length};
+use world::geometry::{
+    Ray, RayStream, Shear, dominant_axis, permuted_by, shear_constants, squared_length,
+};
 
 /// One number for each of eight rays.
 pub(super) type LaneArray = [f32; N_LANES];
@@ -54,7 +56,7 @@ impl RayBlock {
         self.read(rays, indices);
         let [origin, direction] = self.rays(set);
         // Slabs for boxes.
-        let slabs = SlabSetup::new(origin, direction, largest);
+        let slabs = SlabSetup::new(origin, direction, set.splat(largest));
         self.inverse_direction = to_arrays(slabs.inverse_direction);
         self.origin_of_near = to_arrays(slabs.origin_of_near);
         self.origin_of_far = to_arrays(slabs.origin_of_far);
@@ -62,8 +64,8 @@ impl RayBlock {
         self.is_downward = [x.signs(), y.signs(), z.signs()];
         // Shear for triangles.
         let dominant = dominant_axis(direction);
-        self.shear_constants = to_arrays(shear_constants(permuted(direction, dominant)));
-        self.permuted_origin = to_arrays(permuted(origin, dominant));
+        self.shear_constants = to_arrays(shear_constants(permuted_by(direction, dominant)));
+        self.permuted_origin = to_arrays(permuted_by(origin, dominant));
         (self.is_y, self.is_z) = (dominant.0.bits(), dominant.1.bits());
         // Spheres: the squared length of the direction.
         let (a, inverse_a) = squared_length(direction);
@@ -112,12 +114,4 @@ impl RayBlock {
             permuted_origin: lane_of(&self.permuted_origin, lane),
         }
     }
-}
-
-/// Permutes the axes as in a [`Shear`], the dominant one last.
-#[inline(always)]
-fn permuted<L: Lanes>(v: Vector<L>, (is_y, is_z): (L::Mask, L::Mask)) -> Vector<L> {
-    let Vector { x, y, z } = v;
-    let (if_x, if_y) = (Vector { x: y, y: z, z: x }, Vector { x: z, y: x, z: y });
-    Vector::select(is_z, v, Vector::select(is_y, if_y, if_x))
 }

@@ -22,6 +22,7 @@ mod stream;
 pub(super) use batch::Batch;
 pub(super) use packet::PacketTraversal;
 pub(super) use single::SingleTraversal;
+pub use slab::SlabSetup;
 pub(super) use slab::Slabs;
 pub use stream::RAYS_IN_FLIGHT;
 pub(super) use stream::StreamTraversal;

@@ -43,19 +43,22 @@ const ROWS: [[u32; 3]; 8] = {
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near planes and once for
 /// the far ones.
-pub(super) struct SlabSetup<R> {
-    pub(super) inverse_direction: Vector<R>,
-    pub(super) origin_of_near: Vector<R>,
-    pub(super) origin_of_far: Vector<R>,
+pub struct SlabSetup<R> {
+    /// The reciprocal of the direction, or of the least one that is not 0.
+    pub inverse_direction: Vector<R>,
+    /// The origin of the ray for near planes.
+    pub origin_of_near: Vector<R>,
+    /// The origin of the ray for far planes.
+    pub origin_of_far: Vector<R>,
 }
 
 impl<R: Arithmetic> SlabSetup<R> {
     /// Prepares rays for tests against boxes whose coordinates are at most `largest`.
     #[inline(always)]
-    pub(super) fn new(origin: Vector<R>, direction: Vector<R>, largest: f32) -> Self {
+    pub fn new(origin: Vector<R>, direction: Vector<R>, largest: R) -> Self {
         let Vector { x, y, z } = origin;
         let farthest = x.abs().max(y.abs()).max(z.abs());
-        let margin = x.splat(MARGIN) * x.splat(largest).max(farthest);
+        let margin = x.splat(MARGIN) * largest.max(farthest);
         // Displace the origin outward by the margin.
         let Vector { x, y, z } = direction;
         let outward = Vector {
@@ -77,7 +80,7 @@ impl<R: Arithmetic> SlabSetup<R> {
     /// Returns where rays enter boxes with these near and far planes, at least 0, and where they
     /// leave them or reach their `limit`. A ray misses a box that it leaves before entering.
     #[inline(always)]
-    pub(super) fn span(&self, near: Vector<R>, far: Vector<R>, limit: R) -> (R, R) {
+    pub fn span(&self, near: Vector<R>, far: Vector<R>, limit: R) -> (R, R) {
         let near = (near - self.origin_of_near).times(self.inverse_direction);
         let far = (far - self.origin_of_far).times(self.inverse_direction);
         let enter = near.x.max(near.y).max(near.z.max(limit.splat(0.0)));

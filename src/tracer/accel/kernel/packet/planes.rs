@@ -24,7 +24,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
             let mut t = [[0.0; N_LANES]; N_HALVES];
             for (half, t) in t.iter_mut().enumerate() {
                 let (origin, direction) = (self.half(origins, half), self.half(directions, half));
-                *t = plane.hits(origin, direction).to_array();
+                *t = plane.hits_of_lanes(origin, direction).to_array();
             }
             for part in 0..I::Wide::N_PARTS {
                 let t = self.set.load_wide(&t, part);

@@ -63,7 +63,7 @@ impl<'c, I: InstructionSet> PacketRays<'c, I> {
         let [x, y, z] = self.shear_axes;
         // Slabs for boxes.
         let origin = self.half(&soa.origins, half);
-        let slabs = SlabSetup::new(origin, self.half(&soa.directions, half), largest);
+        let slabs = SlabSetup::new(origin, self.half(&soa.directions, half), set.splat(largest));
         store(slabs.inverse_direction, &mut self.inverse_direction, half);
         store(slabs.origin_of_near, &mut self.origin_of_near, half);
         store(slabs.origin_of_far, &mut self.origin_of_far, half);
