@@ -24,6 +24,7 @@ declare -A packages=(
     [chromium]="chromium"
     [embree]="libembree3-3"
     [hdf5]="libhdf5-dev"
+    [opencl]="ocl-icd-libopencl1 pocl-opencl-icd"
     [mpi]="libopenmpi-dev openmpi-bin libclang-dev"
     [paraview]="imagemagick libqt5svg5 paraview python3-paraview python3-venv xauth xdotool xvfb"
     [poppler]="poppler-utils"
@@ -36,6 +37,7 @@ have() {
     chromium) command -v chromium ;;
     embree) ldconfig -p | grep 'libembree3\.so\.3 ' ;;
     hdf5) command -v h5cc || pkg-config --exists hdf5 ;;
+    opencl) ldconfig -p | grep 'libOpenCL\.so\.1 ' && ls /etc/OpenCL/vendors/pocl.icd ;;
     mpi) command -v mpirun && command -v mpicc && ls /usr/lib/llvm-*/lib/libclang*.so ;;
     # Debian's Python, whatever others are first in PATH: pvbatch and the packages go with it.
     paraview)

@@ -26,8 +26,11 @@ pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
         .iter()
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
+    let device = rendering.device;
+    let device = device.map_or(String::new(), |name| format!("device  {name}\n"));
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
+         {device}\
          time    {}\n\
          speed   {}\n",
         image.width,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::{fmt, io};
 
 use base::stop::Stopped;
+use device::DeviceError;
 use host::folder::WriteError;
 use host::text::Diagnostic;
 use render::checkpoint::PicturePart;
@@ -103,6 +104,15 @@ impl From<Stopped> for RenderError {
 impl From<WriteError> for RenderError {
     fn from(error: WriteError) -> Self {
         Self::Machine(Diagnostic::new(error.to_string()).with_help(error.help()))
+    }
+}
+
+impl From<DeviceError> for RenderError {
+    fn from(error: DeviceError) -> Self {
+        match error {
+            DeviceError::Missing(message) => Self::Scene(message),
+            DeviceError::Failed(message) => Self::Machine(message),
+        }
     }
 }
 

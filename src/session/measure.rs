@@ -7,7 +7,9 @@ use super::rendering::Measured;
 use super::scope::Scope;
 use super::{RenderError, Session};
 use base::stop;
+use device::DeviceScene;
 use host::affinity;
+use host::text::Diagnostic;
 use math::simd::Simd;
 use output::limits;
 use output::look::Look;
@@ -16,7 +18,7 @@ use render::attribution::CostAttribution;
 use render::instruments::Stages;
 use render::lanes::IdleLanes;
 use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
-use scene::config::SimdSet;
+use scene::config::{CostMode, SimdSet};
 use tracer::accel::{Accel, BvhStatistics};
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
@@ -30,7 +32,12 @@ impl Session {
         stages: &mut Stages,
     ) -> Result<Measured, RenderError> {
         // Build the hierarchy.
-        let accel = &self.accel(options, stages)?;
+        let accel = self.accel(options, stages)?;
+        let device = self.load(options, &accel)?;
+        if device.is_some() {
+            stages.end("load");
+        }
+        let accel = &accel.with_device(device.as_ref().map(|scene| scene as _));
         // Make the meter, which calibrates the clock.
         let (config, scene) = (&self.config, &self.scene);
         let tracer = Tracer::new(scene, accel);
@@ -55,6 +62,7 @@ impl Session {
                 repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
         stages.end("render");
+        device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         scope.check()?;
         // Dismiss the other ranks.
@@ -99,6 +107,7 @@ impl Session {
             look: (scope.part.is_none()).then(|| Look::new(&film, config, tracer)),
             bvh: (accel.statistics()).map(|bvh| BvhStatistics { epo, ..bvh }),
             kernel: (accel.simd(), accel.traversal()),
+            device: (options.device.as_ref()).map(|device| device.name().to_owned()),
             meter,
             film,
             n_tiles: plan.n_tiles(),
@@ -108,6 +117,24 @@ impl Session {
             lanes,
             ranks,
         })
+    }
+
+    /// Copies the scene to the memory of the device that traces its rays, if there is one.
+    pub(super) fn load<'a>(
+        &self,
+        options: &'a Options,
+        accel: &Accel,
+    ) -> Result<Option<DeviceScene<'a>>, RenderError> {
+        let Some(device) = &options.device else {
+            return Ok(None);
+        };
+        if self.config.cost == CostMode::SingleRayTime {
+            let message =
+                "a device does not trace single rays: `--device` has no `single_ray_time`";
+            let help = "measure `time`, or leave `--device` out";
+            return Err(RenderError::Scene(Diagnostic::new(message).with_help(help)));
+        }
+        Ok(Some(device.load(accel, &options.cancellation)?))
     }
 
     /// Returns the acceleration structure, reusing an existing one, or else building it or

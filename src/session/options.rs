@@ -1,9 +1,11 @@
 //! Options of a rendering.
 
+use std::sync::Arc;
 use std::{fmt, io};
 
 use super::RenderError;
 use base::stop::Cancellation;
+use device::Device;
 use host::text::Diagnostic;
 use host::{advice, affinity, start_threads};
 use render::ranks::local_rank;
@@ -31,6 +33,9 @@ pub struct Options<'a> {
     pub simd: Option<SimdSet>,
     /// The way in which the rays of a wave are traced.
     pub traversal: Traversal,
+    /// A device that traces the rays of waves in place of the processor: same picture, same
+    /// counters.
+    pub device: Option<Arc<Device>>,
     /// If true, a few rays estimate the work of each tile before the rendering, for
     /// [`Progress::work`]; otherwise all pixels count the same.
     pub estimates_work: bool,
@@ -162,6 +167,7 @@ impl fmt::Debug for Options<'_> {
             .field("pin", &self.pin)
             .field("simd", &self.simd)
             .field("traversal", &self.traversal)
+            .field("device", &self.device)
             .field("estimates_work", &self.estimates_work)
             .field("vtkhdf", &self.vtkhdf)
             .field("cancellation", &self.cancellation)

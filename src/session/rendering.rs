@@ -42,6 +42,8 @@ pub(super) struct Measured {
     pub(super) bvh: Option<BvhStatistics>,
     /// The instruction set, and the way in which the rays of waves were traced.
     pub(super) kernel: (Simd, Traversal),
+    /// The name of the device that traced the waves' rays, if it was not the processor.
+    pub(super) device: Option<String>,
     pub(super) meter: Meter,
     pub(super) film: Film,
     /// The look of the pixels so far, except for a part of a picture.
@@ -215,6 +217,7 @@ impl Rendering<'_> {
             bvh: measured.bvh,
             simd: measured.kernel.0,
             traversal: measured.kernel.1,
+            device: measured.device.as_deref(),
             meter: &measured.meter,
             film: &measured.film,
             survey: self.survey(),

@@ -62,7 +62,8 @@ proptest! {
         for quality in QUALITIES {
             let first = built(&first, quality);
             let twice = first.refitted(&between).and_then(|accel| accel.refitted(&last));
-            prop_assert!(twice == first.refitted(&last));
+            let once = first.refitted(&last);
+            prop_assert!(twice.map(|accel| accel.index()) == once.map(|accel| accel.index()));
         }
     }
 
@@ -126,6 +127,6 @@ fn threads_change_nothing() {
     };
     let expected = on(1);
     for n_threads in [2, 5] {
-        assert!(on(n_threads) == expected, "{n_threads}");
+        assert!(on(n_threads).index() == expected.index(), "{n_threads}");
     }
 }

@@ -13,7 +13,11 @@ impl RenderArguments {
         let to_merge = "give it to `raycost merge`, which writes the files";
         let part = ("part", self.part.is_some());
         let counters = ("hardware-counters", self.hardware_counters);
+        let traversal = ("traversal", self.traversal.is_some());
+        let device = ("device", self.device.is_some());
+        let at_once = "a device traces all rays of a wave at once: leave `--traversal` out";
         let pairs = [
+            (device, traversal, at_once),
             (part, ("profile", self.profile), no_files),
             (part, counters, no_files),
             (part, ("format", self.run.format.is_some()), to_merge),

@@ -1,14 +1,17 @@
 //! `raycost render`: flags → a [`Job`] → lines about it.
 
 mod combinations;
+mod device;
 mod merge;
 mod picture_file;
 mod run_arguments;
 mod terminal;
 
 use std::io;
+use std::sync::Arc;
 use std::time::Duration;
 
+use device::{DeviceChoice, parse_device};
 use picture_file::PictureFile;
 use run_arguments::RunArguments;
 use terminal::Terminal;
@@ -79,6 +82,11 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "HOW", value_parser = keyword::<Traversal>())]
     traversal: Option<Traversal>,
 
+    /// Trace the rays on another device: `opencl`, or `opencl:TEXT` for the first one whose name
+    /// or driver contains the text. Same picture, same counters
+    #[arg(long, value_name = "DEVICE", value_parser = parse_device)]
+    device: Option<DeviceChoice>,
+
     /// Count cycles, instructions, cache and branch misses of each stage in hardware, and the
     /// energy of the machine's processors, if the machine allows it; see `stages` in summary.json
     #[arg(long)]
@@ -117,7 +125,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 
 /// Renders these tiles, and prints lines about them.
 fn render(arguments: &RenderArguments, tiles: Tiles) -> Result<(), Failure> {
-    let job = arguments.job(tiles);
+    let job = arguments.job(tiles)?;
     let mut terminal = Terminal::new(arguments);
     let report = job::run(&job, &mut terminal).map_err(|error| match error {
         RenderError::Stopped(stopped, Some(kept)) => {
@@ -143,13 +151,14 @@ pub(super) fn fail_on_a_rank(failure: &Failure) {
 }
 
 impl RenderArguments {
-    /// Returns the job of these arguments.
-    fn job(&self, tiles: Tiles) -> Job<'_> {
+    /// Returns the job of these arguments; opens the device.
+    fn job(&self, tiles: Tiles) -> Result<Job<'_>, RenderError> {
+        let device = self.device.as_ref().map(DeviceChoice::open).transpose()?;
         let output = match &self.picture {
             Some(file) => Output::Picture(file.path.clone()),
             None => Output::Folder(self.scene.out()),
         };
-        Job {
+        Ok(Job {
             frames: self.frames.clone().map(|frames| frames.0),
             tiles,
             timeout: self.timeout,
@@ -158,6 +167,7 @@ impl RenderArguments {
                 pin: self.pin,
                 simd: self.simd,
                 traversal: self.traversal.unwrap_or_default(),
+                device: device.map(Arc::new),
                 estimates_work: Bars::are_shown(self.run.quiet),
                 vtkhdf: self.run.format.is_some(),
                 ..Options::default()
@@ -167,7 +177,7 @@ impl RenderArguments {
             hardware_counters: self.hardware_counters,
             profile: self.profile,
             ..Job::new(&self.scene, "")
-        }
+        })
     }
 
     /// Checks the flags, and applies those of the whole process.

@@ -137,6 +137,10 @@ pub struct AccelerationSection {
     /// How the rays of a wave were traced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traversal: Option<Traversal>,
+    /// The name of the device that traced the rays of waves, and of its driver; left out for the
+    /// processor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -226,12 +230,14 @@ impl AccelerationSection {
         bvh: Option<BvhStatistics>,
         simd: Simd,
         traversal: Traversal,
+        device: Option<&str>,
     ) -> Self {
         Self {
             kind: acceleration.kind().to_owned(),
             quality: acceleration.quality(),
             simd: Some(simd.to_string()),
             traversal: Some(traversal),
+            device: device.map(str::to_owned),
             bvh,
         }
     }

@@ -168,6 +168,8 @@ pub struct RenderingView<'a> {
     pub simd: Simd,
     /// How the rays of waves were traced.
     pub traversal: Traversal,
+    /// The name of the device that traced the waves' rays, if it was not the processor.
+    pub device: Option<&'a str>,
     /// The meter of the pixels.
     pub meter: &'a Meter,
     /// The pixels and their cost.

@@ -57,6 +57,7 @@ fn summarize(job: &WriterInput) -> Summary {
             rendering.bvh,
             rendering.simd,
             rendering.traversal,
+            rendering.device,
         ),
         machine: Machine::current(),
         build: Some(rendering.build.clone()),

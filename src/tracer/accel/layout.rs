@@ -40,9 +40,9 @@ pub(super) const SPHERE_ROWS: usize = 4;
 /// Rows of a capsule leaf after the indices.
 pub(super) const CAPSULE_ROWS: usize = 8;
 /// Set in the indices of leaves of capsules: a [`NodeRef`] has no room for a fourth kind.
-pub(super) const CAPSULE_BIT: u32 = 1 << 29;
+pub const CAPSULE_BIT: u32 = 1 << 29;
 /// Set in the indices of leaves, which makes them normal as floating-point numbers.
-pub(super) const ID_BIT: u32 = 1 << 30;
+pub const ID_BIT: u32 = 1 << 30;
 
 /// A node: the boxes of up to eight children. Missing children have empty boxes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

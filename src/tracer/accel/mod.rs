@@ -27,6 +27,7 @@ mod level;
 mod index;
 mod instanced;
 mod update;
+mod device;
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -40,11 +41,13 @@ pub use acceleration::{Acceleration, HierarchyUpdate, Quality, Structure, Traver
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
+pub use device::{CountRay, LevelArrays, RayDevice};
 pub use hit::{Hit, ShadowRay, ShadowStream};
 pub use index::AccelIndex;
 use instanced::{Instanced, LevelCounts, LowerLevels, NearestPlaced, PlacedSearch};
-pub use kernel::RAYS_IN_FLIGHT;
 use kernel::{Batch, PacketTraversal, StreamTraversal};
+pub use kernel::{RAYS_IN_FLIGHT, SlabSetup};
+pub use layout::{CAPSULE_BIT, ID_BIT};
 use level::SearchLevel;
 pub use nodes::BvhNode;
 use record::Recorder;
@@ -61,12 +64,13 @@ thread_local! {
 }
 
 /// An acceleration structure over everything in a scene that rays can hit.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Accel<'a> {
     world: World<'a>,
     index: Arc<AccelIndex>,
     simd: Simd,
     traversal: Traversal,
+    device: Option<&'a dyn RayDevice>,
 }
 
 /// Receives finished shares of a build, from any thread. Not a generic parameter: each crate that
@@ -104,6 +108,7 @@ impl<'a> Accel<'a> {
             index,
             simd: Simd::best(),
             traversal: Traversal::default(),
+            device: None,
         }
     }
 
@@ -238,6 +243,11 @@ impl<'a> Accel<'a> {
         hits: &mut Vec<Option<Hit>>,
         probe: &mut P,
     ) {
+        if let Some(device) = self.device {
+            return device.nearest(rays, hits, &mut |i, n_visits, n_tests| {
+                report(probe, i, n_visits, n_tests);
+            });
+        }
         if self.is_traced_in_streams() {
             return self.stream(rays, hits, probe);
         }
@@ -254,6 +264,11 @@ impl<'a> Accel<'a> {
         occluded: &mut Vec<bool>,
         probe: &mut P,
     ) {
+        if let Some(device) = self.device {
+            return device.occluded(rays, occluded, &mut |i, n_visits, n_tests| {
+                report(probe, i, n_visits, n_tests);
+            });
+        }
         if self.is_traced_in_streams() {
             return self.stream(rays, occluded, probe);
         }
@@ -360,13 +375,18 @@ fn one_by_one<A, P: StreamProbe>(
     for i in 0..rays.len() {
         let mut counts = LevelCounts::default();
         answers.push(answer(i, &mut counts));
-        if P::COUNTS {
-            let traversal = Traversals {
-                node_visits: &[counts.n_visits],
-                primitive_tests: &[counts.n_tests],
-                active: 1,
-            };
-            probe.traversals(i, &traversal);
-        }
+        report(probe, i, counts.n_visits, counts.n_tests);
+    }
+}
+
+/// Reports the counters of one ray of a stream.
+fn report<P: StreamProbe>(probe: &mut P, ray: usize, n_visits: u32, n_tests: u32) {
+    if P::COUNTS {
+        let traversal = Traversals {
+            node_visits: &[n_visits],
+            primitive_tests: &[n_tests],
+            active: 1,
+        };
+        probe.traversals(ray, &traversal);
     }
 }

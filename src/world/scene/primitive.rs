@@ -63,6 +63,18 @@ impl Primitive {
         }
     }
 
+    /// Returns the kind of the shape, in render space or before its transform.
+    pub fn shape_kind(&self) -> ShapeKind {
+        self.shape.kind()
+    }
+
+    /// Returns the columns and the translation of the map from render space to the space of the
+    /// [`parameters`](Self::parameters); `None` if these are in render space.
+    pub fn object_from_world(&self) -> Option<[Vec3; 4]> {
+        let placement = self.placement.as_ref();
+        placement.map(|placement| placement.object_from_world())
+    }
+
     /// Returns the parameters that define the shape, padded with zeros.
     #[inline(always)]
     pub fn parameters(&self) -> [f32; N_PARAMETERS] {

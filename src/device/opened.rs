@@ -1,0 +1,121 @@
+//! A device that is ready for scenes.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use opencl3::program::Program;
+
+use crate::opencl::{self, DeviceFault, ListedDevice, OpenDevice};
+use crate::program::{self, Depths};
+use crate::proof;
+use host::text::Diagnostic;
+
+/// Help where a device cannot be used.
+const OTHER_DEVICE: &str = "render without `--device`, or on another device";
+
+/// A device whose arithmetic agrees with the processor's.
+pub struct Device {
+    machine: OpenDevice,
+    name: String,
+    /// The program that was compiled last.
+    program: Mutex<Option<(Depths, Arc<Program>)>>,
+}
+
+/// Why a device cannot be used.
+#[derive(Debug)]
+pub enum DeviceError {
+    /// The system has none of that name.
+    Missing(Diagnostic),
+    /// It fails, computes otherwise than the processor, or has not enough memory.
+    Failed(Diagnostic),
+}
+
+impl Device {
+    /// Opens a device: the first graphics card, or else the first device; with a text, the first
+    /// one whose name or driver contains it, in any case.
+    ///
+    /// # Errors
+    /// There is none, or its arithmetic differs from IEEE 754's; the message says what there is.
+    pub fn open(name: Option<&str>) -> Result<Self, DeviceError> {
+        let all = opencl::list().unwrap_or_default();
+        let wanted = name.unwrap_or_default().to_lowercase();
+        let is_wanted = |listed: &&ListedDevice| listed.name().to_lowercase().contains(&wanted);
+        let Some(listed) = all.iter().find(is_wanted) else {
+            return Err(DeviceError::Missing(no_device(&all, name)));
+        };
+        let name = listed.name();
+        if !listed.has_doubles() {
+            let message = format!("the device {name} does not compute in double precision");
+            return Err(DeviceError::Failed(Diagnostic::new(message)));
+        }
+        let failed = |fault: DeviceFault| failed(&name, &fault);
+        let machine = listed.open().map_err(failed)?;
+        let depths = Depths::new(1, None);
+        let program = Arc::new(machine.compile(&program::text(depths)).map_err(failed)?);
+        if let Some(difference) = proof::refute(&machine, &program).map_err(failed)? {
+            let message = format!("the device {name} cannot render the same picture: {difference}");
+            return Err(DeviceError::Failed(
+                Diagnostic::new(message).with_help(OTHER_DEVICE),
+            ));
+        }
+        Ok(Self {
+            machine,
+            name,
+            program: Mutex::new(Some((depths, program))),
+        })
+    }
+
+    /// Returns the device's name and its driver's.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the device of OpenCL.
+    pub(crate) fn machine(&self) -> &OpenDevice {
+        &self.machine
+    }
+
+    /// Returns the program for scenes of these depths.
+    pub(crate) fn program(&self, depths: Depths) -> Result<Arc<Program>, DeviceFault> {
+        let mut last = self.program.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*last {
+            Some((of, program)) if *of == depths => Ok(Arc::clone(program)),
+            _ => {
+                let program = Arc::new(self.machine.compile(&program::text(depths))?);
+                *last = Some((depths, Arc::clone(&program)));
+                Ok(program)
+            }
+        }
+    }
+
+    pub(crate) fn failed(&self, fault: &DeviceFault) -> DeviceError {
+        failed(&self.name, fault)
+    }
+}
+
+impl fmt::Debug for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Device").field(&self.name).finish()
+    }
+}
+
+fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
+    let message = format!("the device {name} fails: {fault}");
+    DeviceError::Failed(Diagnostic::new(message).with_help(OTHER_DEVICE))
+}
+
+/// Returns the message that no device has such a name.
+fn no_device(all: &[ListedDevice], name: Option<&str>) -> Diagnostic {
+    let names: Vec<_> = all
+        .iter()
+        .map(|listed| format!("`{}`", listed.name()))
+        .collect();
+    if let (Some(name), false) = (name, names.is_empty()) {
+        let message = format!("no OpenCL device has `{name}` in its name");
+        return Diagnostic::new(message).with_help(format!("there is {}", names.join(", ")));
+    }
+    Diagnostic::new("the system lists no OpenCL device").with_help(
+        "install the driver of the graphics card, or PoCL for the processor: Debian's packages are \
+         `ocl-icd-libopencl1` and `pocl-opencl-icd`",
+    )
+}

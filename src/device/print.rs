@@ -1,0 +1,112 @@
+//! A straight program → a function in the common subset of OpenCL C, CUDA C and C++.
+
+use std::fmt::Write;
+
+use crate::tape::{Instruction, Operation, Program, Type};
+
+/// Returns the text of a program as a function, which reads its numbers from `in` and writes its
+/// results to `out`.
+pub(crate) fn function(program: &Program) -> String {
+    let Program {
+        name,
+        instructions,
+        results,
+    } = program;
+    let mut text = format!("FUNCTION void {name}(const float *in, float *out) {{\n");
+    let is_used = used(program);
+    for (number, instruction) in instructions.iter().enumerate() {
+        if is_used[number] {
+            let value = expression(instructions, instruction);
+            let ty = name_of(instruction.result);
+            let _ = writeln!(text, "  {ty} r{number} = {value};");
+        }
+    }
+    for (i, result) in results.iter().enumerate() {
+        let _ = writeln!(text, "  out[{i}] = r{result};");
+    }
+    text + "}\n"
+}
+
+/// Returns for each instruction if a result depends on it.
+fn used(program: &Program) -> Vec<bool> {
+    let mut is_used = vec![false; program.instructions.len()];
+    for &result in &program.results {
+        is_used[result as usize] = true;
+    }
+    for (number, instruction) in program.instructions.iter().enumerate().rev() {
+        if is_used[number] {
+            for &operand in &instruction.operands[..n_operands(instruction.operation)] {
+                is_used[operand as usize] = true;
+            }
+        }
+    }
+    is_used
+}
+
+fn n_operands(operation: Operation) -> usize {
+    match operation {
+        Operation::Input(_) | Operation::Constant(_) => 0,
+        Operation::Negate
+        | Operation::Sqrt
+        | Operation::Floor
+        | Operation::Truncate
+        | Operation::Not
+        | Operation::ShiftLeft(_)
+        | Operation::ShiftRight(_)
+        | Operation::Bits
+        | Operation::Convert => 1,
+        Operation::Select => 3,
+        _ => 2,
+    }
+}
+
+fn name_of(ty: Type) -> &'static str {
+    match ty {
+        Type::Float => "float",
+        Type::Double => "double",
+        Type::Unsigned => "uint",
+        Type::Boolean => "int",
+    }
+}
+
+fn expression(instructions: &[Instruction], instruction: &Instruction) -> String {
+    let [a, b, c] = instruction.operands.map(|number| format!("r{number}"));
+    let result = instruction.result;
+    let operand = instructions[instruction.operands[0] as usize].result;
+    match instruction.operation {
+        Operation::Input(number) => format!("in[{number}]"),
+        Operation::Constant(bits) => match result {
+            Type::Float => format!("FLOAT_OF(0x{bits:x}u)"),
+            Type::Double => format!("DOUBLE_OF(0x{bits:x}ul)"),
+            Type::Unsigned | Type::Boolean => format!("{bits}u"),
+        },
+        Operation::Add => format!("{a} + {b}"),
+        Operation::Subtract => format!("{a} - {b}"),
+        Operation::Multiply => format!("{a} * {b}"),
+        Operation::Divide => format!("{a} / {b}"),
+        Operation::Negate => format!("-{a}"),
+        Operation::Min => format!("{a} < {b} ? {a} : {b}"),
+        Operation::Max => format!("{a} > {b} ? {a} : {b}"),
+        Operation::Sqrt => format!("SQRT({a})"),
+        Operation::FlipSign => format!("flip_sign({a}, {b})"),
+        Operation::Floor => format!("floor({a})"),
+        Operation::Truncate => format!("trunc({a})"),
+        Operation::Less => format!("{a} < {b}"),
+        Operation::LessOrEqual => format!("{a} <= {b}"),
+        Operation::Select => format!("{a} ? {b} : {c}"),
+        Operation::And => format!("{a} & {b}"),
+        Operation::Or => format!("{a} | {b}"),
+        Operation::Xor => format!("{a} ^ {b}"),
+        Operation::Not => format!("!{a}"),
+        Operation::ShiftLeft(n) => format!("{a} << {n}"),
+        Operation::ShiftRight(n) => format!("{a} >> {n}"),
+        Operation::Bits if result == Type::Float => format!("FLOAT_OF({a})"),
+        Operation::Bits => format!("BITS_OF({a})"),
+        Operation::Convert => match (operand, result) {
+            (Type::Float, Type::Unsigned) => format!("(uint)(int){a}"),
+            (Type::Unsigned, _) => format!("(float)(int){a}"),
+            _ => format!("({}){a}", name_of(result)),
+        },
+        Operation::ZeroBelow => format!("{a} < {b} ? 0.0 : {a}"),
+    }
+}

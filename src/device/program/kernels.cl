@@ -1,0 +1,69 @@
+
+/* Reads a ray. */
+FUNCTION void read_ray(GLOBAL const float *rays, uint id, Prepared *ray) {
+  for (int i = 0; i < 3; i++) {
+    ray->origin[i] = rays[8ul * id + i];
+    ray->direction[i] = rays[8ul * id + 3 + i];
+  }
+}
+
+/* Answers the query of one ray: `rays` has origin, direction, limit and ignored object, `out` the parameter of the
+   hit (NONE without one; for occlusion 0), its primitive, its instance, the node visits and the primitive tests. */
+FUNCTION void answer(World world, GLOBAL const float *rays, GLOBAL uint *out, uint id, int is_nearest) {
+  Prepared ray;
+  read_ray(rays, id, &ray);
+  Search search;
+  search.t = INFINITY;
+  search.limit = rays[8ul * id + 6];
+  search.primitive = NONE;
+  search.instance = NONE;
+  search.ignored = BITS_OF(rays[8ul * id + 7]);
+  search.is_done = 0;
+  search.n_visits = 0u;
+  search.n_tests = 0u;
+  Placement none;
+  none.ray = &ray;
+  none.record = world.records;
+  search_world(&world, 0u, &ray, &search, is_nearest, none);
+  int is_hit = is_nearest ? search.t < INFINITY : search.is_done;
+  out[5ul * id] = !is_hit ? NONE : is_nearest ? BITS_OF(search.t) : 0u;
+  out[5ul * id + 1] = search.primitive;
+  out[5ul * id + 2] = search.instance;
+  out[5ul * id + 3] = search.n_visits;
+  out[5ul * id + 4] = search.n_tests;
+}
+
+#define PARAMETERS                                                                                              \
+  GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL const uint *unbounded,                            \
+      GLOBAL const uint *primitives, GLOBAL const uint *records, GLOBAL const float *rays, GLOBAL uint *out,     \
+      uint n
+#define ANSWER(is_nearest)                                                                                      \
+  {                                                                                                             \
+    World world;                                                                                                \
+    world.lines = lines;                                                                                        \
+    world.levels = levels;                                                                                      \
+    world.unbounded = unbounded;                                                                                \
+    world.primitives = primitives;                                                                              \
+    world.records = records;                                                                                    \
+    uint id = (uint)ID;                                                                                         \
+    if (id < n) answer(world, rays, out, id, is_nearest);                                                       \
+  }
+
+KERNEL void nearest(PARAMETERS) ANSWER(1)
+KERNEL void occluded(PARAMETERS) ANSWER(0)
+
+/* Arithmetic on triples of numbers, compared with the processor's before the first ray. */
+KERNEL void arithmetic(GLOBAL const uint *in, GLOBAL uint *out, uint n) {
+  uint id = (uint)ID;
+  if (id >= n) return;
+  float x = FLOAT_OF(in[3ul * id]), y = FLOAT_OF(in[3ul * id + 1]), z = FLOAT_OF(in[3ul * id + 2]);
+  double product = (double)x * (double)y;
+  out[8ul * id] = BITS_OF(x / y);
+  out[8ul * id + 1] = BITS_OF(SQRT(x));
+  out[8ul * id + 2] = BITS_OF(x * y + z);
+  out[8ul * id + 3] = BITS_OF(x * y - z);
+  out[8ul * id + 4] = BITS_OF((float)(product + (double)z));
+  out[8ul * id + 5] = BITS_OF((float)(product / (double)z));
+  out[8ul * id + 6] = (uint)(x < y) | (uint)(x <= y) << 1 | (uint)(x > y) << 2;
+  out[8ul * id + 7] = BITS_OF(x + y);
+}

@@ -1,0 +1,75 @@
+//! The text of the device's program.
+
+use tracer::accel::{CAPSULE_BIT, ID_BIT};
+use world::geometry::{MIN_COS, ShapeKind};
+
+use crate::formulas;
+
+/// Levels of nodes by which the sizes of stacks grow: a program serves hierarchies of similar depth.
+const LEVEL_STEP: usize = 8;
+
+/// The kind of an instance in a record, after those of shapes.
+pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
+
+/// The depths of a scene's hierarchies, for which a program is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Depths {
+    pub(crate) world: usize,
+    /// The greatest depth of an instanced mesh; `None` without instances.
+    pub(crate) mesh: Option<usize>,
+}
+
+impl Depths {
+    /// Rounds the depths of hierarchies with this many levels of nodes up.
+    pub(crate) fn new(world: usize, mesh: Option<usize>) -> Self {
+        let rounded = |n_levels: usize| n_levels.next_multiple_of(LEVEL_STEP);
+        Self {
+            world: rounded(world),
+            mesh: mesh.map(rounded),
+        }
+    }
+}
+
+/// Returns the program for scenes of these depths.
+pub(crate) fn text(depths: Depths) -> String {
+    // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
+    // the last one.
+    let stack = |n_levels: usize| 7 * n_levels + 9;
+    let kind = |kind: ShapeKind| kind as u32;
+    let mut text = format!(
+        "{}
+#define ID_BIT {ID_BIT}u
+#define CAPSULE_BIT {CAPSULE_BIT}u
+#define MIN_COS {:?}
+#define TRIANGLE {}u
+#define RECTANGLE {}u
+#define CAPSULE {}u
+#define INSTANCE {INSTANCE}u
+",
+        include_str!("prelude.cl"),
+        f64::from(MIN_COS),
+        kind(ShapeKind::Triangle),
+        kind(ShapeKind::Rectangle),
+        kind(ShapeKind::Capsule),
+    );
+    text += &formulas::functions();
+    text += include_str!("traversal.cl");
+    if let Some(n_levels) = depths.mesh {
+        text += &format!("#define MESH_STACK {}\n", stack(n_levels));
+        text += "#define STACK MESH_STACK
+#define TRAVERSE search_mesh
+#define TEST(i) test_in_mesh(world, ray, search, is_nearest, placement, i)
+#define FOUND(t, i) found_in_mesh(world, search, is_nearest, placement, t, i)
+";
+        text += include_str!("level.cl");
+        text += "#undef STACK\n#undef TRAVERSE\n#undef TEST\n#undef FOUND\n";
+    }
+    text += include_str!("world.cl");
+    text += &format!("#define STACK {}\n", stack(depths.world));
+    text += "#define TRAVERSE search_world
+#define TEST(i) test_in_world(world, ray, search, is_nearest, i)
+#define FOUND(t, i) found(world, search, is_nearest, t, i, 0u)
+";
+    text += include_str!("level.cl");
+    text + include_str!("kernels.cl")
+}

@@ -1,0 +1,138 @@
+//! A scene as the arrays of a device's memory.
+
+use glam::Vec3;
+
+use tracer::accel::{Accel, LevelArrays};
+use world::geometry::ShapeKind;
+use world::scene::{InstanceId, Instances, Primitive, World};
+
+use crate::program::{Depths, INSTANCE};
+
+/// A primitive that a leaf holds has no record.
+const NO_RECORD: u32 = u32::MAX;
+
+/// The arrays of a scene. None is empty: a device has no empty arrays.
+pub(crate) struct SceneArrays {
+    /// The cache lines of all levels.
+    pub(crate) lines: Vec<f32>,
+    /// For each level the index of its first cache line, the bits of its largest coordinate, the
+    /// start and the length of its part of `unbounded`, and its number of cache lines.
+    pub(crate) levels: Vec<u32>,
+    /// Indices of the primitives that are tested before the hierarchies.
+    pub(crate) unbounded: Vec<u32>,
+    /// For each primitive its object, and the start of its record.
+    pub(crate) primitives: Vec<u32>,
+    /// The shapes that no leaf holds, and the instances.
+    ///
+    /// A shape has its kind, 1 if it needs a transform, its parameters, and the columns and the
+    /// translation of the map to object space. An instance has its kind, its number plus 1, the
+    /// level and the first triangle of its mesh, the largest coordinate of its box, the box, and
+    /// the columns of the map to the mesh and its position.
+    pub(crate) records: Vec<u32>,
+    /// The depths of the hierarchies.
+    pub(crate) depths: Depths,
+}
+
+impl SceneArrays {
+    /// Copies the arrays of a structure.
+    pub(crate) fn new(accel: &Accel) -> Self {
+        let (world, levels) = (accel.world(), accel.levels());
+        let depth = |levels: &[LevelArrays]| levels.iter().map(|level| level.n_levels).max();
+        let (upper, lower) = levels.split_at(1);
+        let mut arrays = Self {
+            lines: Vec::new(),
+            levels: Vec::new(),
+            unbounded: Vec::new(),
+            primitives: Vec::new(),
+            records: Vec::new(),
+            depths: Depths::new(depth(upper).unwrap_or(0), depth(lower)),
+        };
+        for level in &levels {
+            arrays.push_level(level);
+        }
+        let is_brute_force = levels.iter().any(|level| level.lines.is_empty());
+        for (i, primitive) in (0..).zip(world.primitives) {
+            let has_record = is_brute_force || !is_in_leaf(primitive);
+            let start = arrays.records.len() as u32;
+            let record = if has_record { start } else { NO_RECORD };
+            arrays.primitives.extend([primitive.object.0, record]);
+            if has_record {
+                arrays.push_record(world, i, primitive);
+            }
+        }
+        arrays.lines.push(0.0);
+        for array in [
+            &mut arrays.unbounded,
+            &mut arrays.primitives,
+            &mut arrays.records,
+        ] {
+            array.push(0);
+        }
+        arrays
+    }
+
+    fn push_level(&mut self, level: &LevelArrays) {
+        self.levels.extend([
+            self.lines.len() as u32 / 16,
+            level.largest.to_bits(),
+            self.unbounded.len() as u32,
+            level.unbounded.len() as u32,
+            level.lines.len() as u32 / 16,
+        ]);
+        self.lines.extend_from_slice(level.lines);
+        self.unbounded.extend_from_slice(&level.unbounded);
+    }
+
+    fn push_record(&mut self, world: World, i: u32, primitive: &Primitive) {
+        let instance = world.instances.and_then(|instances| {
+            let id = instances.by_box(i)?;
+            ((id.0 as usize) < instances.n_instances()).then_some((instances, id))
+        });
+        match instance {
+            Some((instances, id)) => self.push_instance(instances, id, primitive),
+            None => self.push_shape(primitive),
+        }
+    }
+
+    fn push_shape(&mut self, primitive: &Primitive) {
+        let columns = primitive.object_from_world();
+        let kind = primitive.shape_kind() as u32;
+        self.records.extend([kind, columns.is_some().into()]);
+        self.push_numbers(&primitive.parameters());
+        self.push_vectors(&columns.unwrap_or_default());
+    }
+
+    fn push_instance(&mut self, instances: &Instances, id: InstanceId, bounds: &Primitive) {
+        let instance = instances.get(id);
+        let first = instances.mesh_of(id).triangles.start;
+        self.records
+            .extend([INSTANCE, id.0 + 1, instance.mesh + 1, first]);
+        let bounds = bounds.bounds();
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        self.push_numbers(&[largest]);
+        self.push_vectors(&[bounds.min, bounds.max]);
+        self.push_vectors(&instance.transform.mesh_from_world());
+    }
+
+    fn push_vectors(&mut self, vectors: &[Vec3]) {
+        vectors
+            .iter()
+            .for_each(|v| self.push_numbers(&v.to_array()));
+    }
+
+    fn push_numbers(&mut self, numbers: &[f32]) {
+        self.records
+            .extend(numbers.iter().map(|number| number.to_bits()));
+    }
+}
+
+/// Returns true if the leaves of a hierarchy hold the primitive's parameters.
+fn is_in_leaf(primitive: &Primitive) -> bool {
+    let kind = primitive.kind();
+    kind.is_some_and(|kind| {
+        matches!(
+            kind,
+            ShapeKind::Triangle | ShapeKind::Sphere | ShapeKind::Capsule
+        )
+    })
+}

@@ -1,0 +1,53 @@
+/* A driver with a fault, named by FAULT: it stands before libOpenCL and passes on what it does not change.
+     lies    adds in another way than IEEE 754: one bit of what is read back is flipped
+     memory  has memory for arrays of up to 64 KiB
+     lost    is lost at the 20th launch
+     hangs   never finishes the 20th launch */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef int (*Launch)(void *, void *, unsigned, const size_t *, const size_t *, const size_t *, unsigned, void *, void *);
+typedef int (*Read)(void *, void *, unsigned, size_t, size_t, void *, unsigned, void *, void *);
+typedef void *(*Create)(void *, unsigned long, size_t, void *, int *);
+typedef int (*Info)(void *, unsigned, size_t, void *, size_t *);
+
+static int n_launches;
+
+static int is(const char *fault) {
+  const char *asked = getenv("FAULT");
+  return asked && !strcmp(asked, fault);
+}
+
+int clEnqueueNDRangeKernel(void *queue, void *kernel, unsigned n, const size_t *offset, const size_t *global,
+                           const size_t *local, unsigned n_events, void *events, void *event) {
+  if (++n_launches >= 20 && is("lost")) return -36; /* CL_INVALID_COMMAND_QUEUE */
+  Launch next = (Launch)dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
+  return next(queue, kernel, n, offset, global, local, n_events, events, event);
+}
+
+int clEnqueueReadBuffer(void *queue, void *buffer, unsigned blocks, size_t offset, size_t size, void *to,
+                        unsigned n_events, void *events, void *event) {
+  Read next = (Read)dlsym(RTLD_NEXT, "clEnqueueReadBuffer");
+  int error = next(queue, buffer, blocks, offset, size, to, n_events, events, event);
+  if (is("lies")) ((unsigned char *)to)[size / 2] ^= 1;
+  return error;
+}
+
+void *clCreateBuffer(void *context, unsigned long flags, size_t size, void *from, int *error) {
+  if (is("memory") && (flags & 32) && size > 1 << 16) { /* CL_MEM_COPY_HOST_PTR */
+    *error = -4;                                        /* CL_MEM_OBJECT_ALLOCATION_FAILURE */
+    return NULL;
+  }
+  Create next = (Create)dlsym(RTLD_NEXT, "clCreateBuffer");
+  return next(context, flags, size, from, error);
+}
+
+int clGetEventInfo(void *event, unsigned what, size_t size, void *value, size_t *n) {
+  Info next = (Info)dlsym(RTLD_NEXT, "clGetEventInfo");
+  int error = next(event, what, size, value, n);
+  if (n_launches >= 20 && is("hangs") && value) *(int *)value = 1; /* CL_RUNNING */
+  return error;
+}
