@@ -26,6 +26,8 @@ use tracer::trace::{Points, ShadowLight};
 /// Greatest number of paths in flight at a time, unless a tile has more pixels: enough to keep the
 /// kernel busy, few enough to stay in the cache between two steps.
 const WAVE_LEN: usize = 2048;
+/// The same for a device, which needs many rays at a time.
+const DEVICE_WAVE_LEN: usize = 32_768;
 
 /// The starts of the wave's paths.
 macro_rules! starts {
@@ -222,7 +224,13 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Renders these samples of all pixels in waves.
     fn render_round(&mut self, samples: Range<u32>) {
-        let n_per_wave = (WAVE_LEN / self.places.len()).max(1);
+        let is_on_device = self.view.tracer.accel.has_device();
+        let wave_len = if is_on_device {
+            DEVICE_WAVE_LEN
+        } else {
+            WAVE_LEN
+        };
+        let n_per_wave = (wave_len / self.places.len()).max(1);
         for first in samples.clone().step_by(n_per_wave) {
             if stop::is_requested() {
                 break;

@@ -41,6 +41,11 @@ impl<'a> Accel<'a> {
         Self { device, ..self }
     }
 
+    /// Returns true if a device traces its streams of rays.
+    pub fn has_device(&self) -> bool {
+        self.device.is_some()
+    }
+
     /// Returns the world.
     pub fn world(&self) -> World<'a> {
         self.world

@@ -31,6 +31,10 @@ pub const FIGURES: &[(&str, Figure)] = &[
         range(ratios, "")
     }),
     ("tinybvh-version", |of| of.version("tinybvh")),
+    ("device", |of| {
+        let runs = of.list("device", "runs")?.iter();
+        range(runs.map(|run| run["speed_by_cpu_time"].as_f64()), "")
+    }),
     ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
     ("embree-packets", |of| {
