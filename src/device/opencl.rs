@@ -131,9 +131,9 @@ impl OpenDevice {
     /// Compiles a program.
     pub(crate) fn compile(&self, text: &str) -> Result<Program, DeviceFault> {
         let device = &self.listed.device;
-        let rounding = u64::from(device.single_fp_config().unwrap_or(0) as u32)
-            & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
-        let options = if rounding == 0 {
+        // Without the option, a device that could round correctly may not.
+        let config = device.single_fp_config().unwrap_or(0);
+        let options = if config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT == 0 {
             ""
         } else {
             "-cl-fp32-correctly-rounded-divide-sqrt"

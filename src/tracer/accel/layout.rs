@@ -39,7 +39,7 @@ pub(super) const TRIANGLE_ROWS: usize = 9;
 pub(super) const SPHERE_ROWS: usize = 4;
 /// Rows of a capsule leaf after the indices.
 pub(super) const CAPSULE_ROWS: usize = 8;
-/// Set in the indices of leaves of capsules: a [`NodeRef`] has no room for a fourth kind.
+/// Set in the indices of leaves of capsules: a reference has no room for a fourth kind.
 pub const CAPSULE_BIT: u32 = 1 << 29;
 /// Set in the indices of leaves, which makes them normal as floating-point numbers.
 pub const ID_BIT: u32 = 1 << 30;

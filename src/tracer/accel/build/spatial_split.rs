@@ -337,10 +337,9 @@ impl SimdKernel for CheapestPlane<'_> {
             }
             // Sweep from the left: each plane that leaves both sides occupied is a candidate.
             let (mut bounds, mut n_left) = (set.splat(f32::NEG_INFINITY), 0);
-            for bin in 1..N_BINS {
+            for (bin, &(right_cost, n_right)) in right.iter().enumerate().skip(1) {
                 bounds = bounds.max(bins.boxes[bin - 1].lanes(set));
                 n_left += bins.n_begin[bin - 1] as usize;
-                let (right_cost, n_right) = right[bin];
                 let half_area = LaneBounds::from_lanes(bounds).half_area();
                 let cost = half_area * n_left as f32 + right_cost;
                 let is_valid = n_left > 0 && n_right > 0 && n_left + n_right <= self.n_most;
