@@ -22,12 +22,13 @@ fn shown(scene: &str, name: &str, arguments: &[&str], cost: &str) -> (PathBuf, R
     (out, image::open(picture).unwrap().to_rgb8())
 }
 
-/// The number of pixels of the left view, without its legend, with this color.
+/// The number of pixels with this color, without the legends: below two views side by side, or below
+/// each of two views on top of each other. The view of costs has other colors.
 fn n_pixels(picture: &RgbImage, color: [u8; 3]) -> usize {
-    let [width, height] = [picture.width() / 2, picture.height() * 8 / 10];
+    let percent = |y: u32| 100 * y / picture.height();
     let pixels = picture.enumerate_pixels();
     let like = |pixel: &[u8; 3]| pixel.iter().zip(&color).all(|(a, b)| a.abs_diff(*b) <= 2);
-    let in_view = pixels.filter(|(x, y, _)| *x < width && *y < height);
+    let in_view = pixels.filter(|(_, y, _)| matches!(percent(*y), 0..44 | 51..80));
     in_view.filter(|(.., pixel)| like(&pixel.0)).count()
 }
 
