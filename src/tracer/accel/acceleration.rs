@@ -53,7 +53,7 @@ keywords! {
         /// time of `fast`.
         #[default]
         Balanced = "balanced",
-        /// Spatial splits wherever they lower the SAH cost: four to ten times the build time of
+        /// Spatial splits wherever they lower the SAH cost: three to ten times the build time of
         /// `fast`, and 1.5 times its memory.
         High = "high",
     }
