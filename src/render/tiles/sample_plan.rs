@@ -91,17 +91,13 @@ impl<'a> SamplePlanner<'a> {
     fn plan_rendered(&self, tile: &Tile, planned: &mut Vec<u32>) {
         let inside = self.in_picture(tile);
         let around = self.around(&inside);
-        let [[left, right], [top, bottom]] = [inside.columns, inside.rows];
         planned.clear();
-        planned.extend(
-            (top..bottom)
-                .flat_map(|y| (left..right).map(move |x| (x, y)))
-                .map(|(x, y)| {
-                    let neighbors = neighbors(x, y, self.size);
-                    let firsts = neighbors.map(|(x, y)| self.firsts[around.index(x, y) as usize]);
-                    self.rounds.planned(root(firsts))
-                }),
-        );
+        planned.resize(inside.n_pixels(), 0);
+        for (x, y) in inside.pixels() {
+            let neighbors = neighbors(x, y, self.size);
+            let firsts = neighbors.map(|(x, y)| self.firsts[around.index(x, y) as usize]);
+            planned[inside.index(x, y) as usize] = self.rounds.planned(root(firsts));
+        }
     }
 
     /// Returns the place of a tile in the picture.

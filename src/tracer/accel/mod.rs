@@ -32,7 +32,7 @@ mod device;
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use crate::cost::{NoProbe, Probe, StreamProbe, Traversals};
+use crate::cost::{NoProbe, Probe, StreamProbe};
 use math::simd::Simd;
 use world::geometry::{Ray, RayStream};
 use world::scene::{ObjectId, World};
@@ -245,7 +245,7 @@ impl<'a> Accel<'a> {
     ) {
         if let Some(device) = self.device {
             return device.nearest(rays, hits, &mut |i, n_visits, n_tests| {
-                report(probe, i, n_visits, n_tests);
+                probe.traversal(i, n_visits, n_tests);
             });
         }
         if self.is_traced_in_streams() {
@@ -266,7 +266,7 @@ impl<'a> Accel<'a> {
     ) {
         if let Some(device) = self.device {
             return device.occluded(rays, occluded, &mut |i, n_visits, n_tests| {
-                report(probe, i, n_visits, n_tests);
+                probe.traversal(i, n_visits, n_tests);
             });
         }
         if self.is_traced_in_streams() {
@@ -375,18 +375,6 @@ fn one_by_one<A, P: StreamProbe>(
     for i in 0..rays.len() {
         let mut counts = LevelCounts::default();
         answers.push(answer(i, &mut counts));
-        report(probe, i, counts.n_visits, counts.n_tests);
-    }
-}
-
-/// Reports the counters of one ray of a stream.
-fn report<P: StreamProbe>(probe: &mut P, ray: usize, n_visits: u32, n_tests: u32) {
-    if P::COUNTS {
-        let traversal = Traversals {
-            node_visits: &[n_visits],
-            primitive_tests: &[n_tests],
-            active: 1,
-        };
-        probe.traversals(ray, &traversal);
+        probe.traversal(i, counts.n_visits, counts.n_tests);
     }
 }

@@ -56,6 +56,18 @@ pub trait StreamProbe {
     const COUNTS: bool;
     /// Records that the traversals of the rays from index `first` on have ended.
     fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>);
+    /// Records that the traversal of one ray has ended, if it has to.
+    #[inline(always)]
+    fn traversal(&mut self, ray: usize, n_visits: u32, n_tests: u32) {
+        if Self::COUNTS {
+            let traversal = Traversals {
+                node_visits: &[n_visits],
+                primitive_tests: &[n_tests],
+                active: 1,
+            };
+            self.traversals(ray, &traversal);
+        }
+    }
 }
 
 impl StreamProbe for NoProbe {

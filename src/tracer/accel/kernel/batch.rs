@@ -3,7 +3,7 @@
 use crate::accel::arena::Arena;
 use crate::accel::search::Queries;
 use crate::accel::unbounded::Unbounded;
-use crate::cost::{StreamProbe, Traversals};
+use crate::cost::StreamProbe;
 use world::scene::Primitive;
 
 /// Queries about rays through an arena, which may be empty, and their answers.
@@ -38,14 +38,7 @@ impl<'a, Q: Queries, P: StreamProbe> Batch<'a, Q, P> {
         n_visits: u32,
         n_tests: u32,
     ) {
-        if P::COUNTS {
-            let traversal = Traversals {
-                node_visits: &[n_visits],
-                primitive_tests: &[n_tests],
-                active: 1,
-            };
-            self.probe.traversals(index, &traversal);
-        }
+        self.probe.traversal(index, n_visits, n_tests);
         self.answers[index] = Q::answer(search);
     }
 }
