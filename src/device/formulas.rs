@@ -5,8 +5,8 @@ use std::fmt::Write;
 use math::simd::{Arithmetic, Real, Vector};
 use tracer::accel::SlabSetup;
 use world::geometry::{
-    Areas, Capsule, Cone, Cuboid, Disk, N_PARAMETERS, Plane, ShapeKind, Sphere, SphereEquation,
-    dominant_axis, permuted_by, shear_constants, sheared, squared_length,
+    Areas, Capsule, Cone, Cuboid, Disk, N_PARAMETERS, Plane, RayTest, ShapeKind, Sphere,
+    SphereEquation, dominant_axis, permuted_by, shear_constants, sheared, squared_length,
 };
 
 use crate::print::function;

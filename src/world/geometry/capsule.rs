@@ -9,7 +9,7 @@ use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
 use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::sphere_equation::{SphereEquation, squared_length};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::simd::{Real, Vector};
 
@@ -60,46 +60,6 @@ impl Capsule {
         }
     }
 
-    /// Returns the parameter at which one ray, or one per lane, hits a capsule with these
-    /// parameters; not a positive number for a miss.
-    ///
-    /// The capsule is the union of its two spheres and the cone between the circles where it
-    /// touches them: a ray enters it where it first enters one of the three.
-    #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
-        let axis = ShapeAxis::new(parameters);
-        let [from, to] = axis.ends;
-        let [from_radius, to_radius] = axis.radii;
-        let zero = from_radius.splat(0.0);
-        let (never, always) = (zero.splat(f32::INFINITY), zero.splat(f32::NEG_INFINITY));
-        let (sine, cos) = slant(&axis);
-        let ray = AxisRay::new(&axis, origin, direction);
-        // Intersect the cone, between the circles where it touches the spheres.
-        let cone = ray.cone(axis.radius, sine, cos);
-        let lower = from_radius * sine - axis.half_length;
-        let upper = to_radius * sine + axis.half_length;
-        let (at_enter, at_exit) = (
-            ray.along + ray.direction_along * cone.enter,
-            ray.along + ray.direction_along * cone.exit,
-        );
-        // A ray parallel to the side does not cross it, and has no parameters there.
-        let crosses = cone.hits & !(cone.a.equals(zero) & cone.b.equals(zero));
-        let enters = crosses & lower.le(at_enter) & at_enter.le(upper);
-        let exits = crosses & lower.le(at_exit) & at_exit.le(upper);
-        let near = R::select(enters, ray.start + cone.enter, never);
-        let far = R::select(exits, ray.start + cone.exit, always);
-        // Intersect the spheres, and take the union of all three.
-        let [near_from, far_from] = sphere(from - origin, from_radius, direction);
-        let [near_to, far_to] = sphere(to - origin, to_radius, direction);
-        let far = far.max(far_from).max(far_to);
-        let near = near.min(near_from).min(near_to).min(far);
-        R::select(zero.lt(near), near, far)
-    }
-
     /// Returns the position along the axis, from 0 to 1, of the surface point `near`: the center of
     /// the sphere that touches the surface there.
     #[inline(always)]
@@ -142,11 +102,45 @@ fn sphere<R: Real>(to_center: Vector<R>, radius: R, direction: Vector<R>) -> [R;
     ]
 }
 
+impl RayTest for Capsule {
+    /// The capsule is the union of its two spheres and the cone between the circles where it
+    /// touches them: a ray enters it where it first enters one of the three.
+    #[inline(always)]
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
+        let axis = ShapeAxis::new(parameters);
+        let [from, to] = axis.ends;
+        let [from_radius, to_radius] = axis.radii;
+        let zero = from_radius.splat(0.0);
+        let (never, always) = (zero.splat(f32::INFINITY), zero.splat(f32::NEG_INFINITY));
+        let (sine, cos) = slant(&axis);
+        let ray = AxisRay::new(&axis, origin, direction);
+        // Intersect the cone, between the circles where it touches the spheres.
+        let cone = ray.cone(axis.radius, sine, cos);
+        let lower = from_radius * sine - axis.half_length;
+        let upper = to_radius * sine + axis.half_length;
+        let (at_enter, at_exit) = (
+            ray.along + ray.direction_along * cone.enter,
+            ray.along + ray.direction_along * cone.exit,
+        );
+        // A ray parallel to the side does not cross it, and has no parameters there.
+        let crosses = cone.hits & !(cone.a.equals(zero) & cone.b.equals(zero));
+        let enters = crosses & lower.le(at_enter) & at_enter.le(upper);
+        let exits = crosses & lower.le(at_exit) & at_exit.le(upper);
+        let near = R::select(enters, ray.start + cone.enter, never);
+        let far = R::select(exits, ray.start + cone.exit, always);
+        // Intersect the spheres, and take the union of all three.
+        let [near_from, far_from] = sphere(from - origin, from_radius, direction);
+        let [near_to, far_to] = sphere(to - origin, to_radius, direction);
+        let far = far.max(far_from).max(far_to);
+        let near = near.min(near_from).min(near_to).min(far);
+        R::select(zero.lt(near), near, far)
+    }
+}
+
 impl Intersectable for Capsule {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

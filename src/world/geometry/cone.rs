@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
 use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::sampling::disk;
 use math::simd::{Real, Vector};
@@ -72,16 +72,11 @@ fn slant<R: Real>(axis: &ShapeAxis<R>) -> (R, R) {
     (axis.slope * cos, cos)
 }
 
-impl Cone {
-    /// Returns the parameter at which one ray, or one per lane, hits a cone with these parameters;
-    /// not a positive number for a miss. Clips the ray to the infinite cone and to the slab between
+impl RayTest for Cone {
+    /// Clips the ray to the infinite cone and to the slab between
     /// the ends, so that no ray gets in between side and end.
     #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
         // Clip the ray to the infinite cone.
         let axis = ShapeAxis::new(parameters);
         let (sine, cos) = slant(&axis);
@@ -113,8 +108,7 @@ impl Cone {
 impl Intersectable for Cone {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, rounding_of_plane, vector};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::simd::{Real, Vector};
 
@@ -54,15 +54,10 @@ impl Cuboid {
     }
 }
 
-impl Cuboid {
-    /// Returns the parameter at which one ray, or one per lane, hits a box with these parameters, by
-    /// the slab test of Kay and Kajiya (SIGGRAPH 1986); not a positive number for a miss.
+impl RayTest for Cuboid {
+    /// Intersects by the slab test of Kay and Kajiya (SIGGRAPH 1986).
     #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
         let (zero, one) = (origin.x.splat(0.0), origin.x.splat(1.0));
         let span = |min: R, max: R, origin: R, direction: R| {
             let inverse = one / direction;
@@ -82,8 +77,7 @@ impl Cuboid {
 impl Intersectable for Cuboid {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

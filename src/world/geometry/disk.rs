@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, vector};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Plane, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::sampling::disk;
 use math::simd::{Real, Vector};
@@ -64,15 +64,9 @@ impl Described for Disk {
     }
 }
 
-impl Disk {
-    /// Returns the parameter at which one ray, or one per lane, hits a disk with these parameters; 0
-    /// for a miss.
+impl RayTest for Disk {
     #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
         let t = Plane::hits(parameters, origin, direction);
         let from_center = (origin + direction * t) - vector(parameters, 0);
         let radius = parameters[6];
@@ -84,8 +78,7 @@ impl Disk {
 impl Intersectable for Disk {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

@@ -38,7 +38,7 @@ pub const LENGTH_UNIT: &str = "world units";
 pub use aabb::Aabb;
 pub use areas::{AreaTest, Areas};
 pub use instance_transform::InstanceTransform;
-pub use intersect::Intersectable;
+pub use intersect::{Intersectable, RayTest};
 pub use located::{Described, Keyed, Located, located, located_points, origin_near};
 pub use patch::Patch;
 pub use plane::MIN_COS;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample};
 use super::surface::{parameters_of, rounding_of, rounding_of_plane, vector};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::simd::{Real, Vector};
 
@@ -49,21 +49,7 @@ impl Described for Plane {
 }
 
 impl Plane {
-    /// Returns the parameter at which one ray, or one per lane, hits a plane with these parameters;
-    /// 0 for a miss.
-    #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
-        let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
-        let cos = direction.dot(normal);
-        let t = (point - origin).dot(normal) / cos;
-        R::select(cos.splat(MIN_COS).le(cos.abs()), t, cos.splat(0.0))
-    }
-
-    /// Returns [`hits`](Self::hits) of this plane with a ray per lane.
+    /// Returns [`hits`](RayTest::hits) of this plane with a ray per lane.
     #[inline(always)]
     pub fn hits_of_lanes<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> R {
         let mut parameters = [origin.x.splat(0.0); N_PARAMETERS];
@@ -74,11 +60,20 @@ impl Plane {
     }
 }
 
+impl RayTest for Plane {
+    #[inline(always)]
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
+        let (point, normal) = (vector(parameters, 0), vector(parameters, 3));
+        let cos = direction.dot(normal);
+        let t = (point - origin).dot(normal) / cos;
+        R::select(cos.splat(MIN_COS).le(cos.abs()), t, cos.splat(0.0))
+    }
+}
+
 impl Intersectable for Plane {
     #[inline(always)]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

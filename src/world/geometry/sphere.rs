@@ -9,7 +9,7 @@ use super::located::{Described, Located, located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_unit_sphere};
 use super::sphere_equation::{SphereEquation, squared_length};
 use super::surface::{parameters_of, vector};
-use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, Transform};
+use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
 use math::simd::{Mask, Real, Vector, cos_sin};
 
@@ -48,15 +48,10 @@ impl Described for Sphere {
     }
 }
 
-impl Sphere {
-    /// Returns the parameter at which one ray, or one per lane, hits a sphere with these parameters:
-    /// the first root of the [`SphereEquation`]; not a positive number for a miss.
+impl RayTest for Sphere {
+    /// Intersects at the first root of the [`SphereEquation`].
     #[inline(always)]
-    pub fn hits<R: Real>(
-        parameters: &[R; N_PARAMETERS],
-        origin: Vector<R>,
-        direction: Vector<R>,
-    ) -> R {
+    fn hits<R: Real>(parameters: &[R; N_PARAMETERS], origin: Vector<R>, direction: Vector<R>) -> R {
         let (to_center, radius) = (vector(parameters, 0) - origin, parameters[3]);
         let a = squared_length(direction);
         let equation = SphereEquation::new(to_center, radius * radius, direction, a);
@@ -67,8 +62,7 @@ impl Sphere {
 impl Intersectable for Sphere {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
-        let t = Self::hits(&self.parameters(), ray.origin.into(), ray.direction.into());
-        (t > 0.0 && t < t_max).then_some(t)
+        self.first_hit(ray, t_max)
     }
 
     fn bounds(&self) -> Aabb {

@@ -11,7 +11,8 @@ use crate::accel::layout::{CAPSULE_ROWS, LeafKind, SPHERE_ROWS, TRIANGLE_ROWS};
 use crate::accel::search::Search;
 use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, Vector};
 use world::geometry::{
-    AreaTest, Areas, Capsule, N_PARAMETERS, Ray, Shear, SphereEquation, sheared, squared_length,
+    AreaTest, Areas, Capsule, N_PARAMETERS, Ray, RayTest, Shear, SphereEquation, sheared,
+    squared_length,
 };
 
 /// Set-up of a ray, shared by its tests against all leaves.
