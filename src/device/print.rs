@@ -1,4 +1,4 @@
-//! A straight program → a function in the common subset of OpenCL C, CUDA C and C++.
+//! A straight program → a function of OpenCL C.
 
 use std::fmt::Write;
 

@@ -1,5 +1,7 @@
 //! A scene as the arrays of a device's memory.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 
 use tracer::accel::{Accel, LevelArrays};
@@ -12,9 +14,9 @@ use crate::program::{Depths, INSTANCE};
 const NO_RECORD: u32 = u32::MAX;
 
 /// The arrays of a scene. None is empty: a device has no empty arrays.
-pub(crate) struct SceneArrays {
-    /// The cache lines of all levels.
-    pub(crate) lines: Vec<f32>,
+pub(crate) struct SceneArrays<'a> {
+    /// The cache lines of all levels; borrowed where there is one.
+    pub(crate) lines: Cow<'a, [f32]>,
     /// For each level the index of its first cache line, the bits of its largest coordinate, the
     /// start and the length of its part of `unbounded`, and its number of cache lines.
     pub(crate) levels: Vec<u32>,
@@ -33,14 +35,14 @@ pub(crate) struct SceneArrays {
     pub(crate) depths: Depths,
 }
 
-impl SceneArrays {
-    /// Copies the arrays of a structure.
-    pub(crate) fn new(accel: &Accel) -> Self {
+impl<'a> SceneArrays<'a> {
+    /// Makes the arrays of a structure.
+    pub(crate) fn new(accel: &'a Accel) -> Self {
         let (world, levels) = (accel.world(), accel.levels());
         let depth = |levels: &[LevelArrays]| levels.iter().map(|level| level.n_levels).max();
         let (upper, lower) = levels.split_at(1);
         let mut arrays = Self {
-            lines: Vec::new(),
+            lines: Cow::Borrowed(&[]),
             levels: Vec::new(),
             unbounded: Vec::new(),
             primitives: Vec::new(),
@@ -60,7 +62,9 @@ impl SceneArrays {
                 arrays.push_record(world, i, primitive);
             }
         }
-        arrays.lines.push(0.0);
+        if arrays.lines.is_empty() {
+            arrays.lines = Cow::Borrowed(&[0.0]);
+        }
         for array in [
             &mut arrays.unbounded,
             &mut arrays.primitives,
@@ -71,7 +75,7 @@ impl SceneArrays {
         arrays
     }
 
-    fn push_level(&mut self, level: &LevelArrays) {
+    fn push_level(&mut self, level: &LevelArrays<'a>) {
         self.levels.extend([
             self.lines.len() as u32 / 16,
             level.largest.to_bits(),
@@ -79,7 +83,11 @@ impl SceneArrays {
             level.unbounded.len() as u32,
             level.lines.len() as u32 / 16,
         ]);
-        self.lines.extend_from_slice(level.lines);
+        if self.lines.is_empty() {
+            self.lines = Cow::Borrowed(level.lines);
+        } else {
+            self.lines.to_mut().extend_from_slice(level.lines);
+        }
         self.unbounded.extend_from_slice(&level.unbounded);
     }
 

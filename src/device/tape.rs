@@ -338,8 +338,8 @@ impl Program {
 
 #[cfg(test)]
 impl Instruction {
-    /// Returns the bits of the result, given those of the registers before it; of numbers in single
-    /// precision.
+    /// Returns the bits of the result, given the bits of the registers before it; of numbers in
+    /// single precision.
     fn evaluate(&self, input: &[f32], registers: &[u64]) -> u64 {
         let bits = |i: usize| registers[self.operands[i] as usize];
         let number = |i: usize| f32::from_bits(bits(i) as u32);

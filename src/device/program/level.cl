@@ -63,24 +63,23 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
     } else {
       /* At a node: test its children, push those that are entered, the nearest last. */
       search->n_visits++;
-      GLOBAL const float *rows = line;
       uint entered = 0u;
       float enter[8];
       for (uint i = 0; i < 8u; i++) {
         float near_planes[3], far_planes[3], enter_and_exit[2];
         for (uint axis = 0; axis < 3u; axis++) {
           uint is_downward = ray->octant >> axis & 1u;
-          near_planes[axis] = rows[8u * (axis + 3u * is_downward) + i];
-          far_planes[axis] = rows[8u * (axis + 3u * (1u - is_downward)) + i];
+          near_planes[axis] = line[8u * (axis + 3u * is_downward) + i];
+          far_planes[axis] = line[8u * (axis + 3u * (1u - is_downward)) + i];
         }
         span(ray, near_planes, far_planes, search->limit, enter_and_exit);
         enter[i] = enter_and_exit[0];
         entered |= (uint)(enter_and_exit[0] <= enter_and_exit[1]) << i;
       }
       for (uint i = 0; i < 8u && entered; i++) {
-        uint child = is_nearest ? BITS_OF(rows[56u + i]) >> (3u * ray->octant) & 7u : i;
+        uint child = is_nearest ? BITS_OF(line[56u + i]) >> (3u * ray->octant) & 7u : i;
         if (entered >> child & 1u) {
-          stack[top] = BITS_OF(rows[48u + child]);
+          stack[top] = BITS_OF(line[48u + child]);
           enters[top] = enter[child];
           top++;
         }

@@ -8,7 +8,7 @@ use crate::formulas;
 /// Levels of nodes by which the sizes of stacks grow: a program serves hierarchies of similar depth.
 const LEVEL_STEP: usize = 8;
 
-/// The kind of an instance in a record, after those of shapes.
+/// The kind of an instance in a record, after the kinds of shapes.
 pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
 
 /// The depths of a scene's hierarchies, for which a program is built.

@@ -1,5 +1,4 @@
-/* The languages that share this text. */
-#if defined(__OPENCL_VERSION__)
+/* The names of what differs between the languages of devices, here of OpenCL C. */
 #pragma OPENCL FP_CONTRACT OFF
 #define KERNEL __kernel
 #define GLOBAL __global
@@ -9,19 +8,6 @@
 #define FLOAT_OF(x) as_float(x)
 #define DOUBLE_OF(x) as_double(x)
 #define SQRT(x) sqrt(x)
-#else
-#include <cmath>
-#include <cstring>
-typedef unsigned int uint;
-static thread_local uint ID;
-#define KERNEL extern "C"
-#define GLOBAL
-#define FUNCTION static inline
-static inline uint BITS_OF(float x) { uint u; std::memcpy(&u, &x, 4); return u; }
-static inline float FLOAT_OF(uint u) { float x; std::memcpy(&x, &u, 4); return x; }
-static inline double DOUBLE_OF(unsigned long u) { double x; std::memcpy(&x, &u, 8); return x; }
-#define SQRT(x) std::sqrt(x)
-#endif
 
 #define NONE 0xffffffffu
 #define END 3u

@@ -1,6 +1,6 @@
-/* Traversal of raycost's hierarchies, in the common subset of OpenCL C and C++.
+/* Traversal of raycost's hierarchies, in OpenCL C.
 
-   Hits and counters are those of src/tracer/accel, to the bit: the same order of children, the same tests, no
+   Hits and counters equal the ones of src/tracer/accel, to the bit: the same order of children, the same tests, no
    operation fused. The formulas of boxes and shapes are recorded from the Rust code (formulas.rs) and stand before
    this text; here are the loop, the stack, and the tests in double precision. */
 
