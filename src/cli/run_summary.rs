@@ -15,7 +15,7 @@ use render::instruments::Stages;
 use render::schedule::Schedule;
 use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput};
-use tracer::cost::RayKind;
+use tracer::cost::{KernelWork, RayKind};
 use world::scene::Scene;
 
 /// Returns the lines on the picture, the stages and the speed.
@@ -27,7 +27,11 @@ pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
     let device = rendering.device;
-    let device = device.map_or(String::new(), |name| format!("device  {name}\n"));
+    let device = device.map_or(String::new(), |name| {
+        let kernels = rendering.kernels.iter();
+        let kernels: String = kernels.map(kernel).collect();
+        format!("device  {name}\n{kernels}")
+    });
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\
          {device}\
@@ -40,6 +44,17 @@ pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
         counted(rendering.threads.used as u64, "thread"),
         times.join(", "),
         speed(rendering),
+    )
+}
+
+/// Returns the line on the launches of a kernel.
+fn kernel(work: &KernelWork) -> String {
+    let time = duration(Duration::from_secs_f64(work.seconds));
+    let rays = counted(work.rays, "ray");
+    let per_launch = count(work.rays / work.launches.max(1));
+    format!(
+        "        {} {time}, {rays}, {per_launch} per launch\n",
+        work.name
     )
 }
 

@@ -16,7 +16,7 @@ pub(super) fn lines(rendering: &RenderingView) -> String {
     let notes = notes.iter().map(|note| format!("note    {note}\n"));
     let lines = [
         time.as_ref().map(threads),
-        time.as_ref().and_then(waiting),
+        time.as_ref().and_then(|time| waiting(time, rendering)),
         time.and_then(|_| repeats(rendering)),
         Some(notes.collect()),
     ];
@@ -34,13 +34,14 @@ fn threads(time: &ThreadTime) -> String {
     )
 }
 
-/// Returns the time without a CPU, unless it is short.
-fn waiting(time: &ThreadTime) -> Option<String> {
+/// Returns the time without a CPU and without a device at work, unless it is short.
+fn waiting(time: &ThreadTime, rendering: &RenderingView) -> Option<String> {
     let is_short = time.percent(time.waiting_ns) < LEAST_WAITING_PERCENT;
     let waiting = || Duration::from_nanos(time.waiting_ns as u64);
+    let launches = rendering.device.map_or("", |_| "launches to begin and ");
     (!is_short).then(|| {
         format!(
-            "waiting {} more, for a CPU that other work had\n",
+            "waiting {} more, for {launches}a CPU that other work had\n",
             numbers::duration(waiting())
         )
     })

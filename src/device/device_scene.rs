@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::mem;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use opencl3::kernel::Kernel;
 use opencl3::memory::Buffer;
@@ -14,6 +14,7 @@ use crate::scene::SceneArrays;
 use base::stop::Cancellation;
 use host::text::Diagnostic;
 use tracer::accel::{Accel, CountRay, Hit, RayDevice, ShadowStream};
+use tracer::cost::{DeviceLaunch, KernelWork};
 use world::geometry::{Ray, RayStream};
 use world::scene::InstanceId;
 
@@ -64,6 +65,8 @@ pub struct DeviceScene<'a> {
     device: &'a Device,
     memory: Arc<SceneMemory>,
     workers: Pool<Worker>,
+    /// The work of each kernel that was launched.
+    kernels: Mutex<Vec<KernelWork>>,
     failure: OnceLock<DeviceFault>,
     cancellation: Cancellation,
 }
@@ -103,6 +106,8 @@ struct Worker {
     occluded: Kernel,
     input: Vec<u32>,
     output: Vec<u32>,
+    /// The last launch.
+    launch: DeviceLaunch,
 }
 
 /// A query for the kernels.
@@ -119,6 +124,7 @@ impl<'a> DeviceScene<'a> {
             device,
             memory: Arc::new(memory),
             workers: Pool::new(),
+            kernels: Mutex::default(),
             failure: OnceLock::new(),
             cancellation,
         }
@@ -135,6 +141,26 @@ impl<'a> DeviceScene<'a> {
         }
     }
 
+    /// Returns the work of each kernel since the last call.
+    pub fn take_kernels(&self) -> Vec<KernelWork> {
+        mem::take(&mut self.kernels.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Adds a launch for `n` rays to the work of its kernel.
+    fn add(&self, kernel: &Kernel, n: usize, launch: DeviceLaunch) {
+        let name = kernel.function_name().unwrap_or_default();
+        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let number = kernels.iter().position(|work| work.name == name);
+        let number = number.unwrap_or_else(|| {
+            kernels.push(self.device.machine().no_work(kernel));
+            kernels.len() - 1
+        });
+        let work = &mut kernels[number];
+        work.launches += 1;
+        work.rays += n as u64;
+        work.seconds += launch.ns / 1e9;
+    }
+
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
     /// and the words of its answer; for none if the device fails.
     fn answer(
@@ -143,21 +169,24 @@ impl<'a> DeviceScene<'a> {
         rays: impl Iterator<Item = [u32; N_IN]>,
         n: usize,
         answer: impl FnMut((usize, &[u32; N_OUT])),
-    ) {
-        if self.failure.get().is_some() {
-            return;
+    ) -> DeviceLaunch {
+        if self.failure.get().is_some() || n == 0 {
+            return DeviceLaunch::default();
         }
         match self.launch(query, rays, n) {
             Ok(worker) => {
                 let answers = worker.output[..N_OUT * n].as_chunks::<N_OUT>().0;
                 answers.iter().enumerate().for_each(answer);
+                let launch = worker.launch;
                 self.workers.put(worker);
+                launch
             }
             Err(fault) => {
                 let _ = self.failure.set(fault);
                 self.cancellation.cancel();
                 // A driver that hangs would hang again when its memory is freed.
                 mem::forget((Arc::clone(&self.memory), self.device.machine().clone()));
+                DeviceLaunch::default()
             }
         }
     }
@@ -181,13 +210,18 @@ impl<'a> DeviceScene<'a> {
             occluded,
             input,
             output,
+            launch,
         } = &mut worker;
         let kernel = match query {
             Query::Nearest => &*nearest,
             Query::Occluded => &*occluded,
         };
         match queue.launch(kernel, &arrays, input, output, n) {
-            Ok(()) => Ok(worker),
+            Ok(ns) => {
+                launch.ns = ns;
+                self.add(kernel, n, *launch);
+                Ok(worker)
+            }
             Err(fault) => {
                 mem::forget(worker);
                 Err(fault)
@@ -202,12 +236,18 @@ impl<'a> DeviceScene<'a> {
             occluded: Kernel::create(&self.memory.program, "occluded")?,
             input: Vec::new(),
             output: Vec::new(),
+            launch: DeviceLaunch::default(),
         })
     }
 }
 
 impl RayDevice for DeviceScene<'_> {
-    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>, count: CountRay) {
+    fn nearest(
+        &self,
+        rays: &RayStream,
+        hits: &mut Vec<Option<Hit>>,
+        count: CountRay,
+    ) -> DeviceLaunch {
         hits.clear();
         hits.resize(rays.len(), None);
         let words = rays.iter().map(|ray| words(&ray, f32::INFINITY, NONE));
@@ -219,10 +259,15 @@ impl RayDevice for DeviceScene<'_> {
                 instance: instance.checked_sub(1).map(InstanceId),
             });
             count(i, n_visits, n_tests);
-        });
+        })
     }
 
-    fn occluded(&self, rays: &ShadowStream, occluded: &mut Vec<bool>, count: CountRay) {
+    fn occluded(
+        &self,
+        rays: &ShadowStream,
+        occluded: &mut Vec<bool>,
+        count: CountRay,
+    ) -> DeviceLaunch {
         occluded.clear();
         occluded.resize(rays.len(), false);
         let words = rays.iter().map(|shadow| {
@@ -233,7 +278,7 @@ impl RayDevice for DeviceScene<'_> {
             let [found, _, _, n_visits, n_tests] = *answer;
             occluded[i] = found != NONE;
             count(i, n_visits, n_tests);
-        });
+        })
     }
 }
 

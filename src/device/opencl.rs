@@ -7,19 +7,21 @@ use std::ptr::null_mut;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use opencl3::command_queue::CommandQueue;
+use cl3::kernel::get_kernel_sub_group_info;
+use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{
     CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_GPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT,
 };
 use opencl3::error_codes::ClError;
 use opencl3::event::{CL_COMPLETE, Event};
-use opencl3::kernel::{ExecuteKernel, Kernel};
+use opencl3::kernel::{CL_KERNEL_MAX_SUB_GROUP_SIZE_FOR_NDRANGE, ExecuteKernel, Kernel};
 use opencl3::memory::{Buffer, CL_MEM_COPY_HOST_PTR, CL_MEM_READ_ONLY, CL_MEM_READ_WRITE};
 use opencl3::platform::{Platform, get_platforms};
 use opencl3::program::Program;
 
 use base::stop;
+use tracer::cost::KernelWork;
 
 /// Time after which a device that has not finished a launch counts as hung.
 const MAX_LAUNCH: Duration = Duration::from_secs(30);
@@ -152,6 +154,42 @@ impl OpenDevice {
         Ok(unsafe { Buffer::create(&self.context, flags, array.len(), from) }?)
     }
 
+    /// Returns the work of a kernel that has not been launched.
+    pub(crate) fn no_work(&self, kernel: &Kernel) -> KernelWork {
+        let device = self.listed.device.id();
+        let warp = self.sub_group(kernel);
+        let warp = warp.or_else(|| kernel.get_work_group_size_multiple(device).ok());
+        KernelWork {
+            name: kernel.function_name().unwrap_or_default(),
+            launches: 0,
+            rays: 0,
+            seconds: 0.0,
+            group_size: GROUP,
+            warp_size: warp.filter(|&n| n > 0),
+            private_bytes: kernel.get_private_mem_size(device).ok(),
+        }
+    }
+
+    /// Returns the number of items of a sub-group; `None` if the device does not say.
+    fn sub_group(&self, kernel: &Kernel) -> Option<usize> {
+        // Drivers of older versions have no such function, and the loader calls it all the same.
+        let version = self.listed.device.version().ok()?;
+        let version = version.strip_prefix("OpenCL ")?.split(' ').next()?;
+        let (major, minor) = version.split_once('.')?;
+        if (major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?) < (2, 1) {
+            return None;
+        }
+        let group = [GROUP];
+        let found = get_kernel_sub_group_info(
+            kernel.get(),
+            self.listed.device.id(),
+            CL_KERNEL_MAX_SUB_GROUP_SIZE_FOR_NDRANGE,
+            size_of_val(&group),
+            group.as_ptr().cast(),
+        );
+        found.ok().map(usize::from)
+    }
+
     fn allocate<T>(&self, n: usize) -> Result<Buffer<T>, DeviceFault> {
         // SAFETY: no memory of the host is passed.
         Ok(unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, n, null_mut()) }?)
@@ -170,7 +208,7 @@ pub(crate) struct LaunchQueue {
 impl LaunchQueue {
     pub(crate) fn new(machine: &OpenDevice) -> Result<Self, DeviceFault> {
         Ok(Self {
-            queue: CommandQueue::create_default(&machine.context, 0)?,
+            queue: CommandQueue::create_default(&machine.context, CL_QUEUE_PROFILING_ENABLE)?,
             input: machine.allocate(1)?,
             output: machine.allocate(1)?,
             lengths: [1; 2],
@@ -179,6 +217,7 @@ impl LaunchQueue {
     }
 
     /// Runs a kernel for `n` items: its arguments are `arrays`, the input, the output and `n`.
+    /// Returns the nanoseconds that it took on the device.
     pub(crate) fn launch(
         &mut self,
         kernel: &Kernel,
@@ -186,9 +225,9 @@ impl LaunchQueue {
         input: &[u32],
         output: &mut [u32],
         n: usize,
-    ) -> Result<(), DeviceFault> {
+    ) -> Result<f64, DeviceFault> {
         if n == 0 {
-            return Ok(());
+            return Ok(0.0);
         }
         let [input_len, output_len] = &mut self.lengths;
         if *input_len < input.len() {
@@ -220,8 +259,12 @@ impl LaunchQueue {
             queue.flush()?;
             wait(&done)?;
             queue.enqueue_read_buffer(from, 1, 0, output, &[])?;
+            let [begin, end] = [
+                done.profiling_command_start()?,
+                done.profiling_command_end()?,
+            ];
+            Ok(end.saturating_sub(begin) as f64)
         }
-        Ok(())
     }
 }
 

@@ -55,6 +55,12 @@ impl Session {
         }
         let n_pixels = config.image.n_pixels() as u64;
         // Render the passes onto the film.
+        let take_kernels = || {
+            device
+                .as_ref()
+                .map_or(Vec::new(), DeviceScene::take_kernels)
+        };
+        take_kernels();
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
             options.reported("render", n_rendered, |report: OnProgress| {
@@ -62,6 +68,7 @@ impl Session {
                 repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
         stages.end("render");
+        let kernels = take_kernels();
         device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         scope.check()?;
@@ -108,6 +115,7 @@ impl Session {
             bvh: (accel.statistics()).map(|bvh| BvhStatistics { epo, ..bvh }),
             kernel: (accel.simd(), accel.traversal()),
             device: (options.device.as_ref()).map(|device| device.name().to_owned()),
+            kernels,
             meter,
             film,
             n_tiles: plan.n_tiles(),

@@ -21,7 +21,7 @@ use render::schedule::Schedule;
 use render::tiles::{OnProgress, Repeat, StoredPicture, least_repeats};
 use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
-use tracer::cost::Meter;
+use tracer::cost::{KernelWork, Meter};
 
 /// The pixels of a scene, their cost, and the record of their rendering.
 #[derive(Debug)]
@@ -44,6 +44,8 @@ pub(super) struct Measured {
     pub(super) kernel: (Simd, Traversal),
     /// The name of the device that traced the waves' rays, if it was not the processor.
     pub(super) device: Option<String>,
+    /// The launches on the device, by kernel.
+    pub(super) kernels: Vec<KernelWork>,
     pub(super) meter: Meter,
     pub(super) film: Film,
     /// The look of the pixels so far, except for a part of a picture.
@@ -218,6 +220,7 @@ impl Rendering<'_> {
             simd: measured.kernel.0,
             traversal: measured.kernel.1,
             device: measured.device.as_deref(),
+            kernels: &measured.kernels,
             meter: &measured.meter,
             film: &measured.film,
             survey: self.survey(),

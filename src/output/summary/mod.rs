@@ -23,8 +23,8 @@ pub use ranks::{RankEntry, RanksSection};
 pub(crate) use read::read_json;
 pub use read::{MAX_BYTES, read_value};
 pub use scene::{
-    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, ObjectEntry,
-    SceneSection,
+    AccelerationSection, CameraSection, FilmSection, FrameSection, ImageSection, KernelEntry,
+    ObjectEntry, SceneSection,
 };
 pub use timing::{RepeatsSection, StageEntry, ThreadTime};
 pub use write::is_whole;

@@ -11,6 +11,7 @@ use scene::config::{
     ShadingModel, Traversal,
 };
 use tracer::accel::BvhStatistics;
+use tracer::cost::KernelWork;
 use world::camera::{ImagePlane, Projection};
 use world::color::{Development, ToneCurve, Transfer};
 
@@ -141,6 +142,19 @@ pub struct AccelerationSection {
     /// processor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub device: Option<String>,
+    /// The launches on the device in the stage `render`, by kernel; left out for the processor.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kernels: Vec<KernelEntry>,
+}
+
+/// The launches of a kernel on the device.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KernelEntry {
+    /// Their number, rays and time.
+    #[serde(flatten)]
+    pub work: KernelWork,
+    /// The share of the threads' time in the stage `render` in which they waited for the kernel.
+    pub share: f64,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -231,6 +245,7 @@ impl AccelerationSection {
         simd: Simd,
         traversal: Traversal,
         device: Option<&str>,
+        kernels: Vec<KernelEntry>,
     ) -> Self {
         Self {
             kind: acceleration.kind().to_owned(),
@@ -238,6 +253,7 @@ impl AccelerationSection {
             simd: Some(simd.to_string()),
             traversal: Some(traversal),
             device: device.map(str::to_owned),
+            kernels,
             bvh,
         }
     }

@@ -81,7 +81,7 @@ use render::tiles::Repeat;
 use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput, Traversal};
 use tracer::accel::BvhStatistics;
-use tracer::cost::Meter;
+use tracer::cost::{KernelWork, Meter};
 use world::camera::ImagePlane;
 use world::scene::Scene;
 
@@ -170,6 +170,8 @@ pub struct RenderingView<'a> {
     pub traversal: Traversal,
     /// The name of the device that traced the waves' rays, if it was not the processor.
     pub device: Option<&'a str>,
+    /// The launches on the device, by kernel.
+    pub kernels: &'a [KernelWork],
     /// The meter of the pixels.
     pub meter: &'a Meter,
     /// The pixels and their cost.

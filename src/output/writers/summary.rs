@@ -6,15 +6,15 @@ use serde_json::Number;
 use super::file::{FileContent, OutputFile, WriterInput};
 use super::{RenderingView, Survey, thread_time, time_notes};
 use crate::summary::{
-    AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, Machine, ObjectEntry,
-    RepeatsSection, SceneSection, StageEntry, Summary,
+    AccelerationSection, CostSection, FileEntry, FilmSection, FrameSection, KernelEntry, Machine,
+    ObjectEntry, RepeatsSection, SceneSection, StageEntry, Summary,
 };
 use base::Keyword;
 use base::numbers::milliseconds;
 use host::folder::SUMMARY;
 use render::film::Film;
 use render::instruments::peak_memory_bytes;
-use tracer::cost::{Metric, MetricSource, RayKind};
+use tracer::cost::{KernelWork, Metric, MetricSource, RayKind};
 
 /// The file.
 pub(super) const FILE: OutputFile = OutputFile {
@@ -58,6 +58,7 @@ fn summarize(job: &WriterInput) -> Summary {
             rendering.simd,
             rendering.traversal,
             rendering.device,
+            kernels(job),
         ),
         machine: Machine::current(),
         build: Some(rendering.build.clone()),
@@ -83,6 +84,17 @@ fn summarize(job: &WriterInput) -> Summary {
             .map(|chosen| chosen.iter().map(|array| array.name().to_owned()).collect()),
         files: job.written.iter().map(FileEntry::from).collect(),
     }
+}
+
+fn kernels(job: &WriterInput) -> Vec<KernelEntry> {
+    let n_threads = job.rendering.threads.used as f64;
+    let all_s = n_threads * job.stages.wall("render").as_secs_f64();
+    let kernels = job.rendering.kernels.iter();
+    let entry = |work: &KernelWork| KernelEntry {
+        share: work.seconds / all_s,
+        work: work.clone(),
+    };
+    kernels.map(entry).collect()
 }
 
 fn objects(rendering: &RenderingView) -> Vec<ObjectEntry> {

@@ -248,6 +248,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
     #[inline]
     fn lap(&mut self, stage: WaveStage) {
         if let Some(times) = &mut self.times {
+            self.stopwatch.add_device_ns(self.probe.take_device_ns());
             times.lap(stage, &mut self.stopwatch);
         }
     }

@@ -5,6 +5,7 @@ use std::fmt;
 use super::Accel;
 use super::hit::{Hit, ShadowStream};
 use super::level::SearchLevel;
+use crate::cost::DeviceLaunch;
 use world::geometry::RayStream;
 use world::scene::World;
 
@@ -12,10 +13,20 @@ use world::scene::World;
 pub trait RayDevice: fmt::Debug + Sync {
     /// Finds the nearest hits of many rays, as [`Accel::nearest_stream`] does. Overwrites `hits`
     /// with one entry per ray, and reports each ray's counters.
-    fn nearest(&self, rays: &RayStream, hits: &mut Vec<Option<Hit>>, count: CountRay);
+    fn nearest(
+        &self,
+        rays: &RayStream,
+        hits: &mut Vec<Option<Hit>>,
+        count: CountRay,
+    ) -> DeviceLaunch;
 
     /// Tests if many rays are occluded, as [`Accel::occluded_stream`] does.
-    fn occluded(&self, rays: &ShadowStream, occluded: &mut Vec<bool>, count: CountRay);
+    fn occluded(
+        &self,
+        rays: &ShadowStream,
+        occluded: &mut Vec<bool>,
+        count: CountRay,
+    ) -> DeviceLaunch;
 }
 
 /// Receives the number of a ray in its stream, its node visits and its primitive tests.

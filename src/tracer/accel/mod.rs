@@ -244,9 +244,10 @@ impl<'a> Accel<'a> {
         probe: &mut P,
     ) {
         if let Some(device) = self.device {
-            return device.nearest(rays, hits, &mut |i, n_visits, n_tests| {
+            let launch = device.nearest(rays, hits, &mut |i, n_visits, n_tests| {
                 probe.traversal(i, n_visits, n_tests);
             });
+            return probe.launched(launch);
         }
         if self.is_traced_in_streams() {
             return self.stream(rays, hits, probe);
@@ -265,9 +266,10 @@ impl<'a> Accel<'a> {
         probe: &mut P,
     ) {
         if let Some(device) = self.device {
-            return device.occluded(rays, occluded, &mut |i, n_visits, n_tests| {
+            let launch = device.occluded(rays, occluded, &mut |i, n_visits, n_tests| {
                 probe.traversal(i, n_visits, n_tests);
             });
+            return probe.launched(launch);
         }
         if self.is_traced_in_streams() {
             return self.stream(rays, occluded, probe);

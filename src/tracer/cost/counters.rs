@@ -14,6 +14,8 @@ pub struct Counters {
     n_samples: u32,
     /// In the order of [`Counter::ALL`]. The counters of traversals are never empty.
     counts: [Vec<u64>; Counter::ALL.len()],
+    /// The nanoseconds of launches on a device since they were last taken.
+    pub(super) device_ns: f64,
 }
 
 impl Counters {

@@ -1,6 +1,6 @@
 //! Probes: receivers of the counters of traced rays.
 
-use super::{Cost, Counters, RayKind, Traversals};
+use super::{Cost, Counters, DeviceLaunch, RayKind, Traversals};
 
 /// Receives the counters of one pixel. Kernels count in local variables and report once per ray.
 pub trait Probe {
@@ -68,6 +68,9 @@ pub trait StreamProbe {
             self.traversals(ray, &traversal);
         }
     }
+    /// Records that the rays were traced by a launch on a device.
+    #[inline(always)]
+    fn launched(&mut self, _: DeviceLaunch) {}
 }
 
 impl StreamProbe for NoProbe {
@@ -92,6 +95,14 @@ pub trait PixelProbe: Default {
     fn rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]);
     /// Records that a path of each of these pixels has reached this number of bounces.
     fn bounce(&mut self, pixels: &[u32], depth: u32);
+    /// Records that the last rays were traced by a launch on a device.
+    #[inline(always)]
+    fn launched(&mut self, _: DeviceLaunch) {}
+    /// Returns the nanoseconds of the launches since the last call.
+    #[inline(always)]
+    fn take_device_ns(&mut self) -> f64 {
+        0.0
+    }
     /// Returns the counters, if it counts.
     fn counted(&self) -> Option<&Counters>;
 }
@@ -138,6 +149,15 @@ impl PixelProbe for Counters {
         self.bounce(pixels, depth.into());
     }
 
+    fn launched(&mut self, launch: DeviceLaunch) {
+        self.device_ns += launch.ns;
+    }
+
+    #[inline(always)]
+    fn take_device_ns(&mut self) -> f64 {
+        std::mem::take(&mut self.device_ns)
+    }
+
     fn counted(&self) -> Option<&Counters> {
         Some(self)
     }
@@ -177,5 +197,10 @@ impl<P: PixelProbe> StreamProbe for ByPixel<'_, P> {
             self.probe
                 .traversals(pixels.expect("one pixel per ray"), traversals);
         }
+    }
+
+    #[inline(always)]
+    fn launched(&mut self, launch: DeviceLaunch) {
+        self.probe.launched(launch);
     }
 }

@@ -1,4 +1,4 @@
-//! The CPU time of a thread, lap by lap.
+//! The CPU time of a thread, and the time that a device works for it, lap by lap.
 //!
 //! The system's clock of a thread's CPU time stops while the thread waits for a CPU, but to read it
 //! takes as long as a cheap pixel. So a fast clock times the laps, and the CPU clock is read only
@@ -26,8 +26,10 @@ pub struct Stopwatch {
     /// Number of laps since then.
     n_laps: usize,
     cpu: ThreadTime,
-    /// The CPU time until `since`, in nanoseconds.
+    /// The CPU time and the device's until `since`, in nanoseconds.
     cpu_ns: f64,
+    /// The device's time since then.
+    device_ns: f64,
 }
 
 impl Stopwatch {
@@ -42,6 +44,7 @@ impl Stopwatch {
             n_laps: 0,
             cpu,
             cpu_ns: 0.0,
+            device_ns: 0.0,
         }
     }
 
@@ -55,6 +58,13 @@ impl Stopwatch {
         ns as f32
     }
 
+    /// Counts these nanoseconds, in which a device worked while the thread waited for it, as the
+    /// thread's own.
+    #[inline]
+    pub fn add_device_ns(&mut self, ns: f64) {
+        self.device_ns += ns;
+    }
+
     /// Takes the waits for a CPU off the last laps, in nanoseconds: all since the last call, or as
     /// many as matter.
     #[inline]
@@ -65,7 +75,8 @@ impl Stopwatch {
         }
     }
 
-    /// Returns the CPU time of the thread until now, in nanoseconds since the start.
+    /// Returns the CPU time of the thread until now, and the device's for it, in nanoseconds since
+    /// the start.
     pub fn cpu_ns(&mut self) -> f64 {
         self.lap();
         self.take_waits_off(&mut []);
@@ -76,6 +87,7 @@ impl Stopwatch {
     fn read_cpu_time(&mut self, wall_ns: f64, laps: &mut [f32]) {
         let cpu = ThreadTime::now();
         let cpu_ns = cpu.duration_since(self.cpu).as_nanos() as f64;
+        let cpu_ns = cpu_ns + std::mem::take(&mut self.device_ns);
         let n_before = laps.len().saturating_sub(self.n_laps);
         take_off((wall_ns - cpu_ns) as f32, &mut laps[n_before..]);
         self.cpu = cpu;
@@ -122,6 +134,25 @@ mod tests {
         assert_eq!([laps[1], laps[3]], [300.0, 500.0]);
         take_off(1e9, &mut laps);
         assert_eq!(laps, [0.0; 4]);
+    }
+
+    #[test]
+    fn the_time_of_a_device_is_not_a_wait() {
+        let mut stopwatch = Stopwatch::start(Clock::system());
+        if !stopwatch.clock.has_cpu_time() {
+            return;
+        }
+        let begin = stopwatch.cpu_ns();
+        let mut laps = [0.0; 2];
+        std::thread::sleep(Duration::from_millis(5));
+        laps[0] = stopwatch.lap();
+        stopwatch.add_device_ns(4e6);
+        laps[1] = stopwatch.lap();
+        stopwatch.take_waits_off(&mut laps);
+        let cpu_ns = stopwatch.cpu_ns() - begin;
+        let sum: f32 = laps.iter().sum();
+        assert!(sum >= 3.99e6, "{laps:?}");
+        assert!(cpu_ns >= 4e6, "{cpu_ns}");
     }
 
     #[test]
