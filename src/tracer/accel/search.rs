@@ -45,6 +45,8 @@ pub(super) trait LaneSearch: Search + Copy {
     /// Returns the limit, negative infinity if the search is done, and the primitive of the nearest
     /// hit.
     fn state(&self) -> (f32, u32);
+    /// Returns true if the answer is not the default.
+    fn has_found(&self) -> bool;
     /// Returns this search, which has found nothing yet, in such a state.
     fn resumed(self, limit: f32, nearest: u32) -> Self;
 }
@@ -142,7 +144,7 @@ impl<'a> NearestHit<'a> {
     #[inline(always)]
     pub(super) fn hit(&self) -> Option<Hit> {
         let (t, primitive) = self.nearest;
-        (self.limit < f32::INFINITY).then_some(Hit {
+        self.has_found().then_some(Hit {
             t,
             primitive,
             instance: None,
@@ -185,6 +187,11 @@ impl LaneSearch for NearestHit<'_> {
     #[inline(always)]
     fn state(&self) -> (f32, u32) {
         (self.limit, self.nearest.1)
+    }
+
+    #[inline(always)]
+    fn has_found(&self) -> bool {
+        self.limit < f32::INFINITY
     }
 
     #[inline(always)]
@@ -261,6 +268,11 @@ impl LaneSearch for AnyHit<'_> {
             self.t_max
         };
         (limit, u32::MAX)
+    }
+
+    #[inline(always)]
+    fn has_found(&self) -> bool {
+        self.found
     }
 
     #[inline(always)]

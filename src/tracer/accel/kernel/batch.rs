@@ -13,7 +13,7 @@ pub(in crate::accel) struct Batch<'a, Q: Queries, P> {
     /// Primitives outside the hierarchy; tested first.
     pub(in crate::accel) unbounded: &'a Unbounded,
     pub(in crate::accel) queries: &'a Q,
-    /// One answer per query.
+    /// One answer per query, at first the default.
     pub(in crate::accel) answers: &'a mut [Q::Answer],
     /// Receives the numbers of node visits and primitive tests.
     pub(in crate::accel) probe: &'a mut P,

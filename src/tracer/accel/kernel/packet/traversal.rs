@@ -11,7 +11,7 @@ use super::soa::{N_HALVES, N_RAYS, PerRay};
 use crate::accel::arena::{Arena, Leaf};
 use crate::accel::kernel::batch::Batch;
 use crate::accel::layout::{LeafKind, MAX_DEPTH, NodeRef, WideNode};
-use crate::accel::search::Queries;
+use crate::accel::search::{LaneSearch, Queries};
 use crate::accel::unbounded::Unbounded;
 use crate::cost::{StreamProbe, Traversals};
 use math::simd::{InstructionSet, N_LANES};
@@ -200,9 +200,12 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
         first: usize,
         coherent: u16,
     ) {
+        // Write only the answers that are not the default: selects between both kinds would wait
+        // for each other.
         for lane in 0..N_RAYS {
-            if coherent >> lane & 1 != 0 {
-                batch.answers[first + lane] = Q::answer(&self.searches.get(lane));
+            let search = self.searches.get(lane);
+            if coherent >> lane & 1 != 0 && search.has_found() {
+                batch.answers[first + lane] = Q::answer(&search);
             }
         }
         if P::COUNTS {
