@@ -136,6 +136,25 @@ impl VectorColumn {
     }
 }
 
+/// Gathers the values with these indices, one per lane.
+#[inline(always)]
+pub fn gather<T: Copy>(values: &[T], indices: &[u32; N_LANES]) -> [T; N_LANES] {
+    if are_consecutive(indices) {
+        return *lanes(values, indices[0] as usize);
+    }
+    indices.map(|index| values[index as usize])
+}
+
+/// Returns eight consecutive numbers from `first` on.
+#[inline(always)]
+pub fn ascending(first: u32) -> [u32; N_LANES] {
+    let mut numbers = [first; N_LANES];
+    for (number, lane) in numbers.iter_mut().zip(0..) {
+        *number += lane;
+    }
+    numbers
+}
+
 /// Returns true if the indices are consecutive: then whole vectors are loaded and stored, not
 /// single numbers.
 #[inline(always)]

@@ -34,7 +34,9 @@ use std::fmt;
 use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use avx512::Avx512;
-pub use column::{VectorColumn, bits_of, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays};
+pub use column::{
+    VectorColumn, ascending, bits_of, gather, grow, lane_of, lanes, lanes_mut, set_lane, to_arrays,
+};
 pub use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
 pub use real::{Arithmetic, Double, Integer, LookupTable, Mask, Real};

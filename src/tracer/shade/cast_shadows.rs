@@ -6,7 +6,9 @@ use super::models::lit_groups;
 use super::paths::PathWave;
 use crate::accel::ShadowStream;
 use crate::trace::{PointLanes, Points};
-use math::simd::{InstructionSet, Mask, N_LANES, SimdKernel, grow};
+use math::simd::{
+    InstructionSet, Lanes, Mask, N_LANES, SimdKernel, ascending, gather, grow, lanes_mut,
+};
 use world::material::Material;
 use world::scene::Scene;
 
@@ -71,12 +73,12 @@ impl<M: Model> CastShadows<'_, M> {
         // Keep the points that the light may reach.
         let point = self.points.shading(set, at);
         let light = self.light.at(set, at.first, point.position);
-        let mut lanes = self.model.may_arrive(material, &point, &light).bits() & lanes;
+        let lanes = self.model.may_arrive(material, &point, &light).bits() & lanes;
         // Append their rays, which end at the light.
         let mask = set.mask(lanes);
         let origin = self.model.origin(&point, light.direction);
         let shadows = &mut *self.shadows;
-        let mut next = shadows.rays.len();
+        let next = shadows.rays.len();
         let t_max = self.model.end(&light);
         shadows
             .rays
@@ -84,17 +86,15 @@ impl<M: Model> CastShadows<'_, M> {
         grow(&mut shadows.points, next + N_LANES);
         grow(&mut shadows.pixels, next + N_LANES);
         // Note the point and the pixel of each ray.
-        let rays = self.points.rays(at);
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % N_LANES;
-            lanes &= lanes - 1;
-            let point = at.first + lane;
-            if M::IGNORES_OWN_OBJECT {
-                shadows.rays.ignored.push(Some(self.points.object(point)));
-            }
-            shadows.points[next] = point as u32;
-            shadows.pixels[next] = self.wave.pixels()[rays[lane] as usize];
-            next += 1;
+        let points = ascending(at.first as u32);
+        let pixels = gather(self.wave.pixels(), self.points.rays(at));
+        let cast = |numbers| set.load_bits(numbers).compress(mask).to_bits();
+        *lanes_mut(&mut shadows.points, next) = cast(&points);
+        *lanes_mut(&mut shadows.pixels, next) = cast(&pixels);
+        if M::IGNORES_OWN_OBJECT {
+            let points = (points.iter().enumerate()).filter(|(lane, _)| lanes >> lane & 1 != 0);
+            let objects = points.map(|(_, &point)| Some(self.points.object(point as usize)));
+            shadows.rays.ignored.extend(objects);
         }
     }
 }

@@ -201,10 +201,8 @@ impl SimdKernel for AddBackground<'_> {
             let mut rays = [missed[0]; N_LANES];
             rays[..missed.len()].copy_from_slice(missed);
             let mut densities = [f32::INFINITY; N_LANES];
-            for (density, &ray) in densities.iter_mut().zip(&rays) {
-                if let Some(branch) = self.wave.branches.get(ray as usize) {
-                    *density = branch.density;
-                }
+            if !self.wave.branches.is_empty() {
+                densities = rays.map(|ray| self.wave.branches[ray as usize].density);
             }
             // Add the background that they see.
             let ray = self.wave.rays.gather(set, &rays);

@@ -8,7 +8,7 @@ use super::eye_media::EyeMedia;
 use super::media::Media;
 use crate::accel::Hit;
 use crate::cost::RayKind;
-use math::simd::{InstructionSet, N_LANES, Vector, VectorColumn, grow, lanes_mut};
+use math::simd::{InstructionSet, N_LANES, Vector, VectorColumn, gather, grow, lanes_mut};
 use world::fog::FogSphere;
 use world::geometry::RayStream;
 use world::material::Material;
@@ -295,12 +295,11 @@ impl PathWave {
         rays: &[u32; N_LANES],
         may_be_split: bool,
     ) -> ([u32; N_LANES], Vector<I::Lanes>) {
-        let mut slots = *rays;
-        if !may_be_split {
-            for slot in &mut slots {
-                *slot = self.slots[*slot as usize];
-            }
-        }
+        let slots = if may_be_split {
+            *rays
+        } else {
+            gather(&self.slots, rays)
+        };
         (slots, self.weights.gather(set, rays))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::points::{NO_POINT, PointGroup, Points};
 use crate::accel::Hit;
-use math::simd::{N_LANES, grow, lanes_mut};
+use math::simd::{N_LANES, ascending, grow, lanes_mut};
 use world::scene::{Scene, SurfaceClass};
 
 impl Points {
@@ -144,14 +144,4 @@ fn class_of_all(scene: &Scene, hits: &[Option<Hit>; N_LANES]) -> Option<SurfaceC
         }
     }
     Some(class)
-}
-
-/// Returns eight consecutive numbers from `first` on.
-#[inline(always)]
-fn ascending(first: u32) -> [u32; N_LANES] {
-    let mut numbers = [first; N_LANES];
-    for (number, lane) in numbers.iter_mut().zip(0..) {
-        *number += lane;
-    }
-    numbers
 }
