@@ -64,13 +64,10 @@ impl Strata {
         (u64::from(row) * u64::from(self.n) / u64::from(self.n_rows)) as u32
     }
 
+    /// Returns the row of a point: the greatest whose first point is at most `i`, so that
+    /// `row * n < (i + 1) * n_rows`.
     fn row_of(&self, i: u32) -> u32 {
-        let guess = (u64::from(i) * u64::from(self.n_rows) / u64::from(self.n)) as u32;
-        if i >= self.first_of_row(guess + 1) {
-            guess + 1
-        } else {
-            guess
-        }
+        ((u64::from(i + 1) * u64::from(self.n_rows) - 1) / u64::from(self.n)) as u32
     }
 }
 
