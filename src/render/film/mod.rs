@@ -180,12 +180,21 @@ impl Film {
     /// Overwrites `words` with the columns or the rows (`axis` 1) of a strip's pixels, as numbers of
     /// 16 bits.
     fn pixel_coordinates(&self, strip: &Strip, axis: usize, words: &mut Vec<u32>) {
-        let rows = strip.first_row..strip.first_row + strip.n_rows;
-        let pixels = rows.flat_map(|y| (0..self.grid.width).map(move |x| [x, y]));
-        let numbers: Vec<u16> = pixels.map(|pixel| pixel[axis] as u16).collect();
+        let (n_rows, width) = (strip.n_rows as usize, self.grid.width as usize);
         words.clear();
-        words.resize(numbers.len().div_ceil(2), 0);
-        bytemuck::cast_slice_mut(words)[..numbers.len()].copy_from_slice(&numbers);
+        words.resize((n_rows * width).div_ceil(2), 0);
+        let numbers: &mut [u16] = bytemuck::cast_slice_mut(words);
+        for (y, row) in (strip.first_row..)
+            .zip(numbers.chunks_exact_mut(width))
+            .take(n_rows)
+        {
+            match axis {
+                0 => (0_u32..)
+                    .zip(row)
+                    .for_each(|(x, number)| *number = x as u16),
+                _ => row.fill(y as u16),
+            }
+        }
     }
 
     /// Overwrites `words` with the positions of a strip's hits in world space, as numbers of 64
