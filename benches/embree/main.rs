@@ -38,7 +38,12 @@ use scenes::View;
 use selection::Selection;
 use tinybvh::TinyBvh;
 
+use host::Allocator;
 use world::scene::Primitive;
+
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: Allocator = Allocator;
 
 /// Compare the speed of raycost's kernels with Embree's.
 #[derive(Debug, Parser)]
@@ -93,6 +98,7 @@ impl Options {
 }
 
 fn main() -> ExitCode {
+    host::configure_heap();
     let options = Options::parse();
     match run(&options) {
         Ok(true) => ExitCode::SUCCESS,

@@ -9,12 +9,17 @@ use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use crate::ask_for_huge_pages;
+
 /// The system's allocator. If it has no memory, the program ends with a message and exit code 1,
-/// except within [`may_fail`].
+/// except within [`may_fail`]. Large blocks get huge pages where a program may ask for them.
 ///
 /// A program selects it with `#[global_allocator]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Allocator;
+
+/// Least bytes of a block that gets huge pages.
+const LARGE: usize = 4 << 20;
 
 /// The number of the file for messages.
 const STANDARD_ERROR: libc::c_int = 2;
@@ -34,8 +39,8 @@ pub fn may_fail<T>(work: impl FnOnce() -> T) -> T {
 }
 
 #[expect(unsafe_code, reason = "an allocator is an unsafe trait")]
-// SAFETY: each call is forwarded unchanged to the system's allocator, and its result
-// is returned unchanged; for a null pointer the program may end instead.
+// SAFETY: each call is forwarded to the system's allocator, and its result is returned unchanged, or
+// cleared; for a null pointer the program may end instead. Advice changes no contents.
 unsafe impl GlobalAlloc for Allocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller fulfills the contract of `alloc`.
@@ -43,6 +48,17 @@ unsafe impl GlobalAlloc for Allocator {
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // The system clears an aligned block itself: too early for huge pages.
+        if layout.size() >= LARGE && layout.align() > align_of::<u128>() {
+            // SAFETY: as for `alloc`; a block that is not null has this size.
+            unsafe {
+                let block = self.alloc(layout);
+                if !block.is_null() {
+                    block.write_bytes(0, layout.size());
+                }
+                return block;
+            }
+        }
         // SAFETY: the caller fulfills the contract of `alloc_zeroed`.
         granted(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
@@ -63,6 +79,9 @@ unsafe impl GlobalAlloc for Allocator {
 fn granted(block: *mut u8, n_bytes: usize) -> *mut u8 {
     if block.is_null() && !MAY_FAIL.get() {
         exhausted(n_bytes);
+    }
+    if n_bytes >= LARGE {
+        ask_for_huge_pages(block.addr(), n_bytes);
     }
     block
 }

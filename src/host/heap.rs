@@ -18,6 +18,9 @@ const MOST_FREE: usize = 128 << 20;
 /// Bytes that a thread maps at a time.
 const MAPPED: usize = 4 << 20;
 
+/// Bytes of a page.
+const PAGE: usize = 4096;
+
 /// True once the program has called [`configure_heap`].
 static IS_CONFIGURED: AtomicBool = AtomicBool::new(false);
 
@@ -59,7 +62,7 @@ pub fn grow_heap(n_bytes: usize) {
     set(libc::M_MMAP_THRESHOLD, LEAST_MAPPED);
     set(libc::M_TOP_PAD, GROWTH);
     let n_new = n_missing.min(end_of_heap().saturating_sub(begin));
-    advise(begin, n_new, libc::MADV_HUGEPAGE);
+    ask_for_huge_pages(begin, n_new);
     let parts = (0..n_new.div_ceil(MAPPED)).into_par_iter();
     parts.for_each(|part| {
         let first = part * MAPPED;
@@ -95,6 +98,12 @@ fn end_of_heap() -> usize {
     // SAFETY: an increment of 0 changes nothing.
     let end = unsafe { libc::sbrk(0) };
     end.addr()
+}
+
+/// Asks for huge pages for a block of memory that begins at this address: a fault of one maps as much
+/// as 512 faults of small ones.
+pub fn ask_for_huge_pages(begin: usize, n_bytes: usize) {
+    advise(begin.next_multiple_of(PAGE), n_bytes, libc::MADV_HUGEPAGE);
 }
 
 /// Advises the system how to map pages of the heap; `begin` is the start of a page. The advice is

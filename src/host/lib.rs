@@ -26,8 +26,8 @@ pub mod folder;
 pub use advice::advice;
 pub use allocator::{Allocator, may_fail};
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub use heap::{configure_heap, grow_heap};
+pub use heap::{ask_for_huge_pages, configure_heap, grow_heap};
 pub use memory::{available_memory, bytes_of_status, limit_memory, memory_limit, resident_memory};
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub use no_gnu_heap::{configure_heap, grow_heap};
+pub use no_gnu_heap::{ask_for_huge_pages, configure_heap, grow_heap};
 pub use threads::{default_threads, start_detached, start_in_scope, start_threads};
