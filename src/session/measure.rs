@@ -17,6 +17,7 @@ use output::summary::RanksSection;
 use render::attribution::CostAttribution;
 use render::instruments::Stages;
 use render::lanes::IdleLanes;
+use render::schedule::Schedule;
 use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
 use scene::config::{CostMode, SimdSet};
 use tracer::accel::{Accel, BvhStatistics};
@@ -72,17 +73,7 @@ impl Session {
         device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         scope.check()?;
-        // Dismiss the other ranks.
-        let ranks = match scope.limits.team {
-            Some(team) => {
-                let work = team.dismiss();
-                Some(RanksSection::new(team, &schedule, &work))
-            }
-            None if scope.is_only_rank => {
-                Some(RanksSection::single(affinity::of_threads(), &schedule))
-            }
-            None => None,
-        };
+        let ranks = dismiss_ranks(scope, &schedule);
         stop::check()?;
         scope.check()?;
         // Attribute the cost to objects and nodes.
@@ -177,5 +168,14 @@ impl Session {
         stop::check()?;
         let _ = self.index.set(accel.index());
         Ok(accel.with_simd(simd).with_traversal(options.traversal))
+    }
+}
+
+/// Dismisses the other ranks, and returns the work of all of them.
+fn dismiss_ranks(scope: &Scope, schedule: &Schedule) -> Option<RanksSection> {
+    match scope.limits.team {
+        Some(team) => Some(RanksSection::new(team, schedule, &team.dismiss())),
+        None if scope.is_only_rank => Some(RanksSection::single(affinity::of_threads(), schedule)),
+        None => None,
     }
 }
