@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{CostGroup, Side, Total, Totals};
 use host::text::Diagnostic;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, MetricUnit};
 
 /// The pixels grouped by object and by tile, and the sums of the metrics over each group.
 pub(super) struct Groups {
@@ -19,6 +19,8 @@ pub(super) struct Groups {
     sums: Vec<MetricSums>,
     /// Pixels that show different objects in A and B.
     pub(super) n_other_objects: u64,
+    /// Pixels with different counters in A and B.
+    pub(super) n_other_counts: u64,
 }
 
 /// The sums of a metric over each group, of A and B.
@@ -45,6 +47,7 @@ impl Groups {
             tile_bounds: Vec::new(),
             sums: metrics.into_iter().map(nothing).collect(),
             n_other_objects: 0,
+            n_other_counts: 0,
         };
         for rows in sides[0].bands() {
             groups.add(sides, rows)?;
@@ -74,19 +77,37 @@ impl Groups {
         }
         let n_objects = self.by_object.each_ref().map(|objects| objects.ids.len());
         let n_tiles = self.by_tile.ids.len();
-        self.sums.par_iter_mut().try_for_each(|sums| {
+        let other_counts = self.sums.par_iter_mut().map(|sums| {
             let MetricSums { metric, .. } = *sums;
-            for (side, output) in sides.iter().enumerate() {
-                let costs = output.costs(metric, rows.clone())?;
+            let costs = [
+                a.costs(metric, rows.clone())?,
+                b.costs(metric, rows.clone())?,
+            ];
+            for (side, costs) in costs.iter().enumerate() {
                 let of_objects = &mut sums.objects[side];
                 of_objects.resize(n_objects[side], 0.0);
-                add_costs(metric, &objects[side], &costs, of_objects);
+                add_costs(metric, &objects[side], costs, of_objects);
                 let of_tiles = &mut sums.tiles[side];
                 of_tiles.resize(n_tiles, 0.0);
-                add_costs(metric, &tiles, &costs, of_tiles);
+                add_costs(metric, &tiles, costs, of_tiles);
             }
-            Ok(())
-        })
+            let [a, b] = &costs;
+            let differ = |(a, b)| metric.unit == MetricUnit::Count && a != b;
+            Ok(a.iter().zip(b).map(differ).collect::<Vec<bool>>())
+        });
+        let other_counts = other_counts.try_reduce(Vec::new, |some, others| {
+            let (mut all, others) = if some.is_empty() {
+                (others, some)
+            } else {
+                (some, others)
+            };
+            all.iter_mut()
+                .zip(others)
+                .for_each(|(one, other)| *one |= other);
+            Ok(all)
+        })?;
+        self.n_other_counts += other_counts.into_iter().filter(|differ| *differ).count() as u64;
+        Ok(())
     }
 
     /// Returns the totals of each metric over all pixels.

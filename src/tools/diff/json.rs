@@ -11,8 +11,8 @@ use super::gate::Gate;
 use super::group::PixelBounds;
 use super::settings::Setting;
 use super::{
-    CostGroup, Diff, EqualNoise, LightDifference, Noise, PictureDifference, Side, Total, Totals,
-    ratio,
+    CostGroup, Diff, EqualNoise, KernelTimes, LightDifference, Noise, PictureDifference, Side,
+    Total, Totals, ratio,
 };
 use host::provenance::RunId;
 use math::statistics::CONFIDENCE;
@@ -46,8 +46,10 @@ pub struct DiffJson<'a> {
     light: Option<&'a LightDifference>,
     equal_noise: Option<EqualNoise>,
     n_pixels_of_other_objects: u64,
+    n_pixels_of_other_counters: Option<u64>,
     settings: &'a [Setting],
     machine: &'a [Setting],
+    kernels: &'a [KernelTimes],
 }
 
 #[derive(Serialize)]
@@ -102,8 +104,10 @@ impl<'a> DiffJson<'a> {
             light: diff.light.as_ref(),
             equal_noise: diff.equal_noise,
             n_pixels_of_other_objects: diff.n_other_objects,
+            n_pixels_of_other_counters: diff.n_other_counts,
             settings: &diff.settings,
             machine: &diff.machine,
+            kernels: &diff.kernels,
         }
     }
 }

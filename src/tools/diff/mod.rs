@@ -12,6 +12,7 @@ mod picture;
 mod light;
 mod equal_noise;
 mod settings;
+mod kernels;
 mod reached;
 mod side;
 mod change;
@@ -31,6 +32,7 @@ pub use files::{refuse_foreign, write};
 pub use gate::{Gate, Limit};
 pub use group::PixelBounds;
 pub use json::DiffJson;
+pub use kernels::KernelTimes;
 pub use light::LightDifference;
 pub use noise::{Noise, Test};
 pub use picture::PictureDifference;
@@ -45,7 +47,7 @@ use group::{Groups, sorted};
 
 use host::text::Diagnostic;
 use scene::config::PictureWindow;
-use tracer::cost::Metric;
+use tracer::cost::{Metric, MetricUnit};
 
 /// The changes from A to B.
 #[derive(Debug)]
@@ -74,6 +76,10 @@ pub struct Diff {
     pub equal_noise: Option<EqualNoise>,
     /// Pixels that show different objects in A and B.
     pub n_other_objects: u64,
+    /// Pixels with different counters in A and B; `None` unless both outputs have a counter.
+    pub n_other_counts: Option<u64>,
+    /// The kernels that other devices than the processor ran for A and B.
+    pub kernels: Vec<KernelTimes>,
     /// The settings that differ.
     pub settings: Vec<Setting>,
     /// The properties of machine and program that differ.
@@ -187,9 +193,11 @@ impl Diff {
         let [a, b] = sides;
         let groups = Groups::sum(sides, metrics)?;
         let mut totals = groups.totals();
+        let has_counters = (totals.0.iter()).any(|total| total.metric.unit == MetricUnit::Count);
         let shown = shown_metric(&totals);
         let ratios = common_ratios(sides);
         totals.add_ratios(&ratios);
+        totals.0.extend(idle_lanes(sides));
         let objects = sorted(groups.objects(sides), &ratios);
         let tiles = sorted(groups.tiles(), &ratios);
         let noise = match totals.cost(Metric::TIME) {
@@ -211,6 +219,8 @@ impl Diff {
             light: LightDifference::measure(sides)?,
             equal_noise: EqualNoise::measure(sides)?,
             n_other_objects: groups.n_other_objects,
+            n_other_counts: has_counters.then_some(groups.n_other_counts),
+            kernels: kernels::compare(sides),
             settings: settings::compare_runs(&values),
             machine: settings::compare_machines(&values),
         })
@@ -264,6 +274,18 @@ fn common_ratios(sides: &[Side; 2]) -> Vec<Metric> {
             .collect::<Vec<_>>()
     });
     a.into_iter().filter(|metric| b.contains(metric)).collect()
+}
+
+/// Returns the shares of idle lanes; `None` unless both outputs have them, of the same pixels.
+fn idle_lanes(sides: &[Side; 2]) -> Option<Total> {
+    let metric = Metric::IDLE_LANES;
+    if sides.iter().any(|side| side.is_cut() || !side.has(metric)) {
+        return None;
+    }
+    let share = |side: &Side| side.summary().cost.total(metric.name);
+    let [a, b] = sides.each_ref().map(share);
+    let cost = [a?, b?];
+    Some(Total { metric, cost })
 }
 
 fn common_size([a, b]: &[Side; 2]) -> Result<[u32; 2], Diagnostic> {

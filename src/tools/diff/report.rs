@@ -1,11 +1,16 @@
 //! A diff as text for the terminal.
 
+use std::time::Duration;
+
 use super::gate::Gate;
 use super::group::PixelBounds;
 use super::noise::{Noise, Test};
-use super::settings::Setting;
-use super::{CostGroup, Diff, EqualNoise, LightDifference, PictureDifference, Side, Total, ratio};
-use base::numbers::{count, counted};
+use super::settings::{self, Setting};
+use super::{
+    CostGroup, Diff, EqualNoise, KernelTimes, LightDifference, PictureDifference, Side, Total,
+    ratio,
+};
+use base::numbers::{count, counted, duration};
 use host::text::one_line;
 use math::statistics::CONFIDENCE;
 use tracer::cost::Metric;
@@ -29,11 +34,14 @@ pub fn report(diff: &Diff, sides: &[Side; 2], gate: Option<&Gate>) -> String {
     if let Some(gate) = gate {
         text += &entry("gate", &[gate.sentence()]);
     }
+    text += &kernels_table(&diff.kernels);
     text += &groups_table("by what the camera sees", &diff.objects);
     text += &groups_table("by what any ray meets", &diff.reached);
     text += &groups_table("by tile", &diff.tiles);
     text.push('\n');
     text += &entry("picture", &[picture_sentence(diff)]);
+    let counters = diff.n_other_counts.map(|n| counters_sentence(n, diff.size));
+    text += &entry("counters", counters.as_slice());
     let light = diff.light.as_ref().map(light_sentence);
     text += &entry("light", light.as_slice());
     let work = diff.equal_noise.as_ref().map(work_sentence);
@@ -72,6 +80,28 @@ fn totals_table(diff: &Diff) -> String {
     let is_there = |total: &&Total| total.cost != [0.0; 2];
     let rows = diff.totals.0.iter().filter(is_there).map(row);
     format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
+}
+
+/// Returns a table of the times of devices' kernels; empty if the processor traced all rays itself.
+fn kernels_table(kernels: &[KernelTimes]) -> String {
+    if kernels.is_empty() {
+        return String::new();
+    }
+    let heading = ["kernel", "A", "B", "B / A"].map(str::to_owned);
+    let row = |kernel: &KernelTimes| {
+        let seconds = [&kernel.a, &kernel.b].map(|work| work.as_ref().map(|work| work.seconds));
+        let [a, b] = seconds.map(|seconds| match seconds {
+            Some(seconds) => duration(Duration::from_secs_f64(seconds)),
+            None => "-".to_owned(),
+        });
+        let ratio = match seconds {
+            [Some(a), Some(b)] => ratio_label(ratio([a, b])),
+            _ => String::new(),
+        };
+        [kernel.name.clone(), a, b, ratio]
+    };
+    let rows = kernels.iter().map(row);
+    format!("\n{}", table(std::iter::once(heading).chain(rows)))
 }
 
 /// Returns a table of the groups whose main cost changed most.
@@ -165,9 +195,18 @@ pub(crate) fn table<const N: usize>(rows: impl Iterator<Item = [String; N]>) -> 
 
 fn noise_lines(diff: &Diff) -> Vec<String> {
     let mut lines = vec![noise_sentence(diff)];
+    let is_device = |setting: &Setting| setting.name == settings::DEVICE;
     let is_hardware = |setting: &Setting| setting.name.starts_with("machine.");
-    if diff.noise.is_some() && diff.machine.iter().any(is_hardware) {
-        lines.push("A and B ran on different machines, which changes their times too".to_owned());
+    let differ = |is: &dyn Fn(&Setting) -> bool| diff.machine.iter().any(is);
+    let which = match (differ(&is_hardware), differ(&is_device)) {
+        (true, _) => Some("machines"),
+        (false, true) => Some("devices"),
+        (false, false) => None,
+    };
+    if let Some(which) = which.filter(|_| diff.noise.is_some()) {
+        lines.push(format!(
+            "A and B ran on different {which}, which changes their times too"
+        ));
     }
     lines
 }
@@ -235,9 +274,22 @@ fn picture_sentence(diff: &Diff) -> String {
     }
 }
 
+/// Returns the number of pixels with other counters, of a picture of this size.
+fn counters_sentence(n: u64, size: [u32; 2]) -> String {
+    match n {
+        0 => "the same in every pixel".to_owned(),
+        n => format!("others in {} of {} pixels", count(n), n_pixels(size)),
+    }
+}
+
+/// Returns the number of pixels of a picture of this size.
+fn n_pixels(size: [u32; 2]) -> String {
+    count(size.iter().map(|&n| u64::from(n)).product())
+}
+
 /// Returns the difference of the colors of two pictures of this size.
 pub(super) fn colors_sentence(picture: &PictureDifference, size: [u32; 2]) -> String {
-    let n_all = count(size.iter().map(|&n| u64::from(n)).product());
+    let n_all = n_pixels(size);
     match picture.n_pixels {
         0 => "the same colors".to_owned(),
         n => format!(

@@ -28,7 +28,16 @@ impl fmt::Display for Setting {
 }
 
 /// Paths in `summary.json` that describe the machine and the program.
-const MACHINE: [&str; 4] = ["raycost", "machine", "cost/kernel", "cost/clock/source"];
+const MACHINE: [&str; 5] = [
+    "raycost",
+    "machine",
+    "acceleration/device",
+    "cost/kernel",
+    "cost/clock/source",
+];
+
+/// The name of the device that traced the rays, among the machine's differences.
+pub(super) const DEVICE: &str = "acceleration.device";
 
 /// Paths in `summary.json` that describe the settings.
 const SETTINGS: [&str; 16] = [
@@ -115,7 +124,10 @@ mod tests {
         });
         let b = json!({
             "image": { "width": 4, "seed": 2 }, "threads": { "used": 2, "available": 8 },
-            "acceleration": { "kind": "brute_force", "quality": null, "bvh": null },
+            "acceleration": {
+                "kind": "brute_force", "quality": null, "bvh": null, "device": "card",
+                "kernels": [{ "name": "nearest", "seconds": 1.5 }],
+            },
             "machine": { "cpu": "two" }, "n_hits": 5,
         });
         let sides = [a, b];
@@ -133,7 +145,10 @@ mod tests {
         );
         assert_eq!(
             named(compare_machines(&sides)),
-            ["machine.cpu \"one\" \"two\""]
+            [
+                "machine.cpu \"one\" \"two\"",
+                "acceleration.device null \"card\""
+            ]
         );
     }
 }

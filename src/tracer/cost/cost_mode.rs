@@ -13,14 +13,14 @@ keywords! {
     /// ```
     #[derive(Default)]
     pub enum CostMode {
-        /// Nothing; traces rays in streams
+        /// Nothing
         None = "none",
-        /// Node visits, primitive tests and rays; traces rays in streams
+        /// Node visits, primitive tests and rays
         Counters = "counters",
         /// Counters, and the time of each pixel; traces rays one by one
         SingleRayTime = "single_ray_time",
         /// Counters, and the times of waves of rays, split over their pixels by the
-        /// counters of each stage; traces rays in streams
+        /// counters of each stage
         #[default]
         Time = "time",
     }

@@ -73,6 +73,7 @@ fn an_output_does_not_differ_from_itself() {
     for line in [
         "nodes + tests by tile: the same",
         "picture   the same colors\n",
+        "counters  the same in every pixel\n",
         "settings  the same\n",
         "machine   the same\n",
         "gate      passed: +0.0 % of node visits + primitive tests; 0 % may be added\n",
@@ -314,6 +315,83 @@ fn a_different_machine_is_reported() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("A and B ran on different machines"), "{text}");
     assert!(text.contains(" → \"Babbage 1\"\n"), "{text}");
+}
+
+#[test]
+fn pixels_with_other_counters_are_counted() {
+    let folder = outputs(&["--cost=counters", "--also=lanes"]);
+    let counters = |name: &str| {
+        let frame = Results::open(&folder.path().join(name)).unwrap();
+        let frame = frame.frame().unwrap();
+        ["node_visits", "primitive_tests", "rays", "depth"].map(|name| {
+            let array = frame.read(name).unwrap();
+            array.values.iter().collect::<Vec<f64>>()
+        })
+    };
+    let [a, b] = ["a", "b"].map(counters);
+    let differs = |pixel: &usize| (0..a.len()).any(|i| a[i][*pixel] != b[i][*pixel]);
+    let n = (0..a[0].len()).filter(differs).count();
+    assert!(n > 0);
+    let (found, _) = json_report(folder.path(), &["a", "b"]);
+    assert_eq!(found["n_pixels_of_other_counters"], json!(n));
+    let totals = ["a", "b"].map(|name| {
+        let summary = fs::read(folder.path().join(name).join("summary.json")).unwrap();
+        let summary: Value = serde_json::from_slice(&summary).unwrap();
+        summary["cost"]["totals"]["idle_lanes"].clone()
+    });
+    let idle = &found["totals"]["idle_lanes"];
+    assert_eq!([&idle["a"], &idle["b"]], [&totals[0], &totals[1]]);
+    // Of a part of a picture there is no share.
+    let crop = ["--cost=counters", "--also=lanes", "--crop=13,7,20,15"];
+    render(folder.path(), "part", SCENE, &crop);
+    let (found, _) = json_report(folder.path(), &["a", "part"]);
+    assert_eq!(found["totals"]["idle_lanes"], Value::Null);
+}
+
+#[test]
+fn devices_and_their_kernels_stand_beside_each_other() {
+    let folder = outputs(&["--cost=time", "--repeats=2"]);
+    render(folder.path(), "b", SCENE, &["--cost=time", "--repeats=2"]);
+    let kernel = |name: &str, seconds: f64| {
+        json!({
+            "name": name, "launches": 2, "rays": 9, "seconds": seconds, "group_size": 64,
+            "share": 0.1,
+        })
+    };
+    let put = |side: &str, device: &str, kernels: Value| {
+        let file = folder.path().join(side).join("summary.json");
+        let mut summary: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+        summary["acceleration"]["device"] = json!(device);
+        summary["acceleration"]["kernels"] = kernels;
+        fs::write(file, summary.to_string()).unwrap();
+    };
+    let report = || {
+        let output = diff(folder.path(), &["a", "b"]);
+        assert_success(&output);
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let both = json!([kernel("nearest", 0.004), kernel("occluded", 0.002)]);
+    put("b", "card", both);
+    let text = report();
+    for lines in [
+        "\nkernel    A     B  B / A\nnearest   -  4 ms\noccluded  -  2 ms\n",
+        "A and B ran on different devices, which changes their times too\n",
+        "counters  the same in every pixel\n",
+        "machine   acceleration.device: null → \"card\"\n",
+    ] {
+        assert!(text.contains(lines), "{text}");
+    }
+    put("a", "processor", json!([kernel("nearest", 0.008)]));
+    let text = report();
+    for lines in [
+        "\nnearest   8 ms  4 ms  0.500\noccluded     -  2 ms\n",
+        "machine   acceleration.device: \"processor\" → \"card\"\n",
+    ] {
+        assert!(text.contains(lines), "{text}");
+    }
+    let (found, _) = json_report(folder.path(), &["a", "b"]);
+    assert_eq!(found["kernels"][0]["a"]["seconds"], json!(0.008));
+    assert_eq!(found["kernels"][1]["a"], Value::Null);
 }
 
 /// The table of a diff of many objects and tiles is longer than the bytes by
