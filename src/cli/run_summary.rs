@@ -52,8 +52,12 @@ fn kernel(work: &KernelWork) -> String {
     let time = duration(Duration::from_secs_f64(work.seconds));
     let rays = counted(work.rays, "ray");
     let per_launch = count(work.rays / work.launches.max(1));
+    let idle = work.idle_share().zip(work.warp_size);
+    let idle = idle.map_or(String::new(), |(share, warp)| {
+        format!(", {:.1} % of lanes idle in warps of {warp}", 100.0 * share)
+    });
     format!(
-        "        {} {time}, {rays}, {per_launch} per launch\n",
+        "        {} {time}, {rays}, {per_launch} per launch{idle}\n",
         work.name
     )
 }

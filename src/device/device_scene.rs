@@ -146,8 +146,8 @@ impl<'a> DeviceScene<'a> {
         mem::take(&mut self.kernels.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Adds a launch for `n` rays to the work of its kernel.
-    fn add(&self, kernel: &Kernel, n: usize, launch: DeviceLaunch) {
+    /// Adds a launch that took `ns` nanoseconds, given its answers, to the work of its kernel.
+    fn add(&self, kernel: &Kernel, ns: f64, answers: &[[u32; N_OUT]]) -> DeviceLaunch {
         let name = kernel.function_name().unwrap_or_default();
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         let number = kernels.iter().position(|work| work.name == name);
@@ -155,10 +155,9 @@ impl<'a> DeviceScene<'a> {
             kernels.push(self.device.machine().no_work(kernel));
             kernels.len() - 1
         });
-        let work = &mut kernels[number];
-        work.launches += 1;
-        work.rays += n as u64;
-        work.seconds += launch.ns / 1e9;
+        let steps =
+            |&[.., n_visits, n_tests]: &[u32; N_OUT]| u64::from(n_visits) + u64::from(n_tests);
+        kernels[number].add(ns, answers.iter().map(steps))
     }
 
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
@@ -218,8 +217,7 @@ impl<'a> DeviceScene<'a> {
         };
         match queue.launch(kernel, &arrays, input, output, n) {
             Ok(ns) => {
-                launch.ns = ns;
-                self.add(kernel, n, *launch);
+                *launch = self.add(kernel, ns, output.as_chunks().0);
                 Ok(worker)
             }
             Err(fault) => {

@@ -167,6 +167,8 @@ impl OpenDevice {
             group_size: GROUP,
             warp_size: warp.filter(|&n| n > 0),
             private_bytes: kernel.get_private_mem_size(device).ok(),
+            steps: 0,
+            lane_steps: 0,
         }
     }
 

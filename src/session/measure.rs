@@ -91,13 +91,15 @@ impl Session {
         // Put the rays in the lanes of warps.
         let warps = film.extra.lanes.filter(|_| scope.part.is_none());
         let lanes = warps.map(|warps| {
-            let idle = options.reported("lanes", n_pixels, |report: OnProgress| {
+            let n_traced = n_pixels * (1 + u64::from(device.is_some()));
+            let idle = options.reported("lanes", n_traced, |report: OnProgress| {
                 IdleLanes::measure(tracer, &plan.sensor, &film, warps, report)
             });
             film.keep_idle_lanes(&idle.of_pixels);
             stages.end("lanes");
             idle
         });
+        device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         let hierarchy = (attribution.as_ref()).and_then(|costs| costs.hierarchy.as_ref());
         let epo = hierarchy.and_then(|hierarchy| hierarchy.nodes.first()?.epo);

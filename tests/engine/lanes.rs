@@ -1,11 +1,13 @@
 //! Idle lanes of warps are those of the rays of each pixel, traced one at a time.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 use crate::common::generators::cases;
 use crate::common::scenes::scenes;
 use crate::common::{config, film_on, parse, scene_of, with_cost};
 use base::Keyword;
+use math::sampling::PixelPattern;
 use math::simd::Simd;
 use proptest::prelude::*;
 use render::attribution::{PathObserver, RayTree, TracedRay};
@@ -15,9 +17,10 @@ use render::schedule::TileGrid;
 use render::tiles::render;
 use scene::build::Sensor;
 use scene::config::{Config, CostMode, RayOrder, Warps};
-use tracer::accel::Accel;
-use tracer::cost::{Counter, Meter, RayKind};
+use tracer::accel::{Accel, CountRay, Hit, RayDevice, ShadowStream};
+use tracer::cost::{Counter, DeviceLaunch, Meter, RayKind, StreamProbe, Traversals};
 use tracer::trace::Tracer;
+use world::geometry::RayStream;
 
 /// Measures the idle lanes of a config; also returns the film.
 fn measured(config: &Config, n_threads: usize, simd: Simd, warps: Warps) -> (IdleLanes, Film) {
@@ -261,6 +264,172 @@ fn adaptive_samples_are_launched_as_they_are_rendered() {
     config.image.adaptive = Some(scene::yaml::from_str(text).unwrap());
     config.image.samples_per_pixel = 20;
     assert_is_twin(&with_cost(config, CostMode::Counters), Warps::default());
+}
+
+/// A device that is the processor, in warps of this many rays; it notes the query of each launch and
+/// the steps of its rays.
+#[derive(Debug)]
+struct Lockstep<'a> {
+    accel: &'a Accel<'a>,
+    warp: Option<usize>,
+    launches: Mutex<Vec<(&'static str, Vec<u64>)>>,
+}
+
+/// The node visits and the primitive tests of each ray of a stream.
+struct Counts(Vec<[u32; 2]>);
+
+impl StreamProbe for Counts {
+    const COUNTS: bool = true;
+
+    fn traversals<const N: usize>(&mut self, first: usize, traversals: &Traversals<N>) {
+        traversals.for_each(|i, visits, tests| self.0[first + i] = [visits, tests]);
+    }
+}
+
+impl Lockstep<'_> {
+    /// Notes a launch, and reports the counters of its rays.
+    fn launch(&self, query: &'static str, counts: &Counts, count: CountRay) -> DeviceLaunch {
+        let steps = |&[visits, tests]: &[u32; 2]| u64::from(visits) + u64::from(tests);
+        let steps = counts.0.iter().map(steps).collect();
+        self.launches.lock().unwrap().push((query, steps));
+        for (i, &[visits, tests]) in counts.0.iter().enumerate() {
+            count(i, visits, tests);
+        }
+        DeviceLaunch {
+            ns: 0.0,
+            warp_size: self.warp,
+        }
+    }
+
+    /// The sums of a query's launches.
+    fn sums(&self, query: &str, warp: usize) -> WarpSums {
+        let mut sums = WarpSums::default();
+        for (of, steps) in self.launches.lock().unwrap().iter() {
+            for steps in steps.chunks(warp).filter(|_| *of == query) {
+                sums.n_rays += steps.len() as u64;
+                sums.n_warps += 1;
+                sums.steps += steps.iter().sum::<u64>();
+                sums.lane_steps += warp as u64 * steps.iter().max().unwrap();
+            }
+        }
+        sums
+    }
+}
+
+impl RayDevice for Lockstep<'_> {
+    fn nearest(
+        &self,
+        rays: &RayStream,
+        hits: &mut Vec<Option<Hit>>,
+        count: CountRay,
+    ) -> DeviceLaunch {
+        let mut counts = Counts(vec![[0; 2]; rays.len()]);
+        self.accel.nearest_stream(rays, hits, &mut counts);
+        self.launch("nearest", &counts, count)
+    }
+
+    fn occluded(
+        &self,
+        rays: &ShadowStream,
+        occluded: &mut Vec<bool>,
+        count: CountRay,
+    ) -> DeviceLaunch {
+        let mut counts = Counts(vec![[0; 2]; rays.len()]);
+        self.accel.occluded_stream(rays, occluded, &mut counts);
+        self.launch("occluded", &counts, count)
+    }
+}
+
+/// Measures the idle lanes of a config on a device with warps of this size, and checks that those of
+/// its launches are measured.
+fn on_device(config: &Config, warp: Option<usize>) -> (IdleLanes, Film) {
+    let film = film_on(config, 2, Simd::best());
+    let scene = scene_of(config);
+    let accel = Accel::new(&scene, config.acceleration);
+    let device = Lockstep {
+        accel: &accel,
+        warp,
+        launches: Mutex::default(),
+    };
+    let on_device = accel.clone().with_device(Some(&device));
+    let (tracer, sensor) = (Tracer::new(&scene, &on_device), Sensor::new(&scene, config));
+    let idle = IdleLanes::measure(tracer, &sensor, &film, Warps::default(), &|_| {});
+    for launched in &idle.launched {
+        assert_eq!(Some(launched.warp as usize), warp);
+        assert_eq!(launched.sums, device.sums(launched.query, warp.unwrap()));
+    }
+    (idle, film)
+}
+
+#[test]
+fn a_device_has_the_warps_of_its_launches() {
+    let glass = |adaptive: Option<&str>| {
+        let mut config = with_cost(config("glass"), CostMode::Counters);
+        (config.image.width, config.image.height) = (45, 34);
+        config.image.samples_per_pixel = 6;
+        config.image.sampler = PixelPattern::Sobol;
+        config.image.adaptive = adaptive.map(|text| scene::yaml::from_str(text).unwrap());
+        config
+    };
+    for adaptive in [
+        None,
+        Some("{ noise: 0.05, min_samples: 2 }"),
+        Some("{ by: efficiency, min_samples: 2 }"),
+    ] {
+        let config = glass(adaptive);
+        let (idle, film) = on_device(&config, Some(12));
+        let queries: Vec<_> = idle
+            .launched
+            .iter()
+            .map(|launched| launched.query)
+            .collect();
+        assert_eq!(queries, ["nearest", "occluded"]);
+        // The rays and their steps are those of the rendering.
+        let [nearest, occluded] = [0, 1].map(|i| idle.launched[i].sums);
+        let [visits, tests] = [Counter::NodeVisits, Counter::PrimitiveTests];
+        let steps = film.totals.get(visits) + film.totals.get(tests);
+        assert_eq!(nearest.steps + occluded.steps, steps, "{adaptive:?}");
+        assert_eq!(occluded.n_rays, film.totals.rays_of(RayKind::Shadow));
+        assert_eq!(nearest.n_rays + occluded.n_rays, film.totals.n_rays());
+        let lane_steps = nearest.lane_steps + occluded.lane_steps;
+        let share = 1.0 - steps as f64 / lane_steps as f64;
+        assert_eq!(idle.share(Warps::default()), share);
+        // The orders are those without a device.
+        let (without, _) = measured(&config, 2, Simd::best(), Warps::default());
+        for &order in RayOrder::KEYWORDS {
+            let warps = Warps { warp: 16, order };
+            assert_eq!(idle.sums(None, warps), without.sums(None, warps));
+        }
+        // A device that does not say how large its warps are has none.
+        let (unknown, _) = on_device(&config, None);
+        assert_eq!(unknown, without);
+    }
+}
+
+/// Camera rays only, of whole tiles: the warps are those of the order of waves.
+#[test]
+fn pixels_have_the_idle_lanes_of_the_device() {
+    let mut config = with_cost(config("spot"), CostMode::Counters);
+    (config.image.width, config.image.height) = (64, 48);
+    config.image.samples_per_pixel = 1;
+    config.lights.clear();
+    config.tiles.size = 16;
+    let (idle, _) = on_device(&config, Some(16));
+    let waves = Warps {
+        warp: 16,
+        order: RayOrder::Waves,
+    };
+    let (expected, _) = measured(&config, 2, Simd::best(), waves);
+    assert_eq!(idle.launched.len(), 1);
+    assert_eq!(idle.launched[0].sums, expected.sums(None, waves));
+    assert!(idle.of_pixels.iter().any(|&share| share > 0.1));
+    let bits = |idle: &IdleLanes| {
+        idle.of_pixels
+            .iter()
+            .map(|n| n.to_bits())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&idle), bits(&expected));
 }
 
 /// Each ray is tested against both spheres: the lanes without a ray idle, and no other.

@@ -1,4 +1,5 @@
-//! `lanes.csv`: the idle lanes of warps of several sizes, filled in several orders.
+//! `lanes.csv`: the idle lanes of warps of several sizes, filled in several orders, and of the warps
+//! of a device.
 
 use std::io::{self, Write};
 
@@ -17,7 +18,8 @@ pub(super) const FILE: OutputFile = OutputFile {
     }),
 };
 
-/// Writes a row for each kind of ray, order and size of warp.
+/// Writes a row for each kind of ray, order and size of warp, and for each query of a device one with
+/// the order `launches`.
 fn write(idle: &IdleLanes, out: impl Write) -> io::Result<()> {
     let mut rows = csv::Writer::from_writer(out);
     rows.write_record([
@@ -39,6 +41,11 @@ fn write(idle: &IdleLanes, out: impl Write) -> io::Result<()> {
                 rows.write_record(words.into_iter().chain(numbers(&sums)))?;
             }
         }
+    }
+    for launched in &idle.launched {
+        let warp = launched.warp.to_string();
+        let words = [launched.query.to_owned(), "launches".to_owned(), warp];
+        rows.write_record(words.into_iter().chain(numbers(&launched.sums)))?;
     }
     rows.flush()
 }

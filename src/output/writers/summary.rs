@@ -129,8 +129,8 @@ fn cost(rendering: &RenderingView) -> CostSection {
             let mut totals = totals(film, rendering.survey);
             let idle = rendering.lanes.zip(film.extra.lanes);
             totals.extend(idle.map(|(idle, warps)| {
-                let share = idle.sums(None, warps).idle_share();
-                (Metric::IDLE_LANES.name.to_owned(), Number::from_f64(share))
+                let share = Number::from_f64(idle.share(warps));
+                (Metric::IDLE_LANES.name.to_owned(), share)
             }));
             totals
         }),

@@ -9,12 +9,16 @@
 //! first shadow ray of each of their hits, the second, and so on. The rays of a launch, without
 //! gaps, fill warps in a [`RayOrder`]. In the last warp of a launch, lanes without a ray idle.
 //!
+//! A device has warps of its own: it traces all rays once more, in the [launches](LaunchedWarps) of a
+//! rendering.
+//!
 //! The rays are traced once more after the rendering, one at a time. All sums are of integers: they
 //! do not depend on threads, on instruction sets or on the tiles of the rendering, except for
 //! [`RayOrder::Waves`], which is the order in these tiles.
 
 mod launches;
 mod order;
+mod launched;
 
 use rayon::prelude::*;
 
@@ -27,6 +31,7 @@ use scene::build::Sensor;
 use scene::config::{Image, RayOrder, Warps};
 use tracer::trace::Tracer;
 
+pub use launched::LaunchedWarps;
 pub use launches::{LAUNCH_SIDE, LaneKind};
 
 /// The idle lanes of a picture.
@@ -34,9 +39,12 @@ pub use launches::{LAUNCH_SIDE, LaneKind};
 pub struct IdleLanes {
     /// By kind of ray, by order, and by size of warp.
     sums: [[[WarpSums; N_WARPS]; N_ORDERS]; LaneKind::ALL.len()],
-    /// The share of idle lanes, 0 to 1, of the warps that trace the rays of each pixel: a warp
-    /// counts once for each ray. Row-major, row 0 on top; NaN for a pixel whose warps take no
-    /// steps.
+    /// The warps of the launches on the device that traced the rays; empty without one, and if it
+    /// does not say how large they are.
+    pub launched: Vec<LaunchedWarps>,
+    /// The share of idle lanes, 0 to 1, of the warps that trace the rays of each pixel, of the
+    /// device's if there are any: a warp counts once for each ray. Row-major, row 0 on top; NaN for
+    /// a pixel whose warps take no steps.
     pub of_pixels: Vec<f32>,
 }
 
@@ -58,14 +66,13 @@ pub struct WarpSums {
 }
 
 impl WarpSums {
-    /// Returns the sums of one warp of this many lanes.
-    fn of_warp(rays: &[LaneRay], warp: u32) -> Self {
-        let steps = || rays.iter().map(|ray| u64::from(ray.steps));
+    /// Returns the sums of one warp of this many lanes, given the steps of its rays.
+    fn of_warp(steps: impl ExactSizeIterator<Item = u64> + Clone, warp: u32) -> Self {
         Self {
-            n_rays: rays.len() as u64,
+            n_rays: steps.len() as u64,
             n_warps: 1,
-            steps: steps().sum(),
-            lane_steps: u64::from(warp) * steps().max().unwrap_or(0),
+            steps: steps.clone().sum(),
+            lane_steps: u64::from(warp) * steps.max().unwrap_or(0),
         }
     }
 
@@ -87,8 +94,9 @@ impl WarpSums {
 
 impl IdleLanes {
     /// Traces all rays of a film of this scene, which was rendered with counters, on the current
-    /// rayon pool. `warps` are those of [`of_pixels`](Self::of_pixels). `report` is called
-    /// after each sample of a block.
+    /// rayon pool, and once more on the device that the structure has. `warps` are those of
+    /// [`of_pixels`](Self::of_pixels) without a device. `report` is called after each sample of a
+    /// block, and for a device after each tile: the pixels are counted twice then.
     pub fn measure(
         tracer: Tracer,
         sensor: &Sensor,
@@ -100,6 +108,7 @@ impl IdleLanes {
         let n_samples = film.samples();
         let mut found = Self {
             sums: Default::default(),
+            launched: Vec::new(),
             of_pixels: vec![f32::NAN; n_samples.len()],
         };
         for block in PixelBlock::all(film.grid.width, film.grid.height) {
@@ -107,6 +116,9 @@ impl IdleLanes {
                 break;
             }
             found.add_block(&view, &film.grid, &block, &n_samples, warps, report);
+        }
+        if let Some((launched, of_pixels)) = launched::measure(tracer, sensor, film, report) {
+            (found.launched, found.of_pixels) = (launched, of_pixels);
         }
         found
     }
@@ -175,6 +187,16 @@ impl IdleLanes {
         }
     }
 
+    /// Returns the share of idle lanes, 0 to 1, of all rays: of the device's launches, or without
+    /// them in warps of one of [`Warps::SIZES`]; NaN without steps.
+    pub fn share(&self, warps: Warps) -> f64 {
+        let of_launches = self.launched.iter().map(|launched| launched.sums);
+        match of_launches.reduce(WarpSums::with) {
+            Some(sums) => sums.idle_share(),
+            None => self.sums(None, warps).idle_share(),
+        }
+    }
+
     /// Returns the sums over the rays of one kind, or over all rays, in warps of one of
     /// [`Warps::SIZES`].
     pub fn sums(&self, kind: Option<LaneKind>, warps: Warps) -> WarpSums {
@@ -204,14 +226,19 @@ const RAYS_PER_SAMPLE: u64 = 16;
 /// Fills warps of this many lanes with the rays. Returns their sums.
 fn fill(rays: &[LaneRay], warp: u32) -> WarpSums {
     let warps = rays.chunks(warp as usize);
-    let warps = warps.map(|rays| WarpSums::of_warp(rays, warp));
+    let warps = warps.map(|rays| WarpSums::of_warp(steps(rays), warp));
     warps.fold(WarpSums::default(), WarpSums::with)
+}
+
+/// Returns the steps of some rays.
+fn steps(rays: &[LaneRay]) -> impl ExactSizeIterator<Item = u64> + Clone {
+    rays.iter().map(|ray| u64::from(ray.steps))
 }
 
 /// Adds the steps of the warps of one launch to the pixels of their rays.
 fn add_to_pixels(rays: &[LaneRay], warp: u32, pixels: &mut [WarpSums]) {
     for rays in rays.chunks(warp as usize) {
-        let sums = WarpSums::of_warp(rays, warp);
+        let sums = WarpSums::of_warp(steps(rays), warp);
         for ray in rays {
             let pixel = &mut pixels[ray.pixel as usize];
             *pixel = pixel.with(sums);

@@ -28,6 +28,7 @@ mod tile_times;
 mod tile_plan;
 mod samples;
 mod repeat;
+mod recount;
 mod stored;
 
 use std::ops::Range;
@@ -47,6 +48,7 @@ use groups::GroupRenderer;
 use host::start_in_scope;
 use pass::Pass;
 use planned::planned;
+pub(crate) use recount::recount;
 pub(crate) use rounds::Rounds;
 pub(crate) use sample_plan::rounds_of;
 pub use sample_plan::with_samples_planned;

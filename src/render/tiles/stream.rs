@@ -224,7 +224,7 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
 
     /// Renders these samples of all pixels in waves.
     fn render_round(&mut self, samples: Range<u32>) {
-        let is_on_device = self.view.tracer.accel.has_device();
+        let is_on_device = self.view.tracer.accel.device().is_some();
         let wave_len = if is_on_device {
             DEVICE_WAVE_LEN
         } else {

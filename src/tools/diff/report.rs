@@ -82,12 +82,13 @@ fn totals_table(diff: &Diff) -> String {
     format!("\n{}\n", table(std::iter::once(heading).chain(rows)))
 }
 
-/// Returns a table of the times of devices' kernels; empty if the processor traced all rays itself.
+/// Returns a table of the times of devices' kernels, and of the shares of idle lanes; empty if the
+/// processor traced all rays itself.
 fn kernels_table(kernels: &[KernelTimes]) -> String {
     if kernels.is_empty() {
         return String::new();
     }
-    let heading = ["kernel", "A", "B", "B / A"].map(str::to_owned);
+    let heading = ["kernel", "A", "B", "B / A", "idle in A", "in B"].map(str::to_owned);
     let row = |kernel: &KernelTimes| {
         let seconds = [&kernel.a, &kernel.b].map(|work| work.as_ref().map(|work| work.seconds));
         let [a, b] = seconds.map(|seconds| match seconds {
@@ -98,7 +99,12 @@ fn kernels_table(kernels: &[KernelTimes]) -> String {
             [Some(a), Some(b)] => ratio_label(ratio([a, b])),
             _ => String::new(),
         };
-        [kernel.name.clone(), a, b, ratio]
+        let idle = [&kernel.a, &kernel.b].map(|work| work.as_ref()?.idle_share());
+        let [idle_a, idle_b] = idle.map(|share| match share {
+            Some(share) => format!("{:.1} %", 100.0 * share),
+            None => "-".to_owned(),
+        });
+        [kernel.name.clone(), a, b, ratio, idle_a, idle_b]
     };
     let rows = kernels.iter().map(row);
     format!("\n{}", table(std::iter::once(heading).chain(rows)))

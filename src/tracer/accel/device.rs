@@ -52,9 +52,9 @@ impl<'a> Accel<'a> {
         Self { device, ..self }
     }
 
-    /// Returns true if a device traces its streams of rays.
-    pub fn has_device(&self) -> bool {
-        self.device.is_some()
+    /// Returns the device that traces its streams of rays, if there is one.
+    pub fn device(&self) -> Option<&'a dyn RayDevice> {
+        self.device
     }
 
     /// Returns the world.

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 pub struct DeviceLaunch {
     /// The time of the kernel in nanoseconds.
     pub ns: f64,
+    /// Number of rays that the device traced in lockstep, one after the other in the order of the
+    /// launch; `None` if it does not say.
+    pub warp_size: Option<usize>,
 }
 
 /// The launches of one kernel on a device.
@@ -30,4 +33,78 @@ pub struct KernelWork {
     /// not say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub private_bytes: Option<u64>,
+    /// Node visits and primitive tests of all rays.
+    #[serde(default)]
+    pub steps: u64,
+    /// Steps of all lanes of the warps, the idle ones included: the warp size times the greatest
+    /// number of steps of a ray, summed over the warps of all launches; 0 without a warp size.
+    #[serde(default)]
+    pub lane_steps: u64,
+}
+
+impl KernelWork {
+    /// Adds a launch, given the steps of each ray in the order of the launch. Its warp size is the
+    /// kernel's.
+    pub fn add(&mut self, ns: f64, steps: impl Iterator<Item = u64>) -> DeviceLaunch {
+        self.launches += 1;
+        self.seconds += ns / 1e9;
+        let warp_size = self.warp_size.unwrap_or(0);
+        let (mut n, mut most) = (0, 0);
+        for steps in steps {
+            self.rays += 1;
+            self.steps += steps;
+            most = steps.max(most);
+            n += 1;
+            if n == warp_size {
+                self.lane_steps += warp_size as u64 * most;
+                (n, most) = (0, 0);
+            }
+        }
+        self.lane_steps += warp_size as u64 * most;
+        DeviceLaunch {
+            ns,
+            warp_size: self.warp_size,
+        }
+    }
+
+    /// Returns the share of idle lanes, 0 to 1; `None` without steps of lanes.
+    pub fn idle_share(&self) -> Option<f64> {
+        let share = 1.0 - self.steps as f64 / self.lane_steps as f64;
+        (self.lane_steps > 0).then_some(share)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_take_the_steps_of_the_longest_ray_of_their_warp() {
+        let mut work = KernelWork {
+            name: "nearest".to_owned(),
+            launches: 0,
+            rays: 0,
+            seconds: 0.0,
+            group_size: 64,
+            warp_size: Some(4),
+            private_bytes: None,
+            steps: 0,
+            lane_steps: 0,
+        };
+        assert_eq!(work.idle_share(), None);
+        let launch = work.add(2e9, [1, 2, 3, 4, 10, 0].into_iter());
+        assert_eq!((launch.ns, launch.warp_size), (2e9, Some(4)));
+        work.add(1e9, [5, 5, 5, 5].into_iter());
+        assert_eq!((work.launches, work.rays, work.seconds), (2, 10, 3.0));
+        assert_eq!((work.steps, work.lane_steps), (40, 4 * (4 + 10 + 5)));
+        assert_eq!(work.idle_share(), Some(1.0 - 40.0 / 76.0));
+        // A device that does not say its warp size.
+        let mut unknown = KernelWork {
+            warp_size: None,
+            lane_steps: 0,
+            ..work
+        };
+        unknown.add(1e9, [7, 9].into_iter());
+        assert_eq!((unknown.steps, unknown.idle_share()), (56, None));
+    }
 }

@@ -355,7 +355,7 @@ fn devices_and_their_kernels_stand_beside_each_other() {
     let kernel = |name: &str, seconds: f64| {
         json!({
             "name": name, "launches": 2, "rays": 9, "seconds": seconds, "group_size": 64,
-            "share": 0.1,
+            "warp_size": 8, "steps": 30, "lane_steps": 40, "share": 0.1,
         })
     };
     let put = |side: &str, device: &str, kernels: Value| {
@@ -374,7 +374,9 @@ fn devices_and_their_kernels_stand_beside_each_other() {
     put("b", "card", both);
     let text = report();
     for lines in [
-        "\nkernel    A     B  B / A\nnearest   -  4 ms\noccluded  -  2 ms\n",
+        "\nkernel    A     B  B / A  idle in A    in B\n\
+         nearest   -  4 ms                 -  25.0 %\n\
+         occluded  -  2 ms                 -  25.0 %\n",
         "A and B ran on different devices, which changes their times too\n",
         "counters  the same in every pixel\n",
         "machine   acceleration.device: null → \"card\"\n",
@@ -384,7 +386,8 @@ fn devices_and_their_kernels_stand_beside_each_other() {
     put("a", "processor", json!([kernel("nearest", 0.008)]));
     let text = report();
     for lines in [
-        "\nnearest   8 ms  4 ms  0.500\noccluded     -  2 ms\n",
+        "\nnearest   8 ms  4 ms  0.500     25.0 %  25.0 %\n\
+         occluded     -  2 ms                 -  25.0 %\n",
         "machine   acceleration.device: \"processor\" → \"card\"\n",
     ] {
         assert!(text.contains(lines), "{text}");
