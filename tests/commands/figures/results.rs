@@ -33,7 +33,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("tinybvh-version", |of| of.version("tinybvh")),
     ("device", |of| {
         let runs = of.list("device", "runs")?.iter();
-        range(runs.map(|run| run["speed_by_cpu_time"].as_f64()), "")
+        let inverse = |run: &Value| Some(1.0 / run["speed_by_cpu_time"].as_f64()?);
+        range(runs.map(inverse), "")
     }),
     ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
