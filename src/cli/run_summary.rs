@@ -27,10 +27,13 @@ pub(super) fn head(rendering: &RenderingView, stages: &Stages) -> String {
         .map(|stage| format!("{} {}", stage.name, duration(stages.wall(stage.name))))
         .collect();
     let device = rendering.device;
-    let device = device.map_or(String::new(), |name| {
-        let kernels = rendering.kernels.iter();
-        let kernels: String = kernels.map(kernel).collect();
-        format!("device  {name}\n{kernels}")
+    let device = device.map_or(String::new(), |device| {
+        let kernels: String = device.kernels.iter().map(kernel).collect();
+        let work = match &device.processor_shades_because_of {
+            None => "follows whole paths".to_owned(),
+            Some(part) => format!("traces rays; the processor shades because of {part}"),
+        };
+        format!("device  {}\n        {work}\n{kernels}", device.name)
     });
     format!(
         "image   {} x {} pixels, {} per pixel, {}, {}\n\

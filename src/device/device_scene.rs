@@ -4,17 +4,23 @@ use std::fmt;
 use std::mem;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use glam::Vec3;
+
 use opencl3::kernel::Kernel;
 use opencl3::memory::Buffer;
 use opencl3::program::Program;
 
 use crate::opencl::{Argument, DeviceFault, LaunchQueue, OpenDevice, Pool};
 use crate::opened::{Device, DeviceError};
+use crate::paths::{N_RESULTS, N_START, RecordedPaths};
+use crate::program;
 use crate::scene::SceneArrays;
 use base::stop::Cancellation;
 use host::text::Diagnostic;
-use tracer::accel::{Accel, CountRay, Hit, RayDevice, ShadowStream};
-use tracer::cost::{DeviceLaunch, KernelWork};
+use math::sampling::Sampler;
+use tracer::accel::{Accel, CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
+use tracer::cost::{Cost, DeviceLaunch, FollowedPath, KernelWork, UsedDevice};
+use tracer::shade::PathFormulas;
 use world::geometry::{Ray, RayStream};
 use world::scene::InstanceId;
 
@@ -26,18 +32,23 @@ const N_IN: usize = 8;
 const N_OUT: usize = 5;
 
 impl Device {
-    /// Copies a scene to the device's memory. If the device fails later, the rays of the scene stay
-    /// without hits, `cancellation` stops the work, and [`DeviceScene::check`] returns the reason.
+    /// Copies a scene to the device's memory; where all of its formulas can be recorded, the device
+    /// will follow whole paths, else it traces rays. If the device fails later, the rays of the scene
+    /// stay without hits, `cancellation` stops the work, and [`DeviceScene::check`] returns the
+    /// reason.
     ///
     /// # Errors
     /// The device has not enough memory, or fails.
     pub fn load(
         &self,
         accel: &Accel,
+        formulas: &PathFormulas,
         cancellation: &Cancellation,
     ) -> Result<DeviceScene<'_>, DeviceError> {
         let arrays = SceneArrays::new(accel);
-        let n_bytes = 4 * arrays.lines.len() as u64;
+        let paths = RecordedPaths::new(formulas);
+        let n_data = paths.as_ref().map_or(0, |paths| paths.data.len());
+        let n_bytes = 4 * arrays.lines.len().max(n_data) as u64;
         let (most, memory) = (
             self.machine().listed.max_array_bytes(),
             self.machine().listed.n_bytes(),
@@ -45,7 +56,7 @@ impl Device {
         if n_bytes > most {
             let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
             return Err(DeviceError::Failed(Diagnostic::new(format!(
-                "the hierarchy takes {:.2} GiB, but the device {} has {:.2} GiB of memory, and arrays of at \
+                "an array of the scene takes {:.2} GiB, but the device {} has {:.2} GiB of memory, and arrays of at \
                  most {:.2} GiB",
                 gib(n_bytes),
                 self.name(),
@@ -53,8 +64,12 @@ impl Device {
                 gib(most)
             ))));
         }
-        let program = self.program(arrays.depths);
-        let memory = program.and_then(|program| SceneMemory::new(self.machine(), program, &arrays));
+        let functions = paths.as_ref().ok().map(|paths| &paths.text[..]);
+        let program = self.program(program::text(arrays.depths, functions));
+        let memory = program.and_then(|program| {
+            let paths = paths.as_ref().map_err(Clone::clone);
+            SceneMemory::new(self.machine(), program, &arrays, paths, formulas.sampler)
+        });
         let memory = memory.map_err(|fault| self.failed(&fault))?;
         Ok(DeviceScene::new(self, memory, cancellation.clone()))
     }
@@ -77,6 +92,18 @@ pub(crate) struct SceneMemory {
     program: Arc<Program>,
     lines: Buffer<f32>,
     tables: [Buffer<u32>; 4],
+    /// What it needs to follow paths, or the part of the scene because of which it does not.
+    paths: Result<PathMemory, String>,
+}
+
+/// What the device holds to follow paths.
+pub(crate) struct PathMemory {
+    surfaces: Buffer<u32>,
+    /// The numbers of primitives, and of instances.
+    numbers: [Buffer<f32>; 2],
+    tables: Buffer<u32>,
+    /// The numbers of the samples whose paths it follows.
+    sampler: Sampler,
 }
 
 impl SceneMemory {
@@ -85,8 +112,21 @@ impl SceneMemory {
         machine: &OpenDevice,
         program: Arc<Program>,
         arrays: &SceneArrays,
+        paths: Result<&RecordedPaths, String>,
+        sampler: Sampler,
     ) -> Result<Self, DeviceFault> {
+        let upload = |paths: &RecordedPaths| {
+            Ok::<_, DeviceFault>(PathMemory {
+                surfaces: machine.upload(&paths.surfaces)?,
+                numbers: [machine.upload(&paths.data)?, machine.upload(&paths.places)?],
+                tables: machine.upload(&paths.tables)?,
+                sampler,
+            })
+        };
         Ok(Self {
+            paths: paths
+                .map(upload)
+                .map_or_else(|part| Ok(Err(part)), |memory| memory.map(Ok))?,
             program,
             lines: machine.upload(&arrays.lines)?,
             tables: [
@@ -104,6 +144,8 @@ struct Worker {
     queue: LaunchQueue,
     nearest: Kernel,
     occluded: Kernel,
+    /// `None` if the device does not follow paths.
+    path: Option<Kernel>,
     input: Vec<u32>,
     output: Vec<u32>,
     /// The last launch.
@@ -115,6 +157,17 @@ struct Worker {
 enum Query {
     Nearest,
     Occluded,
+    Path,
+}
+
+impl Query {
+    /// Returns the place of the node visits and the primitive tests in an answer.
+    fn place_of_steps(self) -> usize {
+        match self {
+            Self::Nearest | Self::Occluded => 3,
+            Self::Path => 6,
+        }
+    }
 }
 
 impl<'a> DeviceScene<'a> {
@@ -146,8 +199,24 @@ impl<'a> DeviceScene<'a> {
         mem::take(&mut self.kernels.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// Returns the device with the work of each kernel since the last call of
+    /// [`take_kernels`](Self::take_kernels).
+    pub fn used(&self) -> UsedDevice {
+        UsedDevice {
+            name: self.device.name().to_owned(),
+            kernels: self.take_kernels(),
+            processor_shades_because_of: self.memory.paths.as_ref().err().cloned(),
+        }
+    }
+
     /// Adds a launch that took `ns` nanoseconds, given its answers, to the work of its kernel.
-    fn add(&self, kernel: &Kernel, ns: f64, answers: &[[u32; N_OUT]]) -> DeviceLaunch {
+    fn add<const N: usize>(
+        &self,
+        query: Query,
+        kernel: &Kernel,
+        ns: f64,
+        answers: &[[u32; N]],
+    ) -> DeviceLaunch {
         let name = kernel.function_name().unwrap_or_default();
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         let number = kernels.iter().position(|work| work.name == name);
@@ -155,26 +224,29 @@ impl<'a> DeviceScene<'a> {
             kernels.push(self.device.machine().no_work(kernel));
             kernels.len() - 1
         });
-        let steps =
-            |&[.., n_visits, n_tests]: &[u32; N_OUT]| u64::from(n_visits) + u64::from(n_tests);
+        let first = query.place_of_steps();
+        let steps = |answer: &[u32; N]| {
+            let steps = &answer[first..first + 2];
+            steps.iter().map(|&n| u64::from(n)).sum()
+        };
         kernels[number].add(ns, answers.iter().map(steps))
     }
 
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
     /// and the words of its answer; for none if the device fails.
-    fn answer(
+    fn answer<const M: usize, const N: usize>(
         &self,
         query: Query,
-        rays: impl Iterator<Item = [u32; N_IN]>,
+        rays: impl Iterator<Item = [u32; M]>,
         n: usize,
-        answer: impl FnMut((usize, &[u32; N_OUT])),
+        answer: impl FnMut((usize, &[u32; N])),
     ) -> DeviceLaunch {
         if self.failure.get().is_some() || n == 0 {
             return DeviceLaunch::default();
         }
-        match self.launch(query, rays, n) {
+        match self.launch::<M, N>(query, rays, n) {
             Ok(worker) => {
-                let answers = worker.output[..N_OUT * n].as_chunks::<N_OUT>().0;
+                let answers = worker.output[..N * n].as_chunks::<N>().0;
                 answers.iter().enumerate().for_each(answer);
                 let launch = worker.launch;
                 self.workers.put(worker);
@@ -190,23 +262,24 @@ impl<'a> DeviceScene<'a> {
         }
     }
 
-    fn launch(
+    fn launch<const M: usize, const N: usize>(
         &self,
         query: Query,
-        rays: impl Iterator<Item = [u32; N_IN]>,
+        rays: impl Iterator<Item = [u32; M]>,
         n: usize,
     ) -> Result<Worker, DeviceFault> {
         let mut worker = self.workers.take().map_or_else(|| self.worker(), Ok)?;
         worker.input.clear();
         worker.input.extend(rays.flatten());
-        worker.output.resize(N_OUT * n, 0);
+        worker.output.resize(N * n, 0);
         let [levels, unbounded, primitives, records] = &self.memory.tables;
-        let arrays: [&dyn Argument; 5] =
-            [&self.memory.lines, levels, unbounded, primitives, records];
+        let mut arrays: Vec<&dyn Argument> =
+            vec![&self.memory.lines, levels, unbounded, primitives, records];
         let Worker {
             queue,
             nearest,
             occluded,
+            path,
             input,
             output,
             launch,
@@ -214,10 +287,23 @@ impl<'a> DeviceScene<'a> {
         let kernel = match query {
             Query::Nearest => &*nearest,
             Query::Occluded => &*occluded,
+            Query::Path => {
+                let (Some(path), Ok(memory)) = (path, &self.memory.paths) else {
+                    return Ok(worker);
+                };
+                let [data, places] = &memory.numbers;
+                arrays.extend([
+                    &memory.surfaces as &dyn Argument,
+                    data,
+                    places,
+                    &memory.tables,
+                ]);
+                &*path
+            }
         };
         match queue.launch(kernel, &arrays, input, output, n) {
             Ok(ns) => {
-                *launch = self.add(kernel, ns, output.as_chunks().0);
+                *launch = self.add(query, kernel, ns, output.as_chunks::<N>().0);
                 Ok(worker)
             }
             Err(fault) => {
@@ -232,6 +318,10 @@ impl<'a> DeviceScene<'a> {
             queue: LaunchQueue::new(self.device.machine())?,
             nearest: Kernel::create(&self.memory.program, "nearest")?,
             occluded: Kernel::create(&self.memory.program, "occluded")?,
+            path: match &self.memory.paths {
+                Ok(_) => Some(Kernel::create(&self.memory.program, "path")?),
+                Err(_) => None,
+            },
             input: Vec::new(),
             output: Vec::new(),
             launch: DeviceLaunch::default(),
@@ -249,13 +339,9 @@ impl RayDevice for DeviceScene<'_> {
         hits.clear();
         hits.resize(rays.len(), None);
         let words = rays.iter().map(|ray| words(&ray, f32::INFINITY, NONE));
-        self.answer(Query::Nearest, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Query::Nearest, words, rays.len(), |(i, answer)| {
             let [t, primitive, instance, n_visits, n_tests] = *answer;
-            hits[i] = (t != NONE).then(|| Hit {
-                t: f32::from_bits(t),
-                primitive,
-                instance: instance.checked_sub(1).map(InstanceId),
-            });
+            hits[i] = hit([t, primitive, instance]);
             count(i, n_visits, n_tests);
         })
     }
@@ -272,12 +358,65 @@ impl RayDevice for DeviceScene<'_> {
             let ignored = shadow.ignored.map_or(NONE, |object| object.0);
             words(&shadow.ray, shadow.t_max, ignored)
         });
-        self.answer(Query::Occluded, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Query::Occluded, words, rays.len(), |(i, answer)| {
             let [found, _, _, n_visits, n_tests] = *answer;
             occluded[i] = found != NONE;
             count(i, n_visits, n_tests);
         })
     }
+
+    fn follows_paths(&self, sampler: &Sampler) -> bool {
+        let paths = self.memory.paths.as_ref();
+        paths.is_ok_and(|paths| paths.sampler == *sampler)
+    }
+
+    fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {
+        let words = paths.rays.iter().enumerate().map(|(i, ray)| {
+            let [pixel, sample] = paths.samples.get(i).copied().unwrap_or_default();
+            let [a, b, c, d, e, f, ..] = words(&ray, 0.0, NONE);
+            let [g, h, j, k] = paths.media.get(i).copied().unwrap_or_default();
+            [a, b, c, d, e, f, pixel, sample, g, h, j, k]
+        });
+        self.answer::<N_START, N_RESULTS>(Query::Path, words, paths.rays.len(), |(i, result)| {
+            let (path, hit) = followed(result);
+            take(i, &path, hit);
+        })
+    }
+}
+
+/// Returns the hit with these words.
+fn hit([t, primitive, instance]: [u32; 3]) -> Option<Hit> {
+    (t != NONE).then(|| Hit {
+        t: f32::from_bits(t),
+        primitive,
+        instance: instance.checked_sub(1).map(InstanceId),
+    })
+}
+
+/// Returns a followed path with the hit of its camera ray, given its words.
+fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
+    let [red, green, blue, t, primitive, instance, rest @ ..] = *result;
+    let [
+        n_visits,
+        n_tests,
+        n_shadows,
+        n_reflected,
+        n_refracted,
+        n_diffuse,
+        depth,
+        bounces @ ..,
+    ] = rest;
+    let path = FollowedPath {
+        color: Vec3::from([red, green, blue].map(f32::from_bits)),
+        cost: Cost {
+            node_visits: n_visits.into(),
+            primitive_tests: n_tests.into(),
+            rays: [0, n_shadows, n_reflected, n_refracted, n_diffuse].map(u64::from),
+            depth: depth.into(),
+        },
+        bounces,
+    };
+    (path, hit([t, primitive, instance]))
 }
 
 /// Returns the words of a ray: origin, direction, limit and ignored object.

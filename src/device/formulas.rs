@@ -32,16 +32,16 @@ pub(crate) fn functions() -> String {
         + "  out[0] = 0.0f;\n}\n"
 }
 
-fn vector([x, y, z]: [Register; 3]) -> Vector<Register> {
+pub(crate) fn vector([x, y, z]: [Register; 3]) -> Vector<Register> {
     Vector { x, y, z }
 }
 
-fn coordinates(Vector { x, y, z }: Vector<Register>) -> [Register; 3] {
+pub(crate) fn coordinates(Vector { x, y, z }: Vector<Register>) -> [Register; 3] {
     [x, y, z]
 }
 
 /// Returns 1 where the mask is true, else 0.
-fn number<'a>(like: Register<'a>, mask: Register<'a>) -> Register<'a> {
+pub(crate) fn number<'a>(like: Register<'a>, mask: Register<'a>) -> Register<'a> {
     Register::select(mask, like.splat(1.0), like.splat(0.0))
 }
 
@@ -155,7 +155,7 @@ mod tests {
             for &kind in ShapeKind::ALL {
                 let Some(program) = shape_test(kind) else { continue };
                 let expected = hits(kind, &parameters, vectors).unwrap();
-                let found = program.evaluate(&input)[0];
+                let found = program.evaluate([&input, &[], &[]])[0];
                 let is_same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
                 prop_assert!(is_same, "{kind:?}: {found} is not {expected} for {input:?}");
             }

@@ -17,8 +17,8 @@ const OTHER_DEVICE: &str = "render without `--device`, or on another device";
 pub struct Device {
     machine: OpenDevice,
     name: String,
-    /// The program that was compiled last.
-    program: Mutex<Option<(Depths, Arc<Program>)>>,
+    /// The program that was compiled last, and its text.
+    program: Mutex<Option<(String, Arc<Program>)>>,
 }
 
 /// Why a device cannot be used.
@@ -50,8 +50,8 @@ impl Device {
         }
         let failed = |fault: DeviceFault| failed(&name, &fault);
         let machine = listed.open().map_err(failed)?;
-        let depths = Depths::new(1, None);
-        let program = Arc::new(machine.compile(&program::text(depths)).map_err(failed)?);
+        let text = program::text(Depths::new(1, None), None);
+        let program = Arc::new(machine.compile(&text).map_err(failed)?);
         if let Some(difference) = proof::refute(&machine, &program).map_err(failed)? {
             let message = format!("the device {name} cannot render the same picture: {difference}");
             return Err(DeviceError::Failed(
@@ -61,7 +61,7 @@ impl Device {
         Ok(Self {
             machine,
             name,
-            program: Mutex::new(Some((depths, program))),
+            program: Mutex::new(Some((text, program))),
         })
     }
 
@@ -75,14 +75,14 @@ impl Device {
         &self.machine
     }
 
-    /// Returns the program for scenes of these depths.
-    pub(crate) fn program(&self, depths: Depths) -> Result<Arc<Program>, DeviceFault> {
+    /// Returns the program with this text.
+    pub(crate) fn program(&self, text: String) -> Result<Arc<Program>, DeviceFault> {
         let mut last = self.program.lock().unwrap_or_else(PoisonError::into_inner);
         match &*last {
-            Some((of, program)) if *of == depths => Ok(Arc::clone(program)),
+            Some((last, program)) if *last == text => Ok(Arc::clone(program)),
             _ => {
-                let program = Arc::new(self.machine.compile(&program::text(depths))?);
-                *last = Some((depths, Arc::clone(&program)));
+                let program = Arc::new(self.machine.compile(&text)?);
+                *last = Some((text, Arc::clone(&program)));
                 Ok(program)
             }
         }

@@ -7,16 +7,29 @@ use crate::tape::{Instruction, Operation, Program, Type};
 /// Returns the text of a program as a function, which reads its numbers from `in` and writes its
 /// results to `out`.
 pub(crate) fn function(program: &Program) -> String {
+    let body = body(program, &[]);
+    format!(
+        "FUNCTION void {}(const float *in, float *out) {{\n{body}}}\n",
+        program.name
+    )
+}
+
+/// Returns the statements of a program's function. The tables have these functions and first words.
+pub(crate) fn body(program: &Program, tables: &[(&str, u32)]) -> String {
     let Program {
-        name,
         instructions,
         results,
+        ..
     } = program;
-    let mut text = format!("FUNCTION void {name}(const float *in, float *out) {{\n");
+    let mut text = String::new();
     let is_used = used(program);
     for (number, instruction) in instructions.iter().enumerate() {
         if is_used[number] {
-            let value = expression(instructions, instruction);
+            if let Operation::LookUp { table, sizes } = instruction.operation {
+                let (function, first) = tables[table as usize];
+                text += &look_up(number, &instruction.operands, (function, first), sizes);
+            }
+            let value = expression(instructions, number);
             let ty = name_of(instruction.result);
             let _ = writeln!(text, "  {ty} r{number} = {value};");
         }
@@ -24,7 +37,25 @@ pub(crate) fn function(program: &Program) -> String {
     for (i, result) in results.iter().enumerate() {
         let _ = writeln!(text, "  out[{i}] = r{result};");
     }
-    text + "}\n"
+    text
+}
+
+/// Returns the statements that call the function of a table for instruction `number`.
+fn look_up(
+    number: usize,
+    operands: &[u32; 3],
+    (function, first): (&str, u32),
+    [n_at, n_values]: [u32; 2],
+) -> String {
+    let mut text = format!("  float at{number}[{n_at}], found{number}[{n_values}];\n");
+    for (i, operand) in operands[..n_at as usize].iter().enumerate() {
+        let _ = writeln!(text, "  at{number}[{i}] = r{operand};");
+    }
+    let _ = writeln!(
+        text,
+        "  {function}(tables + {first}u, {n_values}, at{number}, found{number});"
+    );
+    text
 }
 
 /// Returns for each instruction if a result depends on it.
@@ -45,7 +76,10 @@ fn used(program: &Program) -> Vec<bool> {
 
 fn n_operands(operation: Operation) -> usize {
     match operation {
-        Operation::Input(_) | Operation::Constant(_) => 0,
+        Operation::Input(_) | Operation::Data(_) | Operation::Place(_) | Operation::Constant(_) => {
+            0
+        }
+        Operation::LookUp { sizes: [n, _], .. } => n as usize,
         Operation::Negate
         | Operation::Sqrt
         | Operation::Floor
@@ -54,7 +88,8 @@ fn n_operands(operation: Operation) -> usize {
         | Operation::ShiftLeft(_)
         | Operation::ShiftRight(_)
         | Operation::Bits
-        | Operation::Convert => 1,
+        | Operation::Convert
+        | Operation::Value(_) => 1,
         Operation::Select => 3,
         _ => 2,
     }
@@ -69,12 +104,19 @@ fn name_of(ty: Type) -> &'static str {
     }
 }
 
-fn expression(instructions: &[Instruction], instruction: &Instruction) -> String {
+/// Returns the value of instruction `number`.
+fn expression(instructions: &[Instruction], number: usize) -> String {
+    let instruction = &instructions[number];
     let [a, b, c] = instruction.operands.map(|number| format!("r{number}"));
     let result = instruction.result;
     let operand = instructions[instruction.operands[0] as usize].result;
     match instruction.operation {
-        Operation::Input(number) => format!("in[{number}]"),
+        Operation::Input(i) if result == Type::Unsigned => format!("BITS_OF(in[{i}])"),
+        Operation::Input(i) => format!("in[{i}]"),
+        Operation::Data(i) => format!("FLOAT_OF(data[{i}])"),
+        Operation::Place(i) => format!("FLOAT_OF(place[{i}])"),
+        Operation::LookUp { .. } => format!("found{number}[0]"),
+        Operation::Value(i) => format!("found{}[{i}]", instruction.operands[0]),
         Operation::Constant(bits) => match result {
             Type::Float => format!("FLOAT_OF(0x{bits:x}u)"),
             Type::Double => format!("DOUBLE_OF(0x{bits:x}ul)"),

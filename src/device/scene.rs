@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::Vec3;
 
 use tracer::accel::{Accel, LevelArrays};
-use world::geometry::ShapeKind;
+use world::geometry::{ShapeKind, Transform};
 use world::scene::{InstanceId, Instances, Primitive, World};
 
 use crate::program::{Depths, INSTANCE};
@@ -103,7 +103,7 @@ impl<'a> SceneArrays<'a> {
     }
 
     fn push_shape(&mut self, primitive: &Primitive) {
-        let columns = primitive.object_from_world();
+        let columns = primitive.placement().map(Transform::object_from_world);
         let kind = primitive.shape_kind() as u32;
         self.records.extend([kind, columns.is_some().into()]);
         self.push_numbers(&primitive.parameters());

@@ -4,11 +4,12 @@
 //! operation appends an instruction, and the result is the program that a device runs. So the
 //! formula is written once, for lanes, for single numbers and for devices.
 
-use std::cell::RefCell;
+use std::any::type_name;
+use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use math::simd::{Arithmetic, Double, Integer, LookupTable, Mask, Real};
+use math::simd::{Arithmetic, DeviceTable, Double, Integer, LookupTable, Mask, Real};
 
 /// The type of a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -24,6 +25,10 @@ pub(crate) enum Type {
 pub(crate) enum Operation {
     /// A number of the input, by its index.
     Input(u32),
+    /// A number of the primitive that was hit.
+    Data(u32),
+    /// A number of the instance that was hit.
+    Place(u32),
     /// A constant, by its bits.
     Constant(u64),
     Add,
@@ -53,6 +58,15 @@ pub(crate) enum Operation {
     Convert,
     /// 0 where the number is less than the second operand.
     ZeroBelow,
+    /// Looks up the values of a table at the operands; its result is the first value.
+    LookUp {
+        /// The table, by its index.
+        table: u32,
+        /// Number of operands and of values.
+        sizes: [u32; 2],
+    },
+    /// A further value of a look-up, which is the operand.
+    Value(u32),
 }
 
 /// An instruction, which writes the register with its number.
@@ -66,9 +80,47 @@ pub(crate) struct Instruction {
 
 /// Records the instructions of a formula; equal ones once.
 #[derive(Default)]
-pub(crate) struct Tape {
+pub(crate) struct Tape<'t> {
     instructions: RefCell<Vec<Instruction>>,
     numbers: RefCell<HashMap<Instruction, u32>>,
+    /// The tables of all formulas; `None` for formulas that look nothing up.
+    tables: Option<&'t Tables>,
+    refusal: OnceCell<String>,
+}
+
+/// The tables in which formulas look values up; equal ones once.
+#[derive(Default)]
+pub(crate) struct Tables {
+    all: RefCell<Vec<(&'static str, u32)>>,
+    words: RefCell<Vec<u32>>,
+    indices: RefCell<HashMap<DeviceTable, u32>>,
+}
+
+impl Tables {
+    /// Returns the index of a table.
+    fn index(&self, table: DeviceTable) -> u32 {
+        let mut all = self.all.borrow_mut();
+        let mut words = self.words.borrow_mut();
+        *self
+            .indices
+            .borrow_mut()
+            .entry(table)
+            .or_insert_with_key(|table| {
+                all.push((table.function, words.len() as u32));
+                words.extend_from_slice(&table.words);
+                all.len() as u32 - 1
+            })
+    }
+
+    /// Returns the function of each table, and the index of its first word.
+    pub(crate) fn all(&self) -> Vec<(&'static str, u32)> {
+        self.all.borrow().clone()
+    }
+
+    /// Returns the words of all tables.
+    pub(crate) fn into_words(self) -> Vec<u32> {
+        self.words.into_inner()
+    }
 }
 
 /// A formula without loops and branches.
@@ -82,18 +134,52 @@ pub(crate) struct Program {
 /// The result of an instruction.
 #[derive(Clone, Copy)]
 pub(crate) struct Register<'a> {
-    tape: &'a Tape,
+    tape: &'a Tape<'a>,
     ty: Type,
     number: u32,
 }
 
-impl Tape {
+impl<'t> Tape<'t> {
+    /// Creates a tape of a formula that looks values up in tables.
+    pub(crate) fn with_tables(tables: &'t Tables) -> Self {
+        Self {
+            tables: Some(tables),
+            ..Self::default()
+        }
+    }
+
     /// Returns the registers of `N` inputs, from number `first` on.
-    pub(crate) fn inputs<const N: usize>(&self, first: usize) -> [Register<'_>; N] {
-        std::array::from_fn(|i| {
-            let input = Operation::Input((first + i) as u32);
-            self.push(input, Type::Float, [0; 3])
-        })
+    pub(crate) fn inputs<const N: usize>(&'t self, first: usize) -> [Register<'t>; N] {
+        std::array::from_fn(|i| self.leaf(Operation::Input((first + i) as u32), Type::Float))
+    }
+
+    /// Returns the register of an input that is an integer.
+    pub(crate) fn integer(&'t self, number: usize) -> Register<'t> {
+        self.leaf(Operation::Input(number as u32), Type::Unsigned)
+    }
+
+    /// Returns the registers of the numbers of a primitive or an instance, one after the other.
+    pub(crate) fn numbers(&'t self, number: fn(u32) -> Operation) -> impl FnMut() -> Register<'t> {
+        let mut next = 0..;
+        move || self.leaf(number(next.next().unwrap_or(0)), Type::Float)
+    }
+
+    /// Returns a zero.
+    pub(crate) fn zero(&'t self) -> Register<'t> {
+        self.leaf(Operation::Constant(0), Type::Float)
+    }
+
+    /// Returns the reason if the formula is not a straight program.
+    pub(crate) fn refusal(&self) -> Option<&str> {
+        self.refusal.get().map(String::as_str)
+    }
+
+    fn refuse(&self, reason: &str) {
+        self.refusal.get_or_init(|| reason.to_owned());
+    }
+
+    fn leaf(&'t self, operation: Operation, ty: Type) -> Register<'t> {
+        self.push(operation, ty, [0; 3])
     }
 
     /// Returns the program of this name that computes these results.
@@ -105,7 +191,7 @@ impl Tape {
         }
     }
 
-    fn push(&self, operation: Operation, result: Type, operands: [u32; 3]) -> Register<'_> {
+    fn push(&'t self, operation: Operation, result: Type, operands: [u32; 3]) -> Register<'t> {
         let instruction = Instruction {
             operation,
             result,
@@ -220,10 +306,15 @@ impl Arithmetic for Register<'_> {
 /// A straight program has no branches on lanes.
 impl Mask for Register<'_> {
     fn bits(self) -> u8 {
-        unreachable!("recorded formulas read no bits of masks")
+        self.tape.refuse("bits of masks");
+        0
     }
 
     fn all(self) -> bool {
+        false
+    }
+
+    fn none(self) -> bool {
         false
     }
 }
@@ -264,15 +355,31 @@ impl Real for Register<'_> {
         double.unary(Operation::Convert, Type::Float)
     }
 
-    fn lane(self, _: usize) -> f32 {
-        unreachable!("recorded formulas read no lanes")
+    fn next_index(self, _: Self, least: usize) -> Option<usize> {
+        Some(least)
     }
 
     fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
-        _: &T,
-        _: [Self; N],
+        table: &T,
+        at: [Self; N],
     ) -> [Self; M] {
-        unreachable!("recorded formulas look nothing up")
+        const { assert!(0 < N && N <= 3) }
+        let tape = at[0].tape;
+        let found = tape.tables.zip(table.on_device());
+        let Some((tables, table)) = found else {
+            tape.refuse(type_name::<T>());
+            return [at[0]; M];
+        };
+        let look_up = Operation::LookUp {
+            table: tables.index(table),
+            sizes: [N as u32, M as u32],
+        };
+        let operands = [0, 1, 2].map(|i| at.get(i).map_or(0, |number| number.number));
+        let first = tape.push(look_up, Type::Float, operands);
+        std::array::from_fn(|i| match i {
+            0 => first,
+            _ => first.unary(Operation::Value(i as u32), Type::Float),
+        })
     }
 }
 
@@ -317,17 +424,24 @@ impl Double for Register<'_> {
     }
 
     fn map(self, _: impl Fn(f64) -> f64) -> Self {
-        unreachable!("recorded formulas call no functions")
+        self.tape.refuse("a power that is not whole");
+        self
     }
 }
 
 #[cfg(test)]
 impl Program {
-    /// Computes the results for these numbers, one instruction after the other.
-    pub(crate) fn evaluate(&self, input: &[f32]) -> Vec<f32> {
+    /// Computes the results for these numbers, one instruction after the other; not with tables.
+    ///
+    /// The numbers are inputs, those of the primitive and those of the instance.
+    pub(crate) fn evaluate(&self, input: [&[f32]; 3]) -> Vec<f32> {
         let mut registers: Vec<u64> = Vec::new();
         for instruction in &self.instructions {
-            registers.push(instruction.evaluate(input, &registers));
+            let operands = instruction.operands.map(|i| {
+                let ty = self.instructions[i as usize].result;
+                (ty, registers.get(i as usize).copied().unwrap_or(0))
+            });
+            registers.push(instruction.evaluate(input, operands));
         }
         let results = self.results.iter();
         results
@@ -338,33 +452,80 @@ impl Program {
 
 #[cfg(test)]
 impl Instruction {
-    /// Returns the bits of the result, given the bits of the registers before it; of numbers in
-    /// single precision.
-    fn evaluate(&self, input: &[f32], registers: &[u64]) -> u64 {
-        let bits = |i: usize| registers[self.operands[i] as usize];
-        let number = |i: usize| f32::from_bits(bits(i) as u32);
-        let float = |value: f32| u64::from(value.to_bits());
-        // Operands that an instruction has not are register 0.
-        let [x, y] = [0, 1].map(|i| if registers.is_empty() { 0.0 } else { number(i) });
-        match self.operation {
-            Operation::Input(i) => float(input[i as usize]),
-            Operation::Constant(bits) => bits,
-            Operation::Add => float(x + y),
-            Operation::Subtract => float(x - y),
-            Operation::Multiply => float(x * y),
-            Operation::Divide => float(x / y),
-            Operation::Negate => float(-x),
-            Operation::Min => float(Arithmetic::min(x, y)),
-            Operation::Max => float(Arithmetic::max(x, y)),
-            Operation::Sqrt => float(x.sqrt()),
-            Operation::FlipSign => float(x.flip_sign_by(y)),
-            Operation::Less => (x < y).into(),
-            Operation::LessOrEqual => (x <= y).into(),
-            Operation::Select => bits(if bits(0) == 0 { 2 } else { 1 }),
-            Operation::And => bits(0) & bits(1),
-            Operation::Or => bits(0) | bits(1),
-            Operation::Not => bits(0) ^ 1,
-            other => panic!("no shape has {other:?}"),
+    /// Returns the bits of the result, given the types and the bits of the operands.
+    fn evaluate(&self, input: [&[f32]; 3], operands: [(Type, u64); 3]) -> u64 {
+        let [(ty, a), (_, b), (_, c)] = operands;
+        let number = |of: usize, i: u32| u64::from(input[of][i as usize].to_bits());
+        match (self.operation, ty) {
+            (Operation::Input(i), _) => number(0, i),
+            (Operation::Data(i), _) => number(1, i),
+            (Operation::Place(i), _) => number(2, i),
+            (Operation::Constant(bits), _) => bits,
+            (Operation::Select, _) => {
+                if a == 0 {
+                    c
+                } else {
+                    b
+                }
+            }
+            (Operation::Bits, _) => a,
+            (operation, Type::Unsigned) => of_integers(operation, self.result, a as u32, b as u32),
+            (operation, Type::Boolean) => match operation {
+                Operation::And => a & b,
+                Operation::Or => a | b,
+                Operation::Not => a ^ 1,
+                other => panic!("{other:?} of booleans"),
+            },
+            (operation, Type::Float) => {
+                let [a, b] = [a, b].map(|bits| f32::from_bits(bits as u32));
+                of_floats(operation, self.result, a, b)
+            }
+            (operation, Type::Double) => {
+                let [a, b] = [a, b].map(f64::from_bits);
+                match operation {
+                    Operation::Multiply => (a * b).to_bits(),
+                    Operation::ZeroBelow => a.zero_below(b).to_bits(),
+                    Operation::Convert => u64::from((a as f32).to_bits()),
+                    other => panic!("{other:?} of doubles"),
+                }
+            }
         }
     }
+}
+
+#[cfg(test)]
+fn of_integers(operation: Operation, result: Type, a: u32, b: u32) -> u64 {
+    u64::from(match operation {
+        Operation::Add => a.plus(b),
+        Operation::Multiply => a.times(b),
+        Operation::And => a & b,
+        Operation::Xor => a ^ b,
+        Operation::ShiftLeft(n) => a << n,
+        Operation::ShiftRight(n) => a >> n,
+        Operation::Convert if result == Type::Float => f32::from_integer(a).to_bits(),
+        other => panic!("{other:?} of integers"),
+    })
+}
+
+#[cfg(test)]
+fn of_floats(operation: Operation, result: Type, a: f32, b: f32) -> u64 {
+    let number = match operation {
+        Operation::Less => return (a < b).into(),
+        Operation::LessOrEqual => return (a <= b).into(),
+        Operation::Convert if result == Type::Double => return f64::from(a).to_bits(),
+        Operation::Convert => return Real::to_integer(a).into(),
+        Operation::Add => a + b,
+        Operation::Subtract => a - b,
+        Operation::Multiply => a * b,
+        Operation::Divide => a / b,
+        Operation::Negate => -a,
+        Operation::Min => Arithmetic::min(a, b),
+        Operation::Max => Arithmetic::max(a, b),
+        Operation::Sqrt => a.sqrt(),
+        Operation::FlipSign => a.flip_sign_by(b),
+        Operation::Floor => Real::floor(a),
+        Operation::Truncate => Real::trunc(a),
+        other => panic!("{other:?} of numbers"),
+    };
+    number.to_bits().into()
 }

@@ -18,7 +18,8 @@ use render::attribution::CostAttribution;
 use render::instruments::Stages;
 use render::lanes::IdleLanes;
 use render::schedule::Schedule;
-use render::tiles::{OnProgress, estimate_times, least_repeats, repeat_within};
+use render::tiles::{OnProgress, View, estimate_times, least_repeats, repeat_within};
+use scene::build::Sensor;
 use scene::config::{CostMode, SimdSet};
 use tracer::accel::{Accel, BvhStatistics};
 use tracer::cost::Meter;
@@ -56,12 +57,7 @@ impl Session {
         }
         let n_pixels = config.image.n_pixels() as u64;
         // Render the passes onto the film.
-        let take_kernels = || {
-            device
-                .as_ref()
-                .map_or(Vec::new(), DeviceScene::take_kernels)
-        };
-        take_kernels();
+        device.as_ref().map(DeviceScene::take_kernels);
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
             options.reported("render", n_rendered, |report: OnProgress| {
@@ -69,7 +65,7 @@ impl Session {
                 repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
         stages.end("render");
-        let kernels = take_kernels();
+        let used_device = device.as_ref().map(DeviceScene::used);
         device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         scope.check()?;
@@ -107,8 +103,7 @@ impl Session {
             look: (scope.part.is_none()).then(|| Look::new(&film, config, tracer)),
             bvh: (accel.statistics()).map(|bvh| BvhStatistics { epo, ..bvh }),
             kernel: (accel.simd(), accel.traversal()),
-            device: (options.device.as_ref()).map(|device| device.name().to_owned()),
-            kernels,
+            device: used_device,
             meter,
             film,
             n_tiles: plan.n_tiles(),
@@ -135,7 +130,13 @@ impl Session {
             let help = "measure `time`, or leave `--device` out";
             return Err(RenderError::Scene(Diagnostic::new(message).with_help(help)));
         }
-        Ok(Some(device.load(accel, &options.cancellation)?))
+        let sensor = Sensor::new(&self.scene, &self.config);
+        let view = View::new(Tracer::new(&self.scene, accel), &sensor);
+        Ok(Some(device.load(
+            accel,
+            &view.formulas(),
+            &options.cancellation,
+        )?))
     }
 
     /// Returns the acceleration structure, reusing an existing one, or else building it or

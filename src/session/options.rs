@@ -33,8 +33,8 @@ pub struct Options<'a> {
     pub simd: Option<SimdSet>,
     /// The way in which the rays of a wave are traced.
     pub traversal: Traversal,
-    /// A device that traces the rays of waves in place of the processor: same picture, same
-    /// counters.
+    /// A device that follows the paths in place of the processor, or traces their rays: same
+    /// picture, same counters.
     pub device: Option<Arc<Device>>,
     /// If true, a few rays estimate the work of each tile before the rendering, for
     /// [`Progress::work`]; otherwise all pixels count the same.

@@ -21,7 +21,7 @@ use render::schedule::Schedule;
 use render::tiles::{OnProgress, Repeat, StoredPicture, least_repeats};
 use scene::config::Traversal;
 use tracer::accel::BvhStatistics;
-use tracer::cost::{KernelWork, Meter};
+use tracer::cost::{Meter, UsedDevice};
 
 /// The pixels of a scene, their cost, and the record of their rendering.
 #[derive(Debug)]
@@ -42,10 +42,8 @@ pub(super) struct Measured {
     pub(super) bvh: Option<BvhStatistics>,
     /// The instruction set, and the way in which the rays of waves were traced.
     pub(super) kernel: (Simd, Traversal),
-    /// The name of the device that traced the waves' rays, if it was not the processor.
-    pub(super) device: Option<String>,
-    /// The launches on the device, by kernel.
-    pub(super) kernels: Vec<KernelWork>,
+    /// The device, if it was not the processor alone.
+    pub(super) device: Option<UsedDevice>,
     pub(super) meter: Meter,
     pub(super) film: Film,
     /// The look of the pixels so far, except for a part of a picture.
@@ -219,8 +217,7 @@ impl Rendering<'_> {
             bvh: measured.bvh,
             simd: measured.kernel.0,
             traversal: measured.kernel.1,
-            device: measured.device.as_deref(),
-            kernels: &measured.kernels,
+            device: measured.device.as_ref(),
             meter: &measured.meter,
             film: &measured.film,
             survey: self.survey(),

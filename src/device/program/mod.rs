@@ -30,8 +30,9 @@ impl Depths {
     }
 }
 
-/// Returns the program for scenes of these depths.
-pub(crate) fn text(depths: Depths) -> String {
+/// Returns the program for scenes of these depths; with the functions of whole paths, it follows
+/// them.
+pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
     // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
     // the last one.
     let stack = |n_levels: usize| 7 * n_levels + 9;
@@ -71,5 +72,13 @@ pub(crate) fn text(depths: Depths) -> String {
 #define FOUND(t, i) found(world, search, is_nearest, t, i, 0u)
 ";
     text += include_str!("level.cl");
-    text + include_str!("kernels.cl")
+    text += include_str!("kernels.cl");
+    if let Some(functions) = paths {
+        text += include_str!("functions.cl");
+        text += include_str!("tables.cl");
+        text += functions;
+        text += include_str!("media.cl");
+        text += include_str!("path.cl");
+    }
+    text
 }

@@ -2,6 +2,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 #define KERNEL __kernel
 #define GLOBAL __global
+#define CONSTANT __constant
 #define FUNCTION static inline
 #define ID get_global_id(0)
 #define BITS_OF(x) as_uint(x)

@@ -1,6 +1,6 @@
 //! Sampling of discrete distributions.
 
-use crate::simd::{LookupTable, Real};
+use crate::simd::{DeviceTable, LookupTable, Real};
 
 /// Samples indices with probabilities proportional to their weights, in constant time.
 ///
@@ -80,6 +80,15 @@ impl LookupTable<2, 1> for AliasTable {
         let [own_share, other] = self.bins[bin];
         let is_own = scaled - (bin as f64) < f64::from(own_share);
         [if is_own { bin as f32 } else { other }]
+    }
+
+    /// The bins as rows.
+    fn on_device(&self) -> Option<DeviceTable> {
+        let rows = self.bins.on_device()?;
+        Some(DeviceTable {
+            function: "alias_table",
+            ..rows
+        })
     }
 }
 

@@ -40,7 +40,7 @@ impl Dimension {
 ///
 /// They depend only on the seed, the pixel, the sample and the [`Dimension`]. Hashes decorrelate
 /// pixels and dimensions.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampler {
     /// `None` for Sobol' points.
     strata: Option<Strata>,
@@ -77,7 +77,7 @@ impl Sampler {
         if let Some(strata) = &self.strata {
             return strata.point(pixel, sample);
         }
-        let [x, y, ..] = self.seeds(pixel, Dimension::PIXEL);
+        let [x, y, ..] = self.seeds(pixel, pixel.splat(Dimension::PIXEL.0));
         let [x, y] = sobol::centered_point(pixel.splat(sample), [x, y]);
         let (x, y) = (unit::<R>(x), unit::<R>(y));
         let half = x.splat(0.5);
@@ -85,13 +85,13 @@ impl Sampler {
     }
 
     /// Returns two numbers in [0, 1) for one sample, or one per lane: Owen-scrambled Sobol' points,
-    /// whatever the pattern.
+    /// whatever the pattern. `dimension` is the number of a [`Dimension`].
     #[inline(always)]
     pub fn pair<R: Real>(
         &self,
         pixel: R::Integer,
         sample: R::Integer,
-        dimension: Dimension,
+        dimension: R::Integer,
     ) -> [R; 2] {
         let [x, y, order, _] = self.seeds(pixel, dimension);
         let [x, y] = sobol::point(sobol::shuffled(sample, order), [x, y]);
@@ -100,8 +100,8 @@ impl Sampler {
 
     /// Returns the seeds of a pixel in a dimension.
     #[inline(always)]
-    fn seeds<N: Integer>(&self, pixel: N, dimension: Dimension) -> [N; 4] {
-        let key = [pixel.splat(self.seed), pixel, pixel.splat(dimension.0)];
+    fn seeds<N: Integer>(&self, pixel: N, dimension: N) -> [N; 4] {
+        let key = [pixel.splat(self.seed), pixel, dimension];
         hash(key, self.mixed)
     }
 }
@@ -123,7 +123,7 @@ mod tests {
             let pixels = set.load_integers(&pixels);
             let [x, y] = sampler.position::<I::Lanes>(pixels, sample);
             let sample = pixels.splat(sample);
-            let [u, v] = sampler.pair::<I::Lanes>(pixels, sample, Dimension(3));
+            let [u, v] = sampler.pair::<I::Lanes>(pixels, sample, sample.splat(3));
             [x, y, u, v].map(Lanes::to_array)
         }
     }
@@ -138,7 +138,7 @@ mod tests {
                     let found = simd.run(Sampled(sampler, pixels, sample));
                     for (lane, &pixel) in pixels.iter().enumerate() {
                         let [x, y] = sampler.position::<f32>(pixel, sample);
-                        let [u, v] = sampler.pair::<f32>(pixel, sample, Dimension(3));
+                        let [u, v] = sampler.pair::<f32>(pixel, sample, 3);
                         assert_eq!(found.map(|row| row[lane]), [x, y, u, v], "{simd}");
                     }
                 }

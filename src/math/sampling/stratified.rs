@@ -5,7 +5,7 @@ use crate::simd::{Integer, Real};
 
 /// Points in a pixel: `n` strata of equal area with one jittered point each. One stratum's point is
 /// the pixel's center.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Strata {
     n: u32,
     n_rows: u32,

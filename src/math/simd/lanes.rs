@@ -85,6 +85,13 @@ pub trait Lanes: Real {
     fn compress(self, mask: Self::Mask) -> Self;
 }
 
+/// Implements [`Real::next_index`] for lanes.
+#[inline(always)]
+pub(super) fn next_index<L: Lanes>(indices: L, left: L::Mask) -> Option<usize> {
+    let bits = left.bits();
+    (bits != 0).then(|| indices.to_array()[bits.trailing_zeros() as usize % N_LANES] as usize)
+}
+
 /// Implements [`Real::look_up`] for lanes.
 #[inline(always)]
 pub(super) fn look_up<L, const N: usize, const M: usize, T>(table: &T, at: [L; N]) -> [L; M]

@@ -39,7 +39,7 @@ pub use column::{
 };
 pub use lanes::{InstructionSet, Lanes, N_LANES, SimdKernel};
 use portable::Portable;
-pub use real::{Arithmetic, Double, Integer, LookupTable, Mask, Real};
+pub use real::{Arithmetic, DeviceTable, Double, Integer, LookupTable, Mask, Real};
 pub use turns::{cos_sin, cos_sin_of_eighths, turns_of};
 pub use vector::Vector;
 pub use wide::Wide;

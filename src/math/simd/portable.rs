@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
+use super::lanes::{InstructionSet, Lanes, N_LANES, look_up, next_index};
 use super::real::{Arithmetic, BitMask, Double, Integer, LookupTable, Real};
 use super::wide::Sixteen;
 
@@ -191,8 +191,8 @@ impl Real for F32x8 {
     }
 
     #[inline(always)]
-    fn lane(self, i: usize) -> f32 {
-        self.to_array()[i % N_LANES]
+    fn next_index(self, left: Self::Mask, _: usize) -> Option<usize> {
+        next_index(self, left)
     }
 
     #[inline(always)]

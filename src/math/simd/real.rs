@@ -72,8 +72,10 @@ pub trait Real: Arithmetic<Mask: Mask> + Neg<Output = Self> {
     fn from_integer_bits(bits: Self::Integer) -> Self;
     /// Returns the nearest number.
     fn from_double(double: Self::Double) -> Self;
-    /// Returns number `i`.
-    fn lane(self, i: usize) -> f32;
+    /// Returns an index that one of the numbers in `left` has; `None` if none is left. Numbers that
+    /// only record their operations have no value, and return `least`: whoever loops over indices
+    /// passes the last one plus 1, and finds all below a bound.
+    fn next_index(self, left: Self::Mask, least: usize) -> Option<usize>;
     /// Looks up the values of a table at a point, number by number.
     fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(
         table: &T,
@@ -85,6 +87,20 @@ pub trait Real: Arithmetic<Mask: Mask> + Neg<Output = Self> {
 pub trait LookupTable<const N: usize, const M: usize> {
     /// Returns the values at a point.
     fn values_at(&self, at: [f32; N]) -> [f32; M];
+
+    /// Returns the table for other devices; `None` if they do not have its function.
+    fn on_device(&self) -> Option<DeviceTable> {
+        None
+    }
+}
+
+/// A table for other devices.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct DeviceTable {
+    /// The name of the device's function that looks values up.
+    pub function: &'static str,
+    /// The words that the function reads.
+    pub words: Vec<u32>,
 }
 
 /// Looks up rows by index.
@@ -93,14 +109,28 @@ impl<const M: usize> LookupTable<1, M> for [[f32; M]] {
     fn values_at(&self, [index]: [f32; 1]) -> [f32; M] {
         self[index as usize]
     }
+
+    /// The number of rows, then the rows.
+    fn on_device(&self) -> Option<DeviceTable> {
+        let numbers = self.as_flattened().iter().map(|number| number.to_bits());
+        Some(DeviceTable {
+            function: "table_row",
+            words: std::iter::once(self.len() as u32).chain(numbers).collect(),
+        })
+    }
 }
 
 /// One boolean per number.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Returns the bits: bit `i` for lane `i`.
     fn bits(self) -> u8;
-    /// Returns true if all are true.
+    /// Returns true if all are true, a hint: formulas give the same results without it.
     fn all(self) -> bool;
+    /// Returns true if none is true, a hint as [`all`](Self::all).
+    #[inline(always)]
+    fn none(self) -> bool {
+        self.bits() == 0
+    }
 }
 
 /// One boolean per lane: bit `i` for lane `i`.
@@ -285,8 +315,8 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn lane(self, _: usize) -> f32 {
-        self
+    fn next_index(self, left: bool, _: usize) -> Option<usize> {
+        left.then_some(self as usize)
     }
 
     #[inline(always)]

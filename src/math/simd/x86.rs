@@ -10,7 +10,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::lanes::{InstructionSet, Lanes, N_LANES, look_up};
+use super::lanes::{InstructionSet, Lanes, N_LANES, look_up, next_index};
 use super::real::{Arithmetic, LookupTable, Real};
 use super::registers::Registers;
 use super::wide::Sixteen;
@@ -229,8 +229,8 @@ impl<R: Registers> Real for Ymm<R> {
     }
 
     #[inline(always)]
-    fn lane(self, i: usize) -> f32 {
-        self.to_array()[i % N_LANES]
+    fn next_index(self, left: Self::Mask, _: usize) -> Option<usize> {
+        next_index(self, left)
     }
 
     #[inline(always)]

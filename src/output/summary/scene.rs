@@ -11,7 +11,7 @@ use scene::config::{
     ShadingModel, Traversal,
 };
 use tracer::accel::BvhStatistics;
-use tracer::cost::KernelWork;
+use tracer::cost::{KernelWork, UsedDevice};
 use world::camera::{ImagePlane, Projection};
 use world::color::{Development, ToneCurve, Transfer};
 
@@ -145,6 +145,10 @@ pub struct AccelerationSection {
     /// The launches on the device in the stage `render`, by kernel; left out for the processor.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub kernels: Vec<KernelEntry>,
+    /// The part of the scene because of which the device traces rays and the processor shades; left
+    /// out if the device follows whole paths, and for the processor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processor_shades_because_of: Option<String>,
 }
 
 /// The launches of a kernel on the device.
@@ -244,7 +248,7 @@ impl AccelerationSection {
         bvh: Option<BvhStatistics>,
         simd: Simd,
         traversal: Traversal,
-        device: Option<&str>,
+        device: Option<&UsedDevice>,
         kernels: Vec<KernelEntry>,
     ) -> Self {
         Self {
@@ -252,8 +256,10 @@ impl AccelerationSection {
             quality: acceleration.quality(),
             simd: Some(simd.to_string()),
             traversal: Some(traversal),
-            device: device.map(str::to_owned),
+            device: device.map(|device| device.name.clone()),
             kernels,
+            processor_shades_because_of: device
+                .and_then(|device| device.processor_shades_because_of.clone()),
             bvh,
         }
     }

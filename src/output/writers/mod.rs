@@ -81,7 +81,7 @@ use render::tiles::Repeat;
 use scene::build::Sensor;
 use scene::config::{Config, OptionalOutput, Traversal};
 use tracer::accel::BvhStatistics;
-use tracer::cost::{KernelWork, Meter};
+use tracer::cost::{Meter, UsedDevice};
 use world::camera::ImagePlane;
 use world::scene::Scene;
 
@@ -168,10 +168,8 @@ pub struct RenderingView<'a> {
     pub simd: Simd,
     /// How the rays of waves were traced.
     pub traversal: Traversal,
-    /// The name of the device that traced the waves' rays, if it was not the processor.
-    pub device: Option<&'a str>,
-    /// The launches on the device, by kernel.
-    pub kernels: &'a [KernelWork],
+    /// The device, if it was not the processor alone.
+    pub device: Option<&'a UsedDevice>,
     /// The meter of the pixels.
     pub meter: &'a Meter,
     /// The pixels and their cost.

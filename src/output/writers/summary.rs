@@ -89,7 +89,8 @@ fn summarize(job: &WriterInput) -> Summary {
 fn kernels(job: &WriterInput) -> Vec<KernelEntry> {
     let n_threads = job.rendering.threads.used as f64;
     let all_s = n_threads * job.stages.wall("render").as_secs_f64();
-    let kernels = job.rendering.kernels.iter();
+    let device = job.rendering.device.into_iter();
+    let kernels = device.flat_map(|device| &device.kernels);
     let entry = |work: &KernelWork| KernelEntry {
         share: work.seconds / all_s,
         work: work.clone(),

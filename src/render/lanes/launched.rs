@@ -6,16 +6,17 @@ use super::WarpSums;
 use crate::film::Film;
 use crate::schedule::Tile;
 use crate::tiles::{OnProgress, View, recount};
+use math::sampling::Sampler;
 use scene::build::Sensor;
-use tracer::accel::{CountRay, Hit, RayDevice, ShadowStream};
-use tracer::cost::{Counter, Counters, DeviceLaunch};
+use tracer::accel::{CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
+use tracer::cost::{Counter, Counters, DeviceLaunch, FollowedPath};
 use tracer::trace::Tracer;
 use world::geometry::RayStream;
 
 /// The warps of a query's launches on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LaunchedWarps {
-    /// The name of the query: `nearest` or `occluded`.
+    /// The name of the query: `nearest`, `occluded`, or `path` for whole paths.
     pub query: &'static str,
     /// Number of rays of a warp.
     pub warp: u32,
@@ -125,6 +126,28 @@ impl RayDevice for WarpCounter<'_> {
                 steps[i] = u64::from(visits) + u64::from(tests);
             });
         self.add("occluded", launch, &steps, count);
+        launch
+    }
+
+    fn follows_paths(&self, sampler: &Sampler) -> bool {
+        self.device.follows_paths(sampler)
+    }
+
+    fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {
+        let mut followed = vec![(FollowedPath::default(), None); paths.rays.len()];
+        let launch = self.device.follow(paths, &mut |i, path, hit| {
+            followed[i] = (*path, hit);
+        });
+        let steps = followed.iter().map(|(path, _)| path.cost);
+        let steps: Vec<u64> = steps
+            .map(|cost| cost.node_visits + cost.primitive_tests)
+            .collect();
+        self.add("path", launch, &steps, &mut |i, steps, lane_steps| {
+            let (mut path, hit) = followed[i];
+            path.cost.node_visits = steps.into();
+            path.cost.primitive_tests = lane_steps.into();
+            take(i, &path, hit);
+        });
         launch
     }
 }

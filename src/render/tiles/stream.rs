@@ -18,7 +18,7 @@ use crate::film::{Pixel, PixelColumns, Rendered};
 use crate::schedule::Tile;
 use base::stop;
 use math::simd::{N_LANES, Simd, VectorColumn};
-use tracer::accel::Hit;
+use tracer::accel::{Hit, PathStream, RayDevice};
 use tracer::cost::{BounceCounts, ByPixel, Clock, Counter, PixelProbe, RayKind, Stopwatch};
 use tracer::shade::{Eyes, PathStarts, PathWave, SampleIds, WaveShader};
 use tracer::trace::{Points, ShadowLight};
@@ -68,6 +68,10 @@ pub(super) struct StreamRenderer<'a, P> {
     eyes: Vec<Vec3>,
     /// The samples by slot, in a scene that needs random numbers.
     ids: SampleIds,
+    /// The samples by ray, for a device that follows the paths.
+    samples: Vec<[u32; 2]>,
+    /// The media by ray, for the same.
+    media: Vec<[u32; 4]>,
     /// The color of each path, by slot.
     colors: VectorColumn,
     /// The color of each pixel, in the order of `places`.
@@ -99,6 +103,8 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             lights: ShadowLight::default(),
             eyes: Vec::new(),
             ids: SampleIds::default(),
+            samples: Vec::new(),
+            media: Vec::new(),
             colors: VectorColumn::default(),
             means: VectorColumn::default(),
             distances: Vec::new(),
@@ -262,12 +268,17 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
         // Trace and shade the camera rays; the middle sample stores the visible surfaces.
         let middle = samples.contains(&self.view.middle);
         let stored = middle.then(|| (self.view.middle - samples.start) as usize);
-        self.trace(stored.map(|sample| (sample, samples.len())));
-        self.shade();
-        // Trace and shade the rays that continue the paths, until all have ended.
-        while !self.wave.rays.is_empty() {
-            self.trace(None);
+        let stored = stored.map(|sample| (sample, samples.len()));
+        if let Some(device) = self.view.path_device() {
+            self.follow_on(device, stored);
+        } else {
+            self.trace(stored);
             self.shade();
+            // Trace and shade the rays that continue the paths, until all have ended.
+            while !self.wave.rays.is_empty() {
+                self.trace(None);
+                self.shade();
+            }
         }
         // Add the colors of the paths to their pixels.
         if self.view.rounds.measure_noise() {
@@ -324,6 +335,47 @@ impl<'a, P: PixelProbe> StreamRenderer<'a, P> {
             for (ray, &slot) in self.wave.rays.iter().zip(self.wave.slots()) {
                 self.eyes[slot as usize] = ray.origin;
             }
+        }
+    }
+
+    /// Lets a device follow the paths of the wave from the camera to their ends; `stored` as in
+    /// [`trace`](Self::trace).
+    fn follow_on(&mut self, device: &dyn RayDevice, stored: Option<(usize, usize)>) {
+        let Self {
+            wave,
+            ids,
+            samples,
+            media,
+            hits,
+            probe,
+            bounces,
+            colors,
+            ..
+        } = self;
+        ids.write(wave.slots(), samples);
+        wave.write_media(media);
+        hits.clear();
+        hits.resize(wave.rays.len(), None);
+        let (pixels, slots) = (wave.pixels(), wave.slots());
+        let paths = PathStream {
+            rays: &wave.rays,
+            samples,
+            media,
+        };
+        let launch = device.follow(&paths, &mut |i, path, hit| {
+            let pixel = pixels[i] as usize;
+            hits[i] = hit;
+            colors.add(slots[i] as usize, path.color);
+            probe.path(pixel, path);
+            bounces.add_all(pixel, &path.bounces);
+        });
+        probe.launched(launch);
+        // All steps of a path are charged by its node visits and primitive tests.
+        self.lap(WaveStage::Hierarchy);
+        if let Some((sample, n_samples)) = stored {
+            self.find_points();
+            self.store_surfaces(sample, n_samples);
+            self.lap(WaveStage::Paths);
         }
     }
 

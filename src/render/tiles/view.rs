@@ -7,7 +7,8 @@ use crate::film::Pixel;
 use math::sampling::{Dimension, FilterSampler, Sampler};
 use math::simd::{Integer, Mask, Real, Vector};
 use scene::build::Sensor;
-use tracer::shade::{EyeMedia, PathRay, SampleId, Shader};
+use tracer::accel::RayDevice;
+use tracer::shade::{EyeMedia, PathFormulas, PathRay, SampleId, Shader};
 use tracer::trace::Tracer;
 use world::camera::ImagePlane;
 use world::geometry::Ray;
@@ -67,6 +68,17 @@ impl<'a> View<'a> {
             origin: image.origin(),
             pitch: plane.pitch(),
         }
+    }
+
+    /// Returns the formulas of the paths.
+    pub fn formulas(&self) -> PathFormulas<'a> {
+        self.shader.formulas()
+    }
+
+    /// Returns the device that follows the paths, if there is one.
+    pub(super) fn path_device(&self) -> Option<&'a dyn RayDevice> {
+        let device = self.tracer.accel.device()?;
+        device.follows_paths(&self.sampler).then_some(device)
     }
 
     /// Returns the view of the whole picture through the first samples of its pixels.
@@ -129,7 +141,9 @@ impl<'a> View<'a> {
             None => rays,
             Some(lens) => {
                 let sample = pixel.splat(sample);
-                let on_lens = self.sampler.pair(pixel, sample, Dimension::LENS);
+                let on_lens = self
+                    .sampler
+                    .pair(pixel, sample, pixel.splat(Dimension::LENS.0));
                 lens.refracted(rays, on_lens)
             }
         }

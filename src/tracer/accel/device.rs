@@ -5,7 +5,8 @@ use std::fmt;
 use super::Accel;
 use super::hit::{Hit, ShadowStream};
 use super::level::SearchLevel;
-use crate::cost::DeviceLaunch;
+use crate::cost::{DeviceLaunch, FollowedPath};
+use math::sampling::Sampler;
 use world::geometry::RayStream;
 use world::scene::World;
 
@@ -27,7 +28,35 @@ pub trait RayDevice: fmt::Debug + Sync {
         occluded: &mut Vec<bool>,
         count: CountRay,
     ) -> DeviceLaunch;
+
+    /// Returns true if it also follows whole paths, whose samples have the numbers of this sampler.
+    fn follows_paths(&self, _: &Sampler) -> bool {
+        false
+    }
+
+    /// Follows paths from their camera rays to their ends, with the colors and the counters of the
+    /// waves of this crate, and reports each; none if it does not [follow
+    /// paths](Self::follows_paths).
+    fn follow(&self, _: &PathStream, _: TakePath) -> DeviceLaunch {
+        DeviceLaunch::default()
+    }
 }
+
+/// Paths that start with camera rays.
+#[derive(Debug, Clone, Copy)]
+pub struct PathStream<'a> {
+    /// The camera rays.
+    pub rays: &'a RayStream,
+    /// The number of the pixel and of the sample of each; empty in a scene that needs no random
+    /// numbers.
+    pub samples: &'a [[u32; 2]],
+    /// The media in which each starts, in the order in which they were entered: their materials
+    /// plus 1, then 0 for empty places; empty in a scene without.
+    pub media: &'a [[u32; 4]],
+}
+
+/// Receives the number of a path in its stream, the path, and the hit of its camera ray.
+pub type TakePath<'a> = &'a mut dyn FnMut(usize, &FollowedPath, Option<Hit>);
 
 /// Receives the number of a ray in its stream, its node visits and its primitive tests.
 pub type CountRay<'a> = &'a mut dyn FnMut(usize, u32, u32);

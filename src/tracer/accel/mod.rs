@@ -41,7 +41,7 @@ pub use acceleration::{Acceleration, HierarchyUpdate, Quality, Structure, Traver
 use arena::Arena;
 pub use build::TooLarge;
 pub use bvh::Bvh;
-pub use device::{CountRay, LevelArrays, RayDevice};
+pub use device::{CountRay, LevelArrays, PathStream, RayDevice, TakePath};
 pub use hit::{Hit, ShadowRay, ShadowStream};
 pub use index::AccelIndex;
 use instanced::{Instanced, LevelCounts, LowerLevels, NearestPlaced, PlacedSearch};

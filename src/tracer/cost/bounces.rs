@@ -53,6 +53,15 @@ impl BounceCounts {
         }
     }
 
+    /// Adds rays of a pixel by bounce, if rays are counted.
+    pub fn add_all(&mut self, pixel: usize, n_rays: &RaysByBounce) {
+        if self.is_kept {
+            for (sum, n) in self.counts[pixel].iter_mut().zip(n_rays) {
+                *sum += n;
+            }
+        }
+    }
+
     /// Adds a ray to each of these pixels, if rays are counted.
     pub fn add_to_pixels(&mut self, pixels: &[u32], bounce: u32) {
         if self.is_kept {

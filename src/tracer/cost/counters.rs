@@ -71,6 +71,12 @@ impl Counters {
     pub fn add(&mut self, pixel: usize, cost: &Cost) {
         let n_samples = u64::from(self.n_samples);
         debug_assert!(n_samples == 0 || n_samples == cost.rays_of(RayKind::Camera));
+        self.add_path(pixel, cost);
+    }
+
+    /// Adds the cost of a path of one pixel; camera rays only if they are counted.
+    pub(super) fn add_path(&mut self, pixel: usize, cost: &Cost) {
+        let n_samples = u64::from(self.n_samples);
         for counter in Counter::ALL {
             match cost.get(counter) {
                 0 => {}

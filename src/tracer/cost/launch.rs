@@ -1,6 +1,9 @@
 //! Launches of kernels on a device.
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
+
+use super::{Cost, RaysByBounce};
 
 /// The cost of a launch of a kernel on a device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -12,6 +15,29 @@ pub struct DeviceLaunch {
     pub warp_size: Option<usize>,
 }
 
+/// The color and the cost of a path that a device has followed.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FollowedPath {
+    /// The radiance of the sample: linear light.
+    pub color: Vec3,
+    /// The counters; of the rays without the camera ray.
+    pub cost: Cost,
+    /// Number of rays by bounce, without the camera ray.
+    pub bounces: RaysByBounce,
+}
+
+/// The device that a picture was rendered on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UsedDevice {
+    /// Its name and its driver's.
+    pub name: String,
+    /// The launches, by kernel.
+    pub kernels: Vec<KernelWork>,
+    /// The part of the scene because of which the processor shades; `None` if the device follows
+    /// whole paths.
+    pub processor_shades_because_of: Option<String>,
+}
+
 /// The launches of one kernel on a device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KernelWork {
@@ -19,7 +45,7 @@ pub struct KernelWork {
     pub name: String,
     /// Number of launches.
     pub launches: u64,
-    /// Number of rays of all launches.
+    /// Number of rays of all launches; of a kernel that follows whole paths, of their camera rays.
     pub rays: u64,
     /// The time of all launches, by the device's clock, in seconds.
     pub seconds: f64,

@@ -1,6 +1,6 @@
 //! Probes: receivers of the counters of traced rays.
 
-use super::{Cost, Counters, DeviceLaunch, RayKind, Traversals};
+use super::{Cost, Counters, DeviceLaunch, FollowedPath, RayKind, Traversals};
 
 /// Receives the counters of one pixel. Kernels count in local variables and report once per ray.
 pub trait Probe {
@@ -95,6 +95,8 @@ pub trait PixelProbe: Default {
     fn rays_of_pixels(&mut self, kind: RayKind, pixels: &[u32]);
     /// Records that a path of each of these pixels has reached this number of bounces.
     fn bounce(&mut self, pixels: &[u32], depth: u32);
+    /// Records the cost of a path that a device has followed.
+    fn path(&mut self, _pixel: usize, _path: &FollowedPath) {}
     /// Records that the last rays were traced by a launch on a device.
     #[inline(always)]
     fn launched(&mut self, _: DeviceLaunch) {}
@@ -147,6 +149,10 @@ impl PixelProbe for Counters {
 
     fn bounce(&mut self, pixels: &[u32], depth: u32) {
         self.bounce(pixels, depth.into());
+    }
+
+    fn path(&mut self, pixel: usize, path: &FollowedPath) {
+        self.add_path(pixel, &path.cost);
     }
 
     fn launched(&mut self, launch: DeviceLaunch) {

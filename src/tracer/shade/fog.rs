@@ -5,6 +5,8 @@ use super::paths::PathWave;
 use super::{PathRay, Shader, WaveShader};
 use crate::accel::Hit;
 use crate::trace::SurfacePoint;
+use math::simd::Vector;
+use world::geometry::Ray;
 
 impl Shader<'_> {
     /// Returns the point that a ray of a path meets: a particle of fog if one is nearer than this
@@ -14,9 +16,10 @@ impl Shader<'_> {
             return hit;
         };
         let distance = hit.as_ref().map_or(f32::INFINITY, |point| point.distance);
-        match fog.flight(&path.ray, distance, self.numbers(path).flight()) {
-            Some(t) => Some(SurfacePoint::fog_particle(self.scene, &path.ray, t)),
-            None => hit,
+        let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
+        match fog.flight(ray, distance, self.numbers(path).flight()) {
+            (true, t) => Some(SurfacePoint::fog_particle(self.scene, &path.ray, t)),
+            (false, _) => hit,
         }
     }
 
@@ -43,13 +46,12 @@ impl WaveShader<'_> {
                 continue;
             }
             // Sample the distance to the next particle.
-            let numbers = PointNumbers {
-                sampler: self.sampler,
-                id: ids.sample_id(wave.slots()[i]),
-                depth: wave.depth,
-            };
+            let id = ids.sample_id(wave.slots()[i]);
+            let numbers = PointNumbers::new(self.sampler, id, wave.depth);
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
-            if let Some(t) = fog.flight(&wave.rays.get(i), distance, numbers.flight()) {
+            let Ray { origin, direction } = wave.rays.get(i);
+            let ray = [origin, direction].map(Vector::from);
+            if let (true, t) = fog.flight(ray, distance, numbers.flight()) {
                 *hit = Some(Hit {
                     t,
                     primitive,

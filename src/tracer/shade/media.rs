@@ -9,7 +9,7 @@ use world::material::{Dielectric, Material};
 use world::scene::MaterialId;
 
 /// Greatest number of media that may overlap at a point; a ray does not enter further ones.
-const MAX_MEDIA: usize = 4;
+pub(super) const MAX_MEDIA: usize = 4;
 
 /// The media that a ray is in, in the order in which it entered them, followed by empty places;
 /// empty in a vacuum. Where media overlap, one of them is effective.
@@ -49,6 +49,12 @@ impl Media {
     #[inline(always)]
     pub(super) fn is_none(self) -> bool {
         self.0[0].is_none()
+    }
+
+    /// Returns the materials of the media plus 1, and 0 for each empty place.
+    pub(super) fn words(self) -> [u32; MAX_MEDIA] {
+        self.0
+            .map(|medium| medium.map_or(0, |medium| medium.0.get()))
     }
 
     /// Returns the number of media.

@@ -31,13 +31,15 @@ mod end_paths;
 mod fog;
 mod scatter;
 mod wave;
+mod surface_data;
+mod formulas;
 
 use glam::Vec3;
 
 use crate::accel::ShadowRay;
 use crate::cost::RayKind;
 use crate::trace::{ShadingPoint, SurfacePoint};
-use bsdf::{Boundary, Bsdf, Leaving, by_kind, sample};
+use bsdf::{Boundary, Bsdf, by_kind};
 use emission::{Arrival, emitted};
 use fresnel::{mirrored_share, split_at};
 use math::sampling::Sampler;
@@ -46,8 +48,7 @@ use media::Interface;
 use model::{Bounce, Model};
 use models::by_model;
 use numbers::PointNumbers;
-use path_tracing::survival;
-use scatter::scattered_kind;
+use scatter::{Continuation, scattered_kind};
 use world::geometry::{Ray, Seen};
 use world::light::Illumination;
 use world::material::Material;
@@ -56,6 +57,9 @@ use world::scene::Scene;
 pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
 pub use eye_media::EyeMedia;
+pub use formulas::{
+    Crossing, NextRay, PathFormulas, PathRules, ShadowFormula, SurfaceKind, SurfaceRules,
+};
 pub use numbers::{SampleId, SampleIds};
 pub use path::PathRay;
 pub use paths::PathWave;
@@ -83,6 +87,11 @@ impl<'a> Shader<'a> {
     /// Creates a shader of the scene, whose samples have these numbers.
     pub fn new(scene: &'a Scene, sampler: Sampler) -> Self {
         Self { scene, sampler }
+    }
+
+    /// Returns the formulas that follow the paths of this shader.
+    pub fn formulas(&self) -> PathFormulas<'a> {
+        PathFormulas::new(self.scene, self.sampler)
     }
 
     /// Creates a shader of waves for this instruction set.
@@ -180,11 +189,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the random numbers of the point that a ray hits.
     fn numbers(&self, path: &PathRay) -> PointNumbers<u32> {
-        PointNumbers {
-            sampler: self.sampler,
-            id: path.id,
-            depth: path.depth,
-        }
+        PointNumbers::new(self.sampler, path.id, path.depth)
     }
 
     /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the path;
@@ -242,7 +247,7 @@ impl<'a> Shader<'a> {
             match M::BOUNCE {
                 Bounce::None => {}
                 Bounce::Mirrored => self.continue_path(model, &met, point, next),
-                Bounce::Scattered => next.extend(self.scattered(model, &met, point)),
+                Bounce::Scattered => next.extend(self.scattered(&met, point)),
             }
         }
         if point.opacity < 1.0 {
@@ -286,12 +291,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Returns the ray that continues a path in a direction chosen at random, if any.
-    fn scattered(
-        &self,
-        model: impl Model,
-        path: &PathRay,
-        point: &SurfacePoint,
-    ) -> Option<PathRay> {
+    fn scattered(&self, path: &PathRay, point: &SurfacePoint) -> Option<PathRay> {
         let material = self.scene.material(point.material);
         if !material.scatters() {
             return None;
@@ -299,33 +299,34 @@ impl<'a> Shader<'a> {
         // Sample a direction.
         let interface = self.interface(path, point);
         let boundary = scattering_boundary(interface.as_ref());
-        let at = Leaving::new(point.shading(), -Vector::from(path.ray.direction));
-        let numbers = self.numbers(path);
-        let [lobe, roulette] = numbers.lobe();
-        let direction = numbers.direction();
-        let scattered = by_kind!(Bsdf::new(material), |of| sample(
-            of, &at, &boundary, direction, lobe
+        let arriving = Vector::from(path.ray.direction);
+        let continuation = by_kind!(Bsdf::new(material), |of| Continuation::sample(
+            of,
+            &point.shading(),
+            arriving,
+            &boundary,
+            &self.numbers(path),
+            path.weight.into()
         ));
         // Enter the medium behind the surface if the ray is refracted.
         let media = match interface {
-            Some(interface) if scattered.is_refracted => interface.behind,
+            Some(interface) if continuation.is_refracted => interface.behind,
             _ => path.media,
         };
         // Russian roulette: end a path of little weight, and raise the weight of one that survives.
-        let weight = path.weight * Vec3::from(scattered.factor);
         let index = media.index(&self.scene.materials);
-        let probability = survival(weight.into(), index, path.depth);
-        if roulette >= probability {
-            return None;
-        }
-        // Continue the path.
-        let kind = scattered_kind(scattered.is_refracted, scattered.is_diffuse);
-        let ray = departing(model, &at.point, scattered.direction);
-        let share = Vec3::from(scattered.factor * (1.0 / probability));
-        Some(PathRay {
+        let (is_alive, weight) = continuation.survive(index, path.depth);
+        is_alive.then(|| PathRay {
+            ray: Ray {
+                origin: continuation.origin.into(),
+                direction: continuation.direction.into(),
+            },
+            kind: scattered_kind(continuation.is_refracted, continuation.is_diffuse),
+            depth: path.depth + 1,
+            weight: weight.into(),
             media,
-            density: scattered.density,
-            ..path.continued(kind, ray, share)
+            density: continuation.density,
+            ..*path
         })
     }
 

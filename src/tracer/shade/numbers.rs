@@ -20,8 +20,8 @@ pub struct SampleId<N> {
 pub(super) struct PointNumbers<N> {
     pub(super) sampler: Sampler,
     pub(super) id: SampleId<N>,
-    /// Number of bounces.
-    pub(super) depth: u32,
+    /// The number of the first [`Dimension`] of the point.
+    dimension: N,
 }
 
 /// The samples of the paths, by slot.
@@ -43,6 +43,19 @@ impl SampleIds {
     pub fn set(&mut self, first: usize, pixels: &[u32; N_LANES], sample: u32) {
         *lanes_mut(&mut self.pixels, first) = *pixels;
         *lanes_mut(&mut self.samples, first) = [sample; N_LANES];
+    }
+
+    /// Overwrites `samples` with the pixel and the sample of the paths in these slots; empty if
+    /// there are no numbers.
+    pub fn write(&self, slots: &[u32], samples: &mut Vec<[u32; 2]>) {
+        samples.clear();
+        if !self.pixels.is_empty() {
+            let of_slot = |&slot: &u32| {
+                let SampleId { pixel, sample } = self.sample_id(slot);
+                [pixel, sample]
+            };
+            samples.extend(slots.iter().map(of_slot));
+        }
     }
 
     /// Returns the sample of the path in this slot.
@@ -89,11 +102,11 @@ impl WaveNumbers<'_> {
         wave: &PathWave,
         rays: &[u32; N_LANES],
     ) -> PointNumbers<<I::Lanes as Real>::Integer> {
-        PointNumbers {
-            sampler: self.sampler,
-            id: self.ids.sample_ids(set, wave, rays),
-            depth: wave.depth,
-        }
+        PointNumbers::new(
+            self.sampler,
+            self.ids.sample_ids(set, wave, rays),
+            wave.depth,
+        )
     }
 }
 
@@ -112,6 +125,23 @@ const FLIGHT: u32 = (1 << 20) - 1;
 const N_LIGHTS: u32 = (1 << 18) - 1;
 
 impl<N: Integer> PointNumbers<N> {
+    /// Returns the numbers of the point of a sample after this number of bounces.
+    #[inline(always)]
+    pub(super) fn new(sampler: Sampler, id: SampleId<N>, depth: u32) -> Self {
+        let dimension = id.pixel.splat(Dimension::after_bounces(depth, 0).0);
+        Self::from_dimension(sampler, id, dimension)
+    }
+
+    /// Returns the numbers of a point, given the number of its first dimension.
+    #[inline(always)]
+    pub(super) fn from_dimension(sampler: Sampler, id: SampleId<N>, dimension: N) -> Self {
+        Self {
+            sampler,
+            id,
+            dimension,
+        }
+    }
+
     /// Returns the numbers that choose a direction.
     #[inline(always)]
     pub(super) fn direction<R: Real<Integer = N>>(&self) -> [R; 2] {
@@ -152,7 +182,8 @@ impl<N: Integer> PointNumbers<N> {
     #[inline(always)]
     fn pair<R: Real<Integer = N>>(&self, choice: u32) -> [R; 2] {
         let SampleId { pixel, sample } = self.id;
-        let dimension = Dimension::after_bounces(self.depth, choice);
+        // A dimension has room for all choices: the sum is what `after_bounces` returns.
+        let dimension = self.dimension.plus(pixel.splat(choice));
         self.sampler.pair(pixel, sample, dimension)
     }
 }

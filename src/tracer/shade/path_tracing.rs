@@ -97,4 +97,4 @@ pub(super) fn survival<R: Real>(weight: Vector<R>, index: R, depth: u32) -> R {
 }
 
 /// Bounces after which paths may end early.
-const ROULETTE_DEPTH: u32 = 3;
+pub(super) const ROULETTE_DEPTH: u32 = 3;

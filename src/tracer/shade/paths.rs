@@ -127,6 +127,13 @@ impl PathWave {
         }
     }
 
+    /// Overwrites `media` with the media of each ray: the materials plus 1, and 0 for empty places;
+    /// empty in a scene whose paths have no branches.
+    pub fn write_media(&self, media: &mut Vec<[u32; 4]>) {
+        media.clear();
+        media.extend(self.branches.iter().map(|branch| branch.media.words()));
+    }
+
     /// Returns the media of eight rays.
     pub(super) fn media(&self, rays: &[u32; N_LANES]) -> [Media; N_LANES] {
         rays.map(|ray| self.branches[ray as usize].media)

@@ -3,12 +3,12 @@
 use super::bsdf::{Boundary, Leaving, Scatters, sample};
 use super::interfaces::Interfaces;
 use super::media::Media;
-use super::numbers::WaveNumbers;
+use super::numbers::{PointNumbers, WaveNumbers};
 use super::path_tracing::survival;
 use super::paths::{Continued, PathWave};
 use crate::cost::RayKind;
-use crate::trace::{PointGroup, PointLanes, Points};
-use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES, SimdKernel};
+use crate::trace::{PointGroup, PointLanes, Points, ShadingPoint};
+use math::simd::{InstructionSet, Lanes, Mask, N_LANES, Real, SimdKernel, Vector};
 use world::scene::Scene;
 
 /// Collects the scattered rays of the points of a group.
@@ -57,40 +57,38 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             Some(interfaces) => interfaces.boundary(set),
         };
         // Sample a direction for each point.
-        let at_point = Leaving::new(point, -self.points.directions(set, at));
         let numbers = self.numbers.point_numbers(set, self.wave, rays);
-        let [lobe, roulette] = numbers.lobe();
-        let scattered = sample(
+        let before = self.wave.weights.gather(set, rays);
+        let behind = interfaces.as_ref().map(|of| &of.behind);
+        let continuation = Continuation::sample(
             self.scatter,
-            &at_point,
+            &point,
+            self.points.directions(set, at),
             &boundary,
-            numbers.direction(),
-            lobe,
+            &numbers,
+            before,
         );
         // Russian roulette: paths of little weight may end.
-        let refracted = scattered.is_refracted.bits();
-        let behind = interfaces.as_ref().map(|of| &of.behind);
-        let before = self.wave.weights.gather(set, rays);
+        let refracted = continuation.is_refracted.bits();
         let index = if self.scene.has_media() {
             set.load(&self.indices(rays, refracted, behind))
         } else {
             set.splat(1.0)
         };
-        let probability = survival(before.times(scattered.factor), index, self.wave.depth);
-        let alive = roulette.lt(probability).bits();
+        let (alive, weight) = continuation.survive(index, self.wave.depth);
         // Collect the rays that continue the paths.
-        let direction = scattered.direction;
         let continued = Continued {
-            origin: point.origin(direction),
-            direction,
-            weight: before.times(scattered.factor * (set.splat(1.0) / probability)),
+            origin: continuation.origin,
+            direction: continuation.direction,
+            weight,
             rays,
             distances: self.points.distances(at),
-            kinds: kinds(refracted, scattered.is_diffuse.bits()),
-            densities: scattered.density.to_array(),
+            kinds: kinds(refracted, continuation.is_diffuse.bits()),
+            densities: continuation.density.to_array(),
             media: behind,
         };
-        self.next.bounce(set, &continued, self.wave, lanes & alive);
+        self.next
+            .bounce(set, &continued, self.wave, lanes & alive.bits());
     }
 
     /// Returns the indices of refraction where the scattered rays are.
@@ -110,6 +108,63 @@ impl<S: Scatters> ScatterPaths<'_, S> {
             indices[lane] = media.index(&self.scene.materials);
         }
         indices
+    }
+}
+
+/// A ray that continues a path in a direction chosen at random, or one per lane.
+pub(super) struct Continuation<R: Real> {
+    pub(super) origin: Vector<R>,
+    pub(super) direction: Vector<R>,
+    /// The density with which the direction was chosen.
+    pub(super) density: R,
+    pub(super) is_refracted: R::Mask,
+    pub(super) is_diffuse: R::Mask,
+    /// The weight of the path before.
+    before: Vector<R>,
+    /// The share of the light from the direction.
+    factor: Vector<R>,
+    roulette: R,
+}
+
+impl<R: Real> Continuation<R> {
+    /// Samples a direction at a point, for paths of this weight.
+    #[inline(always)]
+    pub(super) fn sample(
+        scatter: impl Scatters,
+        point: &ShadingPoint<R>,
+        arriving: Vector<R>,
+        boundary: &Boundary<R>,
+        numbers: &PointNumbers<R::Integer>,
+        before: Vector<R>,
+    ) -> Self {
+        let at = Leaving::new(*point, -arriving);
+        let [lobe, roulette] = numbers.lobe();
+        let scattered = sample(scatter, &at, boundary, numbers.direction(), lobe);
+        Self {
+            origin: point.origin(scattered.direction),
+            direction: scattered.direction,
+            density: scattered.density,
+            is_refracted: scattered.is_refracted,
+            is_diffuse: scattered.is_diffuse,
+            before,
+            factor: scattered.factor,
+            roulette,
+        }
+    }
+
+    /// Ends paths of little weight by Russian roulette, in media of this index of refraction, after
+    /// this number of bounces. Returns true if the path continues, and its weight.
+    #[inline(always)]
+    pub(super) fn survive(&self, index: R, depth: u32) -> (R::Mask, Vector<R>) {
+        let Self {
+            before,
+            factor,
+            roulette,
+            ..
+        } = *self;
+        let probability = survival(before.times(factor), index, depth);
+        let weight = before.times(factor * (index.splat(1.0) / probability));
+        (roulette.lt(probability), weight)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
+use super::hit_attributes::{HitAttributes, HitPlace, shading_point};
 use super::parameters::parameters;
 use super::points::{PointGroup, PointLanes, Points};
-use super::surface_point::{on_side_of, side, width};
 use crate::accel::Hit;
 use math::simd::{
     InstructionSet, Lanes, N_LANES, SimdKernel, Vector, lane_of, lanes, lanes_mut, set_lane,
@@ -12,10 +12,9 @@ use math::simd::{
 };
 use world::camera::RayCone;
 use world::geometry::{InstanceTransform, N_PARAMETERS, RayStream};
-use world::material::{MaterialKind, PictureFactors, TexturePoint};
+use world::material::{MaterialKind, PictureFactors};
 use world::scene::{
-    AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_color,
-    interpolated_normal, interpolated_scalar, scalar_along, with_uv,
+    AttributeKind, InstanceId, ObjectId, PlacedPrimitive, Scene, interpolated_scalar, scalar_along,
 };
 
 /// Computes the points of grouped hits.
@@ -115,47 +114,39 @@ impl FindPoints<'_> {
             Some(shape) => shape.rounding_along(&parameters, [position, outward]),
             None => self.placed_rounding(set, &hits.primitives),
         };
-        // Turn the normals to the side of the rays.
         let outward = match &self.scene.instances {
             None => outward,
             Some(_) => outward.flip_sign_by(self.mirror_signs(set, &hits)),
         };
-        let side = side(outward, direction);
-        let geometric_normal = outward.flip_sign_by(side);
-        // Interpolate the shading normals.
-        let normal = if group.attributes.has_normals() {
-            let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
-            let normals = vertex_lanes(set, normals);
-            let normal = interpolated_normal(&parameters, normals, position, geometric_normal);
-            on_side_of(geometric_normal, normal)
-        } else {
-            geometric_normal
+        let place = HitPlace {
+            position,
+            outward,
+            error,
+            direction,
         };
-        // Find the attributes and the filter width that textures read.
-        let mut at_point = TexturePoint::new(position, normal);
-        if group.attributes.has_uvs() {
-            let uvs = self.vertex_uvs(set, &hits.primitives);
-            at_point = with_uv(at_point, &parameters, uvs);
-        }
-        if group.attributes.has_corner_colors() {
-            let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
-            let colors = vertex_lanes(set, colors);
-            at_point.color = interpolated_color(&parameters, colors, position);
-        }
-        if let Some(scalar) = self.scalars(set, group, &hits, &parameters, position) {
-            at_point.scalar = scalar;
-        }
-        if let Some(cone) = self.cone {
-            let distance = set.load(&self.lengths(at)) + set.load(&hits.t);
-            at_point.width = width(cone, distance, geometric_normal, direction);
-        }
-        // Evaluate the textures.
+        // Gather the attributes that the group has.
+        let kind = group.attributes;
+        let normals = |lane| self.scene.vertex_normals(hits.placed(lane));
+        let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
+        let attributes = HitAttributes {
+            parameters,
+            normals: kind.has_normals().then(|| vertex_lanes(set, normals)),
+            uvs: kind
+                .has_uvs()
+                .then(|| self.vertex_uvs(set, &hits.primitives)),
+            colors: (kind.has_corner_colors()).then(|| vertex_lanes(set, colors)),
+            scalar: self.scalars(set, group, &hits, &parameters, position),
+            color: match kind {
+                AttributeKind::Colors => Some(self.own_colors(set, &hits.primitives)),
+                _ => None,
+            },
+        };
+        let cone = self.cone.map(|cone| {
+            let length = set.load(&self.lengths(at)) + set.load(&hits.t);
+            (cone, length)
+        });
         let material = self.scene.material(group.material);
-        let normal = material.normal_at(&at_point, geometric_normal);
-        let color = match group.attributes {
-            AttributeKind::Colors => self.own_colors(set, &hits.primitives),
-            _ => material.color.color_at(&at_point),
-        };
+        let point = shading_point(material, &place, &attributes, cone);
         // Store the points.
         let points = &mut *self.points;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
@@ -163,17 +154,18 @@ impl FindPoints<'_> {
         for (object, &primitive) in objects.iter_mut().zip(&hits.primitives) {
             *object = self.scene.primitives[primitive as usize].object;
         }
-        points.position.store(at.first, position);
-        points.normal.store(at.first, normal);
-        points.geometric_normal.store(at.first, geometric_normal);
-        points.color.store(at.first, color);
+        points.position.store(at.first, point.position);
+        points.normal.store(at.first, point.normal);
+        points
+            .geometric_normal
+            .store(at.first, point.geometric_normal);
+        points.color.store(at.first, point.color);
         if points.has_factors {
-            let factors = material.factors.at(&at_point);
-            points.store_factors(at.first, &factors);
+            points.store_factors(at.first, &point.factors);
         }
         points.direction.store(at.first, direction);
         *lanes_mut(&mut points.error, at.first) = error.to_array();
-        *lanes_mut(&mut points.side, at.first) = side.to_array();
+        *lanes_mut(&mut points.side, at.first) = point.side.to_array();
     }
 
     /// Returns the scalars at eight points that textures read; `None` if the group has none.

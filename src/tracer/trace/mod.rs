@@ -6,6 +6,7 @@
 mod surface_point;
 mod parameters;
 mod points;
+mod hit_attributes;
 mod group_points;
 mod find_points;
 mod openings;
@@ -13,6 +14,7 @@ mod openings;
 use crate::accel::{Accel, Hit, ShadowRay, ShadowStream, TraversalStep};
 use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use find_points::FindPoints;
+pub(crate) use hit_attributes::{HitAttributes, HitPlace, shading_point};
 use math::simd::{Simd, Vector};
 pub use points::{PointGroup, PointLanes, Points};
 pub use surface_point::{ShadingPoint, SurfacePoint};

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::HenyeyGreenstein;
 use crate::geometry::Ray;
-use math::simd::{LookupTable, Real, Vector};
+use math::simd::{DeviceTable, LookupTable, Real, Vector};
 
 /// A sphere filled with fog.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,14 +39,15 @@ impl FogSphere {
         (transmittance, self.color * (1.0 - transmittance))
     }
 
-    /// Samples the distance along a ray at which it meets a particle, with a number in [0, 1);
-    /// `None` if it reaches its hit first.
-    pub fn flight(&self, ray: &Ray, hit: f32, number: f32) -> Option<f32> {
-        let [start, end] = self.extent([ray.origin.into(), ray.direction.into()], hit);
-        let length = -libm::log1pf(-number) / self.extinction;
+    /// Samples the distance along a ray, with an origin and a direction, at which it meets a
+    /// particle, with a number in [0, 1). Returns true if that is before its hit, and the distance.
+    #[inline(always)]
+    pub fn flight<R: Real>(&self, ray: [Vector<R>; 2], hit: R, number: R) -> (R::Mask, R) {
+        let [start, end] = self.extent(ray, hit);
+        let [length] = R::look_up(&FreeFlight(self.extinction), [number]);
         let t = start + length;
         // Also past the origin, or the path would not advance.
-        (t < end && t > 0.0).then_some(t)
+        (t.lt(end) & t.splat(0.0).lt(t), t)
     }
 
     /// Returns the first and the last distance along a ray, up to the given one, that lie in the
@@ -76,6 +77,31 @@ impl LookupTable<1, 1> for FogSphere {
     #[inline]
     fn values_at(&self, [length]: [f32; 1]) -> [f32; 1] {
         [libm::expf(-self.extinction * length)]
+    }
+
+    fn on_device(&self) -> Option<DeviceTable> {
+        Some(DeviceTable {
+            function: "fog_transmittance",
+            words: vec![self.extinction.to_bits()],
+        })
+    }
+}
+
+/// The lengths of flights between particles, for an extinction coefficient.
+struct FreeFlight(f32);
+
+/// Returns the length for a number in [0, 1).
+impl LookupTable<1, 1> for FreeFlight {
+    #[inline]
+    fn values_at(&self, [number]: [f32; 1]) -> [f32; 1] {
+        [-libm::log1pf(-number) / self.0]
+    }
+
+    fn on_device(&self) -> Option<DeviceTable> {
+        Some(DeviceTable {
+            function: "free_flight",
+            words: vec![self.0.to_bits()],
+        })
     }
 }
 
@@ -129,7 +155,10 @@ mod tests {
             };
             let n = 2000_u16;
             let flights = (0..n).filter_map(|i| {
-                fog.flight(&ray, hit, (f32::from(i) + 0.5) / f32::from(n))
+                let vectors = [ray.origin, ray.direction].map(Vector::from);
+                let number = (f32::from(i) + 0.5) / f32::from(n);
+                let (is_met, t) = fog.flight(vectors, hit, number);
+                is_met.then_some(t)
             });
             let (mut n_met, center) = (0, fog.center);
             for t in flights {

@@ -54,6 +54,16 @@ impl InstanceTransform {
         }
     }
 
+    /// Returns the columns and the translation of the map from the mesh to world space.
+    pub fn world_from_mesh(&self) -> [Vec3; 4] {
+        let Mat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = self.world_from_mesh;
+        [x_axis, y_axis, z_axis, self.position]
+    }
+
     /// Returns the columns of the map from world space to the mesh, and the position that it
     /// subtracts before.
     pub fn mesh_from_world(&self) -> [Vec3; 4] {

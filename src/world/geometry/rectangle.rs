@@ -171,7 +171,7 @@ impl Sampled for Rectangle {
         let [a, b] = numbers;
         let by_area = Seen::new(corner + u * a + v * b, normal, from).by_area(area);
         let is_near = is_near(corner - from, u, v);
-        if is_near.bits() == 0 {
+        if is_near.none() {
             return by_area;
         }
         // A uniform direction, where that is accurate.
@@ -191,7 +191,7 @@ impl Sampled for Rectangle {
         let by_area = seen.density_by_area(area);
         let to_corner = vector(parameters, 0) - from;
         let is_near = is_near(to_corner, u, v);
-        if is_near.bits() == 0 {
+        if is_near.none() {
             return by_area;
         }
         let directions = SphericalRectangle::new(to_corner, [u, v]);

@@ -62,7 +62,7 @@ macro_rules! shapes {
         }
 
         /// The kinds of shapes.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum ShapeKind {
             $($(#[$doc])* $shape,)*
         }

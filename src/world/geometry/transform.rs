@@ -101,14 +101,14 @@ impl Transform {
         self.object_from_world.transform_point3(point)
     }
 
+    /// Returns the columns and the translation of the map from object space to world space.
+    pub fn world_from_object(&self) -> [Vec3; 4] {
+        columns(&self.world_from_object)
+    }
+
     /// Returns the columns and the translation of the map from world space to object space.
     pub fn object_from_world(&self) -> [Vec3; 4] {
-        let Affine3A {
-            matrix3,
-            translation,
-        } = self.object_from_world;
-        let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Vec3::from);
-        [x, y, z, translation.into()]
+        columns(&self.object_from_world)
     }
 
     /// Transforms a surface normal from object space to a unit vector in world space.
@@ -162,6 +162,13 @@ impl Transform {
     fn axes(&self) -> [Vec3; 3] {
         Vec3::AXES.map(|axis| self.world_vector(axis))
     }
+}
+
+/// Returns the columns and the translation of a map.
+fn columns(map: &Affine3A) -> [Vec3; 4] {
+    let matrix = map.matrix3;
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(Vec3::from);
+    [x, y, z, map.translation.into()]
 }
 
 /// Rounds a map to 32 bits.

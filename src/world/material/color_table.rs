@@ -1,6 +1,6 @@
 //! Tables of colors by number.
 
-use math::simd::LookupTable;
+use math::simd::{DeviceTable, LookupTable};
 
 /// Maximum number of categories that a color bar lists.
 pub const MAX_LISTED: usize = 256;
@@ -56,6 +56,28 @@ impl LookupTable<1, 3> for ColorTable {
         };
         let last = self.colors.last().copied().unwrap_or([1.0; 3]);
         self.colors.get(index).copied().unwrap_or(last)
+    }
+
+    /// The number of colors, the choice, the bits of the offset and of both ends, the color of NaN,
+    /// and the colors.
+    fn on_device(&self) -> Option<DeviceTable> {
+        if self.is_log || self.colors.is_empty() {
+            return None;
+        }
+        let [low, high] = self.ends;
+        let doubles = [self.offset, low, high].map(f64::to_bits);
+        let halves = doubles
+            .into_iter()
+            .flat_map(|bits| [bits as u32, (bits >> 32) as u32]);
+        let colors = self.nan_color.iter().chain(self.colors.as_flattened());
+        let head = [self.colors.len() as u32, self.choice as u32];
+        let words = head.into_iter().chain(halves);
+        Some(DeviceTable {
+            function: "color_table",
+            words: words
+                .chain(colors.map(|channel| channel.to_bits()))
+                .collect(),
+        })
     }
 }
 

@@ -75,7 +75,7 @@ impl Instances {
 
     /// Returns the number of an array for an instance, if its object has one per instance.
     #[inline]
-    pub(super) fn scalar(&self, id: InstanceId) -> Option<f32> {
+    pub fn scalar(&self, id: InstanceId) -> Option<f32> {
         let scalar = *self.scalars.get(id.0 as usize)?;
         self.mesh_of(id).has_scalars.then_some(scalar)
     }

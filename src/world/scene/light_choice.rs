@@ -132,7 +132,7 @@ fn by_arrival<R: Real>(sources: &[LightSource], point: Vector<R>, number: R) -> 
         below = R::select(is_open, before, below);
         before = before + of_source;
         is_open = is_open & before.le(target);
-        if is_open.bits() == 0 {
+        if is_open.none() {
             break;
         }
     }

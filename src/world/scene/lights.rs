@@ -17,7 +17,7 @@ use crate::geometry::{Aabb, N_PARAMETERS, ShapeKind, corners};
 use crate::light::{Illumination, Light, LitPoint};
 use crate::material::Material;
 use crate::shading::LightSampling;
-use math::simd::{Mask, Real, Vector};
+use math::simd::{Real, Vector};
 
 /// The lights of a scene; see the module's documentation for their order.
 #[derive(Debug, Clone, Default)]
@@ -201,10 +201,10 @@ impl Lights {
             density: zero,
         };
         let mut left = zero.splat_mask(true);
-        while left.bits() != 0 {
-            let next = sources.lane(left.bits().trailing_zeros() as usize);
-            let is_next = sources.equals(sources.splat(next));
-            let found = self.sources[next as usize].illuminate(at, numbers);
+        let mut next = sources.next_index(left, 0);
+        while let Some((index, source)) = next.and_then(|i| Some((i, self.sources.get(i)?))) {
+            let is_next = sources.equals(sources.splat(index as f32));
+            let found = source.illuminate(at, numbers);
             light = Illumination {
                 direction: Vector::select(is_next, found.direction, light.direction),
                 distance: R::select(is_next, found.distance, light.distance),
@@ -212,6 +212,7 @@ impl Lights {
                 density: R::select(is_next, found.density, light.density),
             };
             left = left & !is_next;
+            next = sources.next_index(left, index + 1);
         }
         light
     }

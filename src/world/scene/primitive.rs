@@ -68,11 +68,10 @@ impl Primitive {
         self.shape.kind()
     }
 
-    /// Returns the columns and the translation of the map from render space to the space of the
-    /// [`parameters`](Self::parameters); `None` if these are in render space.
-    pub fn object_from_world(&self) -> Option<[Vec3; 4]> {
-        let placement = self.placement.as_ref();
-        placement.map(|placement| placement.object_from_world())
+    /// Returns the map from the space of the [`parameters`](Self::parameters) to render space and
+    /// back; `None` if these are in render space.
+    pub fn placement(&self) -> Option<&Transform> {
+        self.placement.as_deref()
     }
 
     /// Returns the parameters that define the shape, padded with zeros.

@@ -6,7 +6,7 @@ use crate::geometry::ShapeKind;
 
 /// The class by which a point of a primitive is computed and shaded: the kind of the shape, the
 /// attributes and the material, in a single number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceClass(u32);
 
 /// Number of kinds of shapes, plus one for shapes under a transform.

@@ -1,0 +1,643 @@
+//! Whole paths: the formulas of a scene's surfaces and lights, recorded as functions of the device's
+//! language, and the numbers that they read.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+
+use math::simd::{Arithmetic, Vector};
+use tracer::cost::N_BOUNCES;
+use tracer::shade::{Crossing, PathFormulas, PathRules, SurfaceKind};
+use tracer::trace::ShadingPoint;
+use world::light::Illumination;
+use world::material::PictureFactors;
+
+use crate::formulas::{coordinates, number, vector};
+use crate::print::body;
+use crate::tape::{Operation, Register, Tables, Tape};
+
+/// The slots of a path's state, which the recorded functions read, by their names in `path.cl`.
+mod slot {
+    pub(super) const ORIGIN: usize = 0;
+    pub(super) const DIRECTION: usize = 3;
+    /// The parameter of the hit.
+    pub(super) const T: usize = 6;
+    /// The density with which the direction was chosen.
+    pub(super) const DENSITY: usize = 7;
+    pub(super) const EYE: usize = 8;
+    pub(super) const WEIGHT: usize = 11;
+    pub(super) const PIXEL: usize = 14;
+    pub(super) const SAMPLE: usize = 15;
+    pub(super) const DIMENSION: usize = 16;
+    /// Position, normal, geometric normal, color, error and side.
+    pub(super) const POINT: usize = 17;
+    /// Direction, distance, radiance and density; 1 if it is behind the surface.
+    pub(super) const LIGHT: usize = 31;
+    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
+    pub(super) const CROSSING: usize = 40;
+    pub(super) const N_SLOTS: usize = 44;
+}
+
+/// Words of a followed path.
+pub(crate) const N_RESULTS: usize = 13 + N_BOUNCES;
+/// Words of a path at its start: its ray, pixel, sample and media.
+pub(crate) const N_START: usize = 8 + N_MEDIA;
+/// Places for the media of a path.
+const N_MEDIA: usize = 4;
+/// Numbers of an instance.
+const N_PLACE: usize = 23;
+/// Greatest number of kinds of surfaces: the program has bits for them.
+const MAX_KINDS: usize = 64;
+
+/// What a device needs to follow the paths of a scene. No array is empty: a device has no empty
+/// arrays.
+pub(crate) struct RecordedPaths {
+    /// The functions, and the rules of the loop.
+    pub(crate) text: String,
+    /// For each primitive the number of its kind, and the start of its numbers in `data`.
+    pub(crate) surfaces: Vec<u32>,
+    pub(crate) data: Vec<f32>,
+    /// The numbers of the instances.
+    pub(crate) places: Vec<f32>,
+    pub(crate) tables: Vec<u32>,
+}
+
+impl RecordedPaths {
+    /// Records the formulas.
+    ///
+    /// # Errors
+    /// The part of the scene for which there are none.
+    pub(crate) fn new(formulas: &PathFormulas) -> Result<Self, String> {
+        if let Some(part) = formulas.refusal() {
+            return Err(part.to_owned());
+        }
+        let (mut surfaces, mut data, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        let mut kinds = Vec::new();
+        let mut numbers = HashMap::new();
+        for primitive in 0..formulas.n_primitives() {
+            let Some(kind) = formulas.kind(primitive) else {
+                surfaces.extend([0; 2]);
+                continue;
+            };
+            let number = *numbers.entry(kind).or_insert_with(|| {
+                kinds.push(kind);
+                kinds.len() as u32 - 1
+            });
+            surfaces.extend([number, data.len() as u32]);
+            formulas.push_data(kind, primitive, &mut data);
+        }
+        if kinds.len() > MAX_KINDS {
+            return Err(format!("{} kinds of surfaces", kinds.len()));
+        }
+        formulas.push_instances(&mut places);
+        let tables = Tables::default();
+        let text = PathRecorder::new(formulas, &tables).record(&kinds)?;
+        let mut tables = tables.into_words();
+        let media = formulas.media();
+        let first_medium = format!("#define FIRST_MEDIUM {}u\n", tables.len());
+        tables.extend(media.as_flattened().iter().map(|number| number.to_bits()));
+        surfaces.push(0);
+        data.push(0.0);
+        places.push(0.0);
+        tables.push(0);
+        Ok(Self {
+            text: first_medium + &text,
+            surfaces,
+            data,
+            places,
+            tables,
+        })
+    }
+}
+
+/// Records formulas; equal ones once.
+struct PathRecorder<'f> {
+    formulas: &'f PathFormulas<'f>,
+    tables: &'f Tables,
+    text: String,
+    /// The names of the functions, by their statements.
+    names: HashMap<String, String>,
+}
+
+/// The parameters of all recorded functions.
+const PARAMETERS: &str = "const float *in, GLOBAL const uint *data, GLOBAL const uint *place, \
+                          GLOBAL const uint *tables, float *out";
+
+impl<'f> PathRecorder<'f> {
+    fn new(formulas: &'f PathFormulas<'f>, tables: &'f Tables) -> Self {
+        Self {
+            formulas,
+            tables,
+            text: String::new(),
+            names: HashMap::new(),
+        }
+    }
+
+    /// Returns the text of all functions and rules, for surfaces of these kinds.
+    fn record(mut self, kinds: &[SurfaceKind]) -> Result<String, String> {
+        let formulas = *self.formulas;
+        let rules = formulas.rules();
+        let lights: Vec<usize> = (0..rules.n_lights).collect();
+        self.by_number("point", kinds, |tape, kind| {
+            point_results(&formulas, tape, kind)
+        })?;
+        let media: Vec<String> = (kinds.iter())
+            .map(|&kind| format!("{}u", formulas.surface(kind).medium))
+            .collect();
+        let _ = writeln!(
+            self.text,
+            "CONSTANT uint media_of_kinds[] = {{{}}};",
+            media.join(", ")
+        );
+        self.by_number("own_light", kinds, |tape, kind| {
+            own_light_results(&formulas, tape, kind)
+        })?;
+        self.by_number("light", &lights, |tape, i| {
+            light_results(&formulas, tape, i)
+        })?;
+        self.by_number("shadow", kinds, |tape, kind| {
+            shadow_results(&formulas, tape, kind)
+        })?;
+        self.by_number("reflected", kinds, |tape, kind| {
+            reflected_results(&formulas, tape, kind)
+        })?;
+        for (stem, is_late) in [("next_ray", false), ("late_ray", true)] {
+            self.by_number(stem, kinds, |tape, kind| {
+                next_results(&formulas, tape, kind, is_late)
+            })?;
+        }
+        let background =
+            self.function("background_0", |tape| background_results(&formulas, tape))?;
+        let flight = self.function("flight_0", |tape| flight_results(&formulas, tape))?;
+        let _ = writeln!(
+            self.text,
+            "#define background {background}\n#define flight {flight}"
+        );
+        Ok(self.text + &defines(&formulas, &rules, kinds))
+    }
+
+    /// Records a formula for each of these kinds or lights, and a function that chooses one by its
+    /// number.
+    fn by_number<K: Copy>(
+        &mut self,
+        stem: &str,
+        of: &[K],
+        formula: impl for<'t> Fn(&'t Tape<'t>, K) -> Vec<Register<'t>>,
+    ) -> Result<(), String> {
+        let mut cases = String::new();
+        for (i, &kind) in of.iter().enumerate() {
+            let name = self.function(&format!("{stem}_{i}"), |tape| formula(tape, kind))?;
+            let call = format!("{name}(in, data, place, tables, out); break;");
+            let _ = writeln!(cases, "    case {i}u: {call}");
+        }
+        let _ = writeln!(
+            self.text,
+            "FUNCTION void {stem}(uint number, {PARAMETERS}) {{\n  switch (number) {{\n{cases}  }}\n}}"
+        );
+        Ok(())
+    }
+
+    /// Records a formula as a function; returns its name, or the name of an equal one.
+    fn function(
+        &mut self,
+        name: &str,
+        formula: impl for<'t> FnOnce(&'t Tape<'t>) -> Vec<Register<'t>>,
+    ) -> Result<String, String> {
+        let tape = Tape::with_tables(self.tables);
+        let program = {
+            let results = formula(&tape);
+            tape.program(name, &results)
+        };
+        if let Some(reason) = tape.refusal() {
+            return Err(part_of(reason));
+        }
+        let statements = body(&program, &self.tables.all());
+        if let Some(name) = self.names.get(&statements) {
+            return Ok(name.clone());
+        }
+        let _ = write!(
+            self.text,
+            "FUNCTION void {name}({PARAMETERS}) {{\n{statements}}}\n"
+        );
+        self.names.insert(statements, name.to_owned());
+        Ok(name.to_owned())
+    }
+}
+
+/// Records the point that the ray hits.
+fn point_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let mut data = tape.numbers(Operation::Data);
+    let mut place = tape.numbers(Operation::Place);
+    let [t] = tape.inputs(slot::T);
+    let point = formulas.point(kind, ray, t, &mut data, &mut place);
+    let vectors = [
+        point.position,
+        point.normal,
+        point.geometric_normal,
+        point.color,
+    ];
+    let vectors = vectors.into_iter().flat_map(coordinates);
+    vectors.chain([point.error, point.side]).collect()
+}
+
+/// Records the light of the point without light samples.
+fn own_light_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let mut data = tape.numbers(Operation::Data);
+    let mut place = tape.numbers(Operation::Place);
+    let hit = tape.inputs(slot::T);
+    let light = formulas.own_light(kind, &point(tape), ray, hit, &mut data, &mut place);
+    coordinates(light).into()
+}
+
+/// Records light sample `i`.
+fn light_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>, i: usize) -> Vec<Register<'t>> {
+    let at = point(tape);
+    let light = formulas.light(i, &at, sample(tape));
+    let [x, y, z] = coordinates(light.direction);
+    let [red, green, blue] = coordinates(light.radiance);
+    let is_behind = number(light.distance, at.is_backed_by(light.direction));
+    vec![
+        x,
+        y,
+        z,
+        light.distance,
+        red,
+        green,
+        blue,
+        light.density,
+        is_behind,
+    ]
+}
+
+/// Records if the light sample may arrive, and its shadow ray.
+fn shadow_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let shadow = formulas.shadow(kind, &point(tape), &light(tape));
+    let [x, y, z] = coordinates(shadow.origin);
+    vec![number(shadow.end, shadow.may_arrive), x, y, z, shadow.end]
+}
+
+/// Records the light of the light sample that the point reflects.
+fn reflected_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let rays = [slot::EYE, slot::DIRECTION].map(|slot| at(tape, slot));
+    let light = formulas.reflected(kind, &point(tape), &light(tape), rays, &crossing(tape));
+    coordinates(light).into()
+}
+
+/// Records if there is a next ray; then its kind, 0 if reflected, 1 if refracted, 2 if diffuse; its
+/// origin, direction, weight and density.
+fn next_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+    is_late: bool,
+) -> Vec<Register<'t>> {
+    if !formulas.surface(kind).continues {
+        return vec![tape.zero(); 12];
+    }
+    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
+    let at = point(tape);
+    let ray = formulas.next(kind, &at, path, sample(tape), &crossing(tape), is_late);
+    let density = ray.density;
+    let [zero, one, two] = [0.0, 1.0, 2.0].map(|number| density.splat(number));
+    let of_kind = Register::select(ray.is_diffuse, two, zero);
+    let of_kind = Register::select(ray.is_refracted, one, of_kind);
+    let head = [number(density, ray.is_alive), of_kind].into_iter();
+    let vectors = [ray.origin, ray.direction, ray.weight];
+    let vectors = vectors.into_iter().flat_map(coordinates);
+    head.chain(vectors).chain([density]).collect()
+}
+
+/// Records if the ray meets a particle of fog before its hit, and where.
+fn flight_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let [t] = tape.inputs(slot::T);
+    let (is_met, t) = formulas.flight(ray, t, sample(tape));
+    vec![number(t, is_met), t]
+}
+
+/// Records the background that the ray sees.
+fn background_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let [density] = tape.inputs(slot::DENSITY);
+    coordinates(formulas.background(ray, density)).into()
+}
+
+/// Returns the part of a scene that a reason of a [`Tape`] comes from.
+fn part_of(reason: &str) -> String {
+    if reason.ends_with("ColorTable") {
+        return "a logarithmic color scale".to_owned();
+    }
+    reason.to_owned()
+}
+
+/// Returns the slots and the rules of the loop as macros.
+fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) -> String {
+    let bits = |is: fn(&PathFormulas, SurfaceKind) -> bool| {
+        let bits = kinds
+            .iter()
+            .zip(0..)
+            .map(|(&kind, i)| u64::from(is(formulas, kind)) << i);
+        format!("{}ul", bits.sum::<u64>())
+    };
+    let [first, step] = rules.dimensions;
+    let slots = [
+        ("ORIGIN", slot::ORIGIN),
+        ("DIRECTION", slot::DIRECTION),
+        ("T", slot::T),
+        ("DENSITY", slot::DENSITY),
+        ("EYE", slot::EYE),
+        ("WEIGHT", slot::WEIGHT),
+        ("PIXEL", slot::PIXEL),
+        ("SAMPLE", slot::SAMPLE),
+        ("DIMENSION", slot::DIMENSION),
+        ("POINT", slot::POINT),
+        ("LIGHT", slot::LIGHT),
+        ("CROSSING", slot::CROSSING),
+        ("SIDE", slot::POINT + 13),
+        ("N_SLOTS", slot::N_SLOTS),
+        ("N_MEDIA", N_MEDIA),
+        ("N_RESULTS", N_RESULTS),
+        ("N_BOUNCES", N_BOUNCES),
+        ("N_PLACE", N_PLACE),
+        ("N_LIGHTS", rules.n_lights),
+    ];
+    let (has_fog, particles) = match rules.particles {
+        None => (0, 0),
+        Some(particles) => (1, particles),
+    };
+    let numbers = [
+        ("HAS_MEDIA", rules.has_media.into()),
+        ("HAS_FOG", has_fog),
+        ("PARTICLES", particles),
+        ("MAX_DEPTH", rules.max_depth),
+        ("LATE_DEPTH", rules.late_depth),
+        ("FIRST_DIMENSION", first),
+        ("DIMENSION_STEP", step),
+        ("LIGHTS_LAST_POINTS", rules.lights_last_points.into()),
+        ("CASTS_SHADOWS", rules.casts_shadows.into()),
+        ("IGNORES_OWN_OBJECT", rules.ignores_own_object.into()),
+        ("NEEDS_LIGHT", rules.needs_light.into()),
+    ];
+    let slots = slots.map(|(name, slot)| (name, slot as u32));
+    let numbers = slots.into_iter().chain(numbers);
+    let numbers = numbers.map(|(name, number)| (name, format!("{number}u")));
+    let kinds = [
+        (
+            "LIT_KINDS",
+            bits(|formulas, kind| formulas.surface(kind).is_lit),
+        ),
+        (
+            "CONTINUING_KINDS",
+            bits(|formulas, kind| formulas.surface(kind).continues),
+        ),
+    ];
+    numbers
+        .chain(kinds)
+        .map(|(name, value)| format!("#define {name} {value}\n"))
+        .collect()
+}
+
+/// Returns the vector in a slot and the next two.
+fn at<'t>(tape: &'t Tape<'t>, slot: usize) -> Vector<Register<'t>> {
+    vector(tape.inputs(slot))
+}
+
+/// Returns the numbers of pixel, sample and first dimension.
+fn sample<'t>(tape: &'t Tape<'t>) -> [Register<'t>; 3] {
+    [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].map(|slot| tape.integer(slot))
+}
+
+/// Returns the point that was hit.
+fn point<'t>(tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
+    let [position, normal, geometric_normal, color] =
+        [0, 3, 6, 9].map(|first| at(tape, slot::POINT + first));
+    let [error, side] = tape.inputs(slot::POINT + 12);
+    ShadingPoint {
+        position,
+        normal,
+        geometric_normal,
+        color,
+        error,
+        side,
+        factors: PictureFactors::ones(side),
+    }
+}
+
+/// Returns the crossing of the surface.
+fn crossing<'t>(tape: &'t Tape<'t>) -> Crossing<Register<'t>> {
+    let [eta, visible, here, behind] = tape.inputs(slot::CROSSING);
+    Crossing {
+        eta,
+        is_visible: visible.splat(0.0).lt(visible),
+        indices: [here, behind],
+    }
+}
+
+/// Returns the light of the light sample.
+fn light<'t>(tape: &'t Tape<'t>) -> Illumination<Register<'t>> {
+    let [direction, radiance] = [0, 4].map(|first| at(tape, slot::LIGHT + first));
+    let ([distance], [density]) = (tape.inputs(slot::LIGHT + 3), tape.inputs(slot::LIGHT + 7));
+    Illumination {
+        direction,
+        distance,
+        radiance,
+        density,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use math::sampling::{PixelPattern, Sampler};
+    use proptest::prelude::*;
+    use scene::build::Geometries;
+    use scene::config::Config;
+    use tracer::shade::{NextRay, Shader, ShadowFormula};
+    use world::scene::Scene;
+
+    use super::*;
+    use crate::tape::Program;
+
+    /// Returns a scene of surfaces whose formulas look nothing up.
+    fn scene(model: &str) -> Scene {
+        let roughness = if model == "path" { 0.4 } else { 0.0 };
+        let of_card = if model == "seed" {
+            ""
+        } else {
+            ", two_sided: false, emission: 2"
+        };
+        let text = format!(
+            "image: {{ width: 4, height: 4 }}
+camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
+shading: {{ model: {model} }}
+materials:
+  checker: {{ color: {{ checker: {{ even: 1, odd: 0.2, size: 0.4 }} }} }}
+  glossy: {{ color: [0.2, 0.5, 0.3], diffuse: 0.5, specular: 0.3, exponent: 40, reflection: 0.2, multiple_scattering: false }}
+  mirror: {{ conductor: gold }}
+  metal: {{ conductor: copper, roughness: {roughness}, multiple_scattering: false }}
+  card: {{ color: 0.6{of_card} }}
+lights:
+  - point: {{ position: [2, 3, 4], intensity: 9, falloff: inverse_square }}
+objects:
+  - {{ plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}, material: checker }}
+  - {{ sphere: {{ center: [0, 0, 0], radius: 0.5 }}, material: glossy }}
+  - {{ sphere: {{ center: [1, 0, 0], radius: 0.5 }}, transform: [{{ scale: [1, 2, 1] }}, {{ rotate: {{ axis: [1, 2, 0], angle_deg: 20 }} }}], material: metal }}
+  - {{ box: {{ min: [1, 1, 1], max: [2, 2, 2] }}, material: mirror }}
+  - {{ disk: {{ center: [-1, 0, 0], normal: [1, 2, 3], radius: 0.6 }}, material: card }}
+"
+        );
+        let mut config: Config = scene::yaml::from_str(&text).unwrap();
+        let geometries = Geometries::read(&mut config, Path::new("."), u64::MAX).unwrap();
+        scene::build::scene(&config, geometries).unwrap()
+    }
+
+    /// Records a formula.
+    fn program(formula: impl for<'t> FnOnce(&'t Tape<'t>) -> Vec<Register<'t>>) -> Program {
+        let tape = Tape::default();
+        let program = {
+            let results = formula(&tape);
+            tape.program("tested", &results)
+        };
+        assert_eq!(tape.refusal(), None);
+        program
+    }
+
+    fn number_at(state: &[f32], slot: usize) -> Vector<f32> {
+        Vector {
+            x: state[slot],
+            y: state[slot + 1],
+            z: state[slot + 2],
+        }
+    }
+
+    /// Returns a point on a surface, seen from outside.
+    fn point_of(state: &[f32]) -> ShadingPoint<f32> {
+        let at = |first| number_at(state, slot::POINT + first);
+        let side = state[slot::POINT + 13];
+        ShadingPoint {
+            position: at(0),
+            normal: at(3),
+            geometric_normal: at(6),
+            color: at(9),
+            error: state[slot::POINT + 12],
+            side,
+            factors: PictureFactors::ones(side),
+        }
+    }
+
+    fn is_same(found: &[f32], expected: &[f32]) -> bool {
+        let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+        found.len() == expected.len() && found.iter().zip(expected).all(is_same)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The slow twin of recorded programs are their formulas for single numbers.
+        #[test]
+        fn programs_of_paths_compute_what_their_formulas_compute(
+            numbers in prop::collection::vec(-1.0_f32..1.0, slot::N_SLOTS),
+            words in prop::array::uniform3(0_u32..1000),
+            model in prop::sample::select(&["path", "blinn_phong", "seed", "ambient_occlusion"][..]),
+        ) {
+            let mut state = numbers;
+            // Unit vectors, and a side.
+            for slot in [slot::DIRECTION, slot::POINT + 3, slot::POINT + 6, slot::LIGHT] {
+                let unit = coordinates_of(number_at(&state, slot).normalize());
+                state[slot..slot + 3].copy_from_slice(&unit);
+            }
+            state[slot::POINT + 13] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
+            for (slot, word) in [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].into_iter().zip(words) {
+                state[slot] = f32::from_bits(word);
+            }
+            let scene = scene(model);
+            let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas();
+            let at = point_of(&state);
+            let arriving = Illumination {
+                direction: number_at(&state, slot::LIGHT),
+                distance: state[slot::LIGHT + 3],
+                radiance: number_at(&state, slot::LIGHT + 4),
+                density: state[slot::LIGHT + 7],
+            };
+            for primitive in 0..formulas.n_primitives() {
+                let kind = formulas.kind(primitive).unwrap();
+                let mut data = Vec::new();
+                formulas.push_data(kind, primitive, &mut data);
+                let evaluate = |program: &Program| program.evaluate([&state, &data, &[]]);
+
+                let recorded = program(|tape| point_results(&formulas, tape, kind));
+                let mut numbers = data.iter().copied();
+                let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| number_at(&state, slot));
+                let found = formulas.point(kind, ray, state[slot::T], &mut || numbers.next().unwrap(), &mut || 0.0);
+                let vectors = [found.position, found.normal, found.geometric_normal, found.color];
+                let mut expected: Vec<f32> = vectors.into_iter().flat_map(coordinates_of).collect();
+                expected.extend([found.error, found.side]);
+                prop_assert!(is_same(&evaluate(&recorded), &expected), "point of {kind:?}");
+
+                let recorded = program(|tape| shadow_results(&formulas, tape, kind));
+                let ShadowFormula { may_arrive, origin, end } = formulas.shadow(kind, &at, &arriving);
+                let [x, y, z] = coordinates_of(origin);
+                let expected = [f32::from(u8::from(may_arrive)), x, y, z, end];
+                prop_assert!(is_same(&evaluate(&recorded), &expected), "shadow of {kind:?}");
+
+                let crossing = Crossing {
+                    eta: state[slot::CROSSING],
+                    is_visible: state[slot::CROSSING + 1] > 0.0,
+                    indices: [state[slot::CROSSING + 2], state[slot::CROSSING + 3]],
+                };
+                let recorded = program(|tape| reflected_results(&formulas, tape, kind));
+                let rays = [slot::EYE, slot::DIRECTION].map(|slot| number_at(&state, slot));
+                let expected = coordinates_of(formulas.reflected(kind, &at, &arriving, rays, &crossing));
+                prop_assert!(is_same(&evaluate(&recorded), &expected), "reflected by {kind:?}");
+
+                if !formulas.surface(kind).continues {
+                    continue;
+                }
+                for is_late in [false, true] {
+                    let recorded = program(|tape| next_results(&formulas, tape, kind, is_late));
+                    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| number_at(&state, slot));
+                    let ray: NextRay<f32> = formulas.next(kind, &at, path, words, &crossing, is_late);
+                    let of_kind = if ray.is_refracted { 1.0 } else if ray.is_diffuse { 2.0 } else { 0.0 };
+                    let mut expected = vec![f32::from(u8::from(ray.is_alive)), of_kind];
+                    let vectors = [ray.origin, ray.direction, ray.weight];
+                    expected.extend(vectors.into_iter().flat_map(coordinates_of));
+                    expected.push(ray.density);
+                    prop_assert!(is_same(&evaluate(&recorded), &expected), "next ray of {kind:?}");
+                }
+            }
+        }
+    }
+
+    fn coordinates_of(Vector { x, y, z }: Vector<f32>) -> [f32; 3] {
+        [x, y, z]
+    }
+
+    #[test]
+    fn scenes_without_formulas_are_refused_by_name() {
+        let mut scene = scene("path");
+        scene.has_images = true;
+        let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas();
+        assert_eq!(
+            RecordedPaths::new(&formulas).err().as_deref(),
+            Some("pictures")
+        );
+    }
+}
