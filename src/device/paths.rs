@@ -15,28 +15,40 @@ use crate::formulas::{coordinates, number, vector};
 use crate::print::body;
 use crate::tape::{Operation, Register, Tables, Tape};
 
-/// The slots of a path's state, which the recorded functions read, by their names in `path.cl`.
-mod slot {
-    pub(super) const ORIGIN: usize = 0;
-    pub(super) const DIRECTION: usize = 3;
-    /// The parameter of the hit.
-    pub(super) const T: usize = 6;
-    /// The density with which the direction was chosen.
-    pub(super) const DENSITY: usize = 7;
-    pub(super) const EYE: usize = 8;
-    pub(super) const WEIGHT: usize = 11;
-    pub(super) const PIXEL: usize = 14;
-    pub(super) const SAMPLE: usize = 15;
-    pub(super) const DIMENSION: usize = 16;
-    /// Position, normal, geometric normal, color, error and side.
-    pub(super) const POINT: usize = 17;
-    /// Direction, distance, radiance and density; 1 if it is behind the surface.
-    pub(super) const LIGHT: usize = 31;
-    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
-    pub(super) const CROSSING: usize = 40;
-    pub(super) const N_SLOTS: usize = 44;
+/// Defines the slots of a path's state, which the recorded functions read, with the list of their
+/// names in `path.cl`.
+macro_rules! slots {
+    ($($(#[$doc:meta])* $name:ident = $number:literal,)*) => {
+        mod slot {
+            $($(#[$doc])* pub(super) const $name: usize = $number;)*
+            pub(super) const ALL: &[(&str, usize)] = &[$((stringify!($name), $number)),*];
+        }
+    };
 }
 
+slots! {
+    ORIGIN = 0,
+    DIRECTION = 3,
+    /// The parameter of the hit.
+    T = 6,
+    /// The density with which the direction was chosen.
+    DENSITY = 7,
+    EYE = 8,
+    WEIGHT = 11,
+    PIXEL = 14,
+    SAMPLE = 15,
+    DIMENSION = 16,
+    /// Position, normal, geometric normal, color and error; then the side.
+    POINT = 17,
+    SIDE = 30,
+    /// Direction, distance, radiance and density; 1 if it is behind the surface.
+    LIGHT = 31,
+    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
+    CROSSING = 40,
+}
+
+/// Number of slots.
+const N_SLOTS: usize = slot::CROSSING + 4;
 /// Words of a followed path.
 pub(crate) const N_RESULTS: usize = 13 + N_BOUNCES;
 /// Words of a path at its start: its ray, pixel, sample and media.
@@ -357,21 +369,8 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
         format!("{}ul", bits.sum::<u64>())
     };
     let [first, step] = rules.dimensions;
-    let slots = [
-        ("ORIGIN", slot::ORIGIN),
-        ("DIRECTION", slot::DIRECTION),
-        ("T", slot::T),
-        ("DENSITY", slot::DENSITY),
-        ("EYE", slot::EYE),
-        ("WEIGHT", slot::WEIGHT),
-        ("PIXEL", slot::PIXEL),
-        ("SAMPLE", slot::SAMPLE),
-        ("DIMENSION", slot::DIMENSION),
-        ("POINT", slot::POINT),
-        ("LIGHT", slot::LIGHT),
-        ("CROSSING", slot::CROSSING),
-        ("SIDE", slot::POINT + 13),
-        ("N_SLOTS", slot::N_SLOTS),
+    let sizes = [
+        ("N_SLOTS", N_SLOTS),
         ("N_MEDIA", N_MEDIA),
         ("N_RESULTS", N_RESULTS),
         ("N_BOUNCES", N_BOUNCES),
@@ -395,8 +394,9 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
         ("IGNORES_OWN_OBJECT", rules.ignores_own_object.into()),
         ("NEEDS_LIGHT", rules.needs_light.into()),
     ];
-    let slots = slots.map(|(name, slot)| (name, slot as u32));
-    let numbers = slots.into_iter().chain(numbers);
+    let sizes = slot::ALL.iter().copied().chain(sizes);
+    let sizes = sizes.map(|(name, size)| (name, size as u32));
+    let numbers = sizes.chain(numbers);
     let numbers = numbers.map(|(name, number)| (name, format!("{number}u")));
     let kinds = [
         (
@@ -428,7 +428,7 @@ fn sample<'t>(tape: &'t Tape<'t>) -> [Register<'t>; 3] {
 fn point<'t>(tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
     let [position, normal, geometric_normal, color] =
         [0, 3, 6, 9].map(|first| at(tape, slot::POINT + first));
-    let [error, side] = tape.inputs(slot::POINT + 12);
+    let ([error], [side]) = (tape.inputs(slot::POINT + 12), tape.inputs(slot::SIDE));
     ShadingPoint {
         position,
         normal,
@@ -531,7 +531,7 @@ objects:
     /// Returns a point on a surface, seen from outside.
     fn point_of(state: &[f32]) -> ShadingPoint<f32> {
         let at = |first| number_at(state, slot::POINT + first);
-        let side = state[slot::POINT + 13];
+        let side = state[slot::SIDE];
         ShadingPoint {
             position: at(0),
             normal: at(3),
@@ -554,7 +554,7 @@ objects:
         /// The slow twin of recorded programs are their formulas for single numbers.
         #[test]
         fn programs_of_paths_compute_what_their_formulas_compute(
-            numbers in prop::collection::vec(-1.0_f32..1.0, slot::N_SLOTS),
+            numbers in prop::collection::vec(-1.0_f32..1.0, N_SLOTS),
             words in prop::array::uniform3(0_u32..1000),
             model in prop::sample::select(&["path", "blinn_phong", "seed", "ambient_occlusion"][..]),
         ) {
@@ -564,7 +564,7 @@ objects:
                 let unit = coordinates_of(number_at(&state, slot).normalize());
                 state[slot..slot + 3].copy_from_slice(&unit);
             }
-            state[slot::POINT + 13] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
+            state[slot::SIDE] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
             for (slot, word) in [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].into_iter().zip(words) {
                 state[slot] = f32::from_bits(word);
             }
