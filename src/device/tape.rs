@@ -433,7 +433,7 @@ impl Double for Register<'_> {
 impl Program {
     /// Computes the results for these numbers, one instruction after the other; not with tables.
     ///
-    /// The numbers are inputs, those of the primitive and those of the instance.
+    /// The numbers are inputs, then the primitive's and the instance's.
     pub(crate) fn evaluate(&self, input: [&[f32]; 3]) -> Vec<f32> {
         let mut registers: Vec<u64> = Vec::new();
         for instruction in &self.instructions {

@@ -188,7 +188,7 @@ fn assert_is_twin(config: &Config, warps: Warps) {
     let bits = |share: &f32| if share.is_nan() { 0 } else { share.to_bits() };
     let shares: Vec<u32> = shares.iter().map(|&share| bits(&(share as f32))).collect();
     assert_eq!(idle.of_pixels.iter().map(bits).collect::<Vec<_>>(), shares);
-    // The rays and their steps are those of the rendering.
+    // The rays and their steps are the same as in the rendering.
     let all = idle.sums(None, warps);
     assert_eq!(all.n_rays, film.totals.n_rays());
     let [visits, tests] = [Counter::NodeVisits, Counter::PrimitiveTests];
@@ -340,8 +340,8 @@ impl RayDevice for Lockstep<'_> {
     }
 }
 
-/// Measures the idle lanes of a config on a device with warps of this size, and checks that those of
-/// its launches are measured.
+/// Measures the idle lanes of a config on a device with warps of this size, and checks that the
+/// warps of its launches are measured.
 fn on_device(config: &Config, warp: Option<usize>) -> (IdleLanes, Film) {
     let film = film_on(config, 2, Simd::best());
     let scene = scene_of(config);
@@ -384,7 +384,7 @@ fn a_device_has_the_warps_of_its_launches() {
             .map(|launched| launched.query)
             .collect();
         assert_eq!(queries, ["nearest", "occluded"]);
-        // The rays and their steps are those of the rendering.
+        // The rays and their steps are the same as in the rendering.
         let [nearest, occluded] = [0, 1].map(|i| idle.launched[i].sums);
         let [visits, tests] = [Counter::NodeVisits, Counter::PrimitiveTests];
         let steps = film.totals.get(visits) + film.totals.get(tests);
@@ -406,7 +406,7 @@ fn a_device_has_the_warps_of_its_launches() {
     }
 }
 
-/// Camera rays only, of whole tiles: the warps are those of the order of waves.
+/// Camera rays only, of whole tiles: the same warps as in the order of waves.
 #[test]
 fn pixels_have_the_idle_lanes_of_the_device() {
     let mut config = with_cost(config("spot"), CostMode::Counters);

@@ -73,8 +73,8 @@ pub trait Real: Arithmetic<Mask: Mask> + Neg<Output = Self> {
     /// Returns the nearest number.
     fn from_double(double: Self::Double) -> Self;
     /// Returns an index that one of the numbers in `left` has; `None` if none is left. Numbers that
-    /// only record their operations have no value, and return `least`: whoever loops over indices
-    /// passes the last one plus 1, and finds all below a bound.
+    /// only record their operations have no value, and return `least`: a loop over indices passes
+    /// the last one plus 1, and finds all below a bound.
     fn next_index(self, left: Self::Mask, least: usize) -> Option<usize>;
     /// Looks up the values of a table at a point, number by number.
     fn look_up<const N: usize, const M: usize, T: LookupTable<N, M> + ?Sized>(

@@ -1,4 +1,4 @@
-//! The warps in which a device traces the rays of a picture: those of its launches.
+//! The warps in which a device traces the rays of a picture: the warps of its launches.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -17,7 +17,7 @@ pub struct KernelTimes {
     pub b: Option<KernelWork>,
 }
 
-/// Returns the kernels of both sides, each once, those of A first.
+/// Returns the kernels of both sides, each once, first A's.
 pub(super) fn compare(sides: &[Side; 2]) -> Vec<KernelTimes> {
     let [a, b] = sides
         .each_ref()

@@ -282,7 +282,7 @@ impl<'a> PathFormulas<'a> {
     }
 
     /// Returns the point of a surface that a ray, with this origin and direction, hits at `t`. `data`
-    /// are the numbers of the primitive, `place` those of the instance.
+    /// are the numbers of the primitive, `place` the numbers of the instance.
     pub fn point<R: Real>(
         &self,
         kind: SurfaceKind,

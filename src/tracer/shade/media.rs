@@ -9,7 +9,7 @@ use world::material::{Dielectric, Material};
 use world::scene::MaterialId;
 
 /// Greatest number of media that may overlap at a point; a ray does not enter further ones.
-pub(super) const MAX_MEDIA: usize = 4;
+const MAX_MEDIA: usize = 4;
 
 /// The media that a ray is in, in the order in which it entered them, followed by empty places;
 /// empty in a vacuum. Where media overlap, one of them is effective.

@@ -6,8 +6,8 @@ use math::simd::{Real, Vector};
 use world::scene::{AttributeKind, PlacedPrimitive, Scene};
 
 /// Appends the numbers of a primitive: the parameters of its shape; with a transform, both maps and
-/// the bound of rounding errors; and its attributes of this kind. Those of an instanced mesh are in
-/// the space of the mesh.
+/// the bound of rounding errors; and its attributes of this kind. The numbers of an instanced mesh are
+/// in the space of the mesh.
 pub(super) fn surface_data(
     scene: &Scene,
     attributes: AttributeKind,

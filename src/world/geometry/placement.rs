@@ -2,11 +2,9 @@
 
 use math::simd::{Real, Vector};
 
-use super::instance_transform::InstanceTransform;
 use super::surface::{N_PARAMETERS, vector};
-use super::transform::Transform;
 
-/// The maps of a [`Transform`], or of one per lane, with its results to the last bit.
+/// The maps of a [`Transform`](super::Transform), or of one per lane, with its results to the last bit.
 #[derive(Debug, Clone, Copy)]
 pub struct ShapePlacement<R> {
     /// The columns and the translation of the map from object space to world space.
@@ -45,7 +43,7 @@ impl<R: Real> ShapePlacement<R> {
     }
 }
 
-/// The placement of an instance as [`InstanceTransform`] has it, or of one per lane, with its
+/// The placement of an instance as [`InstanceTransform`](super::InstanceTransform) has it, or of one per lane, with its
 /// results to the last bit.
 #[derive(Debug, Clone, Copy)]
 pub struct InstancePlacement<R> {
@@ -97,27 +95,28 @@ fn turned<R: Real>([x, y, z]: &[Vector<R>; 3], normal: Vector<R>) -> Vector<R> {
     turned.normalize()
 }
 
-impl From<&Transform> for ShapePlacement<f32> {
-    fn from(transform: &Transform) -> Self {
-        let [there, back] = [transform.world_from_object(), transform.object_from_world()];
-        Self::new(there.map(Vector::from), back.map(Vector::from))
-    }
-}
-
-impl From<&InstanceTransform> for InstancePlacement<f32> {
-    fn from(transform: &InstanceTransform) -> Self {
-        let [x, y, z, _] = transform.mesh_from_world();
-        let there = transform.world_from_mesh().map(Vector::from);
-        Self::new(there, [x, y, z].map(Vector::from))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::{DAffine3, DMat3, DVec3, Vec3};
     use proptest::prelude::*;
 
     use super::*;
+    use crate::geometry::{InstanceTransform, Transform};
+
+    impl From<&Transform> for ShapePlacement<f32> {
+        fn from(transform: &Transform) -> Self {
+            let [there, back] = [transform.world_from_object(), transform.object_from_world()];
+            Self::new(there.map(Vector::from), back.map(Vector::from))
+        }
+    }
+
+    impl From<&InstanceTransform> for InstancePlacement<f32> {
+        fn from(transform: &InstanceTransform) -> Self {
+            let [x, y, z, _] = transform.mesh_from_world();
+            let there = transform.world_from_mesh().map(Vector::from);
+            Self::new(there, [x, y, z].map(Vector::from))
+        }
+    }
 
     proptest! {
         #[test]

@@ -442,11 +442,6 @@ impl Scene {
         )
     }
 
-    /// Returns the classes of the primitives; with fog, its particles are the last one.
-    pub fn classes(&self) -> &[SurfaceClass] {
-        &self.classes
-    }
-
     /// Returns the class of a primitive.
     #[inline(always)]
     pub fn class(&self, primitive: u32) -> SurfaceClass {

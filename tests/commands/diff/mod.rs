@@ -341,7 +341,7 @@ fn pixels_with_other_counters_are_counted() {
     });
     let idle = &found["totals"]["idle_lanes"];
     assert_eq!([&idle["a"], &idle["b"]], [&totals[0], &totals[1]]);
-    // Of a part of a picture there is no share.
+    // A part of a picture has none.
     let crop = ["--cost=counters", "--also=lanes", "--crop=13,7,20,15"];
     render(folder.path(), "part", SCENE, &crop);
     let (found, _) = json_report(folder.path(), &["a", "part"]);
