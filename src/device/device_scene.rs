@@ -6,14 +6,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::Vec3;
 
-use opencl3::kernel::Kernel;
-use opencl3::memory::Buffer;
-use opencl3::program::Program;
-
-use crate::opencl::{Argument, DeviceFault, LaunchQueue, OpenDevice, Pool};
+use crate::library::{DeviceFault, GROUP, LaunchQueue, LoadedProgram};
 use crate::opened::{Device, DeviceError};
 use crate::paths::{N_RESULTS, N_START, RecordedPaths};
-use crate::program;
+use crate::program::{self, Kernel};
 use crate::scene::SceneArrays;
 use base::stop::Cancellation;
 use host::text::Diagnostic;
@@ -49,10 +45,7 @@ impl Device {
         let paths = RecordedPaths::new(formulas);
         let n_data = paths.as_ref().map_or(0, |paths| paths.data.len());
         let n_bytes = 4 * arrays.lines.len().max(n_data) as u64;
-        let (most, memory) = (
-            self.machine().listed.max_array_bytes(),
-            self.machine().listed.n_bytes(),
-        );
+        let (most, memory) = (self.machine().max_array_bytes(), self.machine().n_bytes());
         if n_bytes > most {
             let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
             return Err(DeviceError::Failed(Diagnostic::new(format!(
@@ -66,19 +59,47 @@ impl Device {
         }
         let functions = paths.as_ref().ok().map(|paths| &paths.text[..]);
         let program = self.program(program::text(arrays.depths, functions));
-        let memory = program.and_then(|program| {
-            let paths = paths.as_ref().map_err(Clone::clone);
-            SceneMemory::new(self.machine(), program, &arrays, paths, formulas.sampler)
-        });
-        let memory = memory.map_err(|fault| self.failed(&fault))?;
-        Ok(DeviceScene::new(self, memory, cancellation.clone()))
+        let loaded =
+            program.and_then(|program| program.load(&all_arrays(&arrays, paths.as_ref().ok())));
+        Ok(DeviceScene {
+            device: self,
+            loaded: loaded.map_err(|fault| self.failed(&fault))?,
+            paths: paths.map(|_| formulas.sampler),
+            workers: Pool::new(),
+            kernels: Mutex::default(),
+            failure: OnceLock::new(),
+            cancellation: cancellation.clone(),
+        })
     }
+}
+
+/// Returns the arrays that the kernels read, in the order of their parameters.
+fn all_arrays<'a>(arrays: &'a SceneArrays, paths: Option<&'a RecordedPaths>) -> Vec<&'a [u32]> {
+    let mut all = vec![
+        bytemuck::cast_slice(&arrays.lines),
+        &arrays.levels,
+        &arrays.unbounded,
+        &arrays.primitives,
+        &arrays.records,
+    ];
+    if let Some(paths) = paths {
+        all.extend([
+            &paths.surfaces[..],
+            bytemuck::cast_slice(&paths.data),
+            bytemuck::cast_slice(&paths.places),
+            &paths.tables,
+        ]);
+    }
+    all
 }
 
 /// A scene in the memory of a device, which traces its rays.
 pub struct DeviceScene<'a> {
     device: &'a Device,
-    memory: Arc<SceneMemory>,
+    loaded: Arc<dyn LoadedProgram>,
+    /// The numbers of the samples whose paths it follows, or the part of the scene because of which
+    /// it follows none.
+    paths: Result<Sampler, String>,
     workers: Pool<Worker>,
     /// The work of each kernel that was launched.
     kernels: Mutex<Vec<KernelWork>>,
@@ -86,103 +107,21 @@ pub struct DeviceScene<'a> {
     cancellation: Cancellation,
 }
 
-/// What the device holds of a scene.
-pub(crate) struct SceneMemory {
-    /// Shared with the device, which keeps its last program.
-    program: Arc<Program>,
-    lines: Buffer<f32>,
-    tables: [Buffer<u32>; 4],
-    /// What it needs to follow paths, or the part of the scene because of which it does not.
-    paths: Result<PathMemory, String>,
-}
-
-/// What the device holds to follow paths.
-pub(crate) struct PathMemory {
-    surfaces: Buffer<u32>,
-    /// The numbers of primitives, and of instances.
-    numbers: [Buffer<f32>; 2],
-    tables: Buffer<u32>,
-    /// The numbers of the samples whose paths it follows.
-    sampler: Sampler,
-}
-
-impl SceneMemory {
-    /// Copies the arrays to the device.
-    pub(crate) fn new(
-        machine: &OpenDevice,
-        program: Arc<Program>,
-        arrays: &SceneArrays,
-        paths: Result<&RecordedPaths, String>,
-        sampler: Sampler,
-    ) -> Result<Self, DeviceFault> {
-        let upload = |paths: &RecordedPaths| {
-            Ok::<_, DeviceFault>(PathMemory {
-                surfaces: machine.upload(&paths.surfaces)?,
-                numbers: [machine.upload(&paths.data)?, machine.upload(&paths.places)?],
-                tables: machine.upload(&paths.tables)?,
-                sampler,
-            })
-        };
-        Ok(Self {
-            paths: paths
-                .map(upload)
-                .map_or_else(|part| Ok(Err(part)), |memory| memory.map(Ok))?,
-            program,
-            lines: machine.upload(&arrays.lines)?,
-            tables: [
-                machine.upload(&arrays.levels)?,
-                machine.upload(&arrays.unbounded)?,
-                machine.upload(&arrays.primitives)?,
-                machine.upload(&arrays.records)?,
-            ],
-        })
-    }
-}
-
 /// What a thread needs to launch kernels; reused from launch to launch.
 struct Worker {
-    queue: LaunchQueue,
-    nearest: Kernel,
-    occluded: Kernel,
-    /// `None` if the device does not follow paths.
-    path: Option<Kernel>,
+    queue: Box<dyn LaunchQueue>,
     input: Vec<u32>,
     output: Vec<u32>,
     /// The last launch.
     launch: DeviceLaunch,
 }
 
-/// A query for the kernels.
-#[derive(Clone, Copy)]
-enum Query {
-    Nearest,
-    Occluded,
-    Path,
+/// Returns the place of the node visits and the primitive tests in an answer of a kernel.
+fn place_of_steps(kernel: Kernel) -> usize {
+    if kernel == Kernel::Path { 6 } else { 3 }
 }
 
-impl Query {
-    /// Returns the place of the node visits and the primitive tests in an answer.
-    fn place_of_steps(self) -> usize {
-        match self {
-            Self::Nearest | Self::Occluded => 3,
-            Self::Path => 6,
-        }
-    }
-}
-
-impl<'a> DeviceScene<'a> {
-    /// Creates the scene of a device; if the device fails, `cancellation` stops the work.
-    pub(crate) fn new(device: &'a Device, memory: SceneMemory, cancellation: Cancellation) -> Self {
-        Self {
-            device,
-            memory: Arc::new(memory),
-            workers: Pool::new(),
-            kernels: Mutex::default(),
-            failure: OnceLock::new(),
-            cancellation,
-        }
-    }
-
+impl DeviceScene<'_> {
     /// Returns an error if the device has failed.
     ///
     /// # Errors
@@ -205,38 +144,40 @@ impl<'a> DeviceScene<'a> {
         UsedDevice {
             name: self.device.name().to_owned(),
             kernels: self.take_kernels(),
-            processor_shades_because_of: self.memory.paths.as_ref().err().cloned(),
+            processor_shades_because_of: self.paths.as_ref().err().cloned(),
         }
     }
 
     /// Adds a launch that took `ns` nanoseconds, given its answers, to the work of its kernel.
     fn add<const N: usize>(
         &self,
-        query: Query,
-        kernel: &Kernel,
+        kernel: Kernel,
+        queue: &mut dyn LaunchQueue,
         ns: f64,
         answers: &[[u32; N]],
-    ) -> DeviceLaunch {
-        let name = kernel.function_name().unwrap_or_default();
+    ) -> Result<DeviceLaunch, DeviceFault> {
+        let name = kernel.name();
         let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let number = kernels.iter().position(|work| work.name == name);
-        let number = number.unwrap_or_else(|| {
-            kernels.push(self.device.machine().no_work(kernel));
-            kernels.len() - 1
-        });
-        let first = query.place_of_steps();
+        let number = match kernels.iter().position(|work| work.name == name) {
+            Some(number) => number,
+            None => {
+                kernels.push(no_work(kernel, queue)?);
+                kernels.len() - 1
+            }
+        };
+        let first = place_of_steps(kernel);
         let steps = |answer: &[u32; N]| {
             let steps = &answer[first..first + 2];
             steps.iter().map(|&n| u64::from(n)).sum()
         };
-        kernels[number].add(ns, answers.iter().map(steps))
+        Ok(kernels[number].add(ns, answers.iter().map(steps)))
     }
 
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
     /// and the words of its answer; for none if the device fails.
     fn answer<const M: usize, const N: usize>(
         &self,
-        query: Query,
+        kernel: Kernel,
         rays: impl Iterator<Item = [u32; M]>,
         n: usize,
         answer: impl FnMut((usize, &[u32; N])),
@@ -244,7 +185,7 @@ impl<'a> DeviceScene<'a> {
         if self.failure.get().is_some() || n == 0 {
             return DeviceLaunch::default();
         }
-        match self.launch::<M, N>(query, rays, n) {
+        match self.launch::<M, N>(kernel, rays, n) {
             Ok(worker) => {
                 let answers = worker.output[..N * n].as_chunks::<N>().0;
                 answers.iter().enumerate().for_each(answer);
@@ -256,7 +197,7 @@ impl<'a> DeviceScene<'a> {
                 let _ = self.failure.set(fault);
                 self.cancellation.cancel();
                 // A driver that hangs would hang again when its memory is freed.
-                mem::forget((Arc::clone(&self.memory), self.device.machine().clone()));
+                mem::forget(Arc::clone(&self.loaded));
                 DeviceLaunch::default()
             }
         }
@@ -264,7 +205,7 @@ impl<'a> DeviceScene<'a> {
 
     fn launch<const M: usize, const N: usize>(
         &self,
-        query: Query,
+        kernel: Kernel,
         rays: impl Iterator<Item = [u32; M]>,
         n: usize,
     ) -> Result<Worker, DeviceFault> {
@@ -272,38 +213,18 @@ impl<'a> DeviceScene<'a> {
         worker.input.clear();
         worker.input.extend(rays.flatten());
         worker.output.resize(N * n, 0);
-        let [levels, unbounded, primitives, records] = &self.memory.tables;
-        let mut arrays: Vec<&dyn Argument> =
-            vec![&self.memory.lines, levels, unbounded, primitives, records];
         let Worker {
             queue,
-            nearest,
-            occluded,
-            path,
             input,
             output,
-            launch,
+            ..
         } = &mut worker;
-        let kernel = match query {
-            Query::Nearest => &*nearest,
-            Query::Occluded => &*occluded,
-            Query::Path => {
-                let (Some(path), Ok(memory)) = (path, &self.memory.paths) else {
-                    return Ok(worker);
-                };
-                let [data, places] = &memory.numbers;
-                arrays.extend([
-                    &memory.surfaces as &dyn Argument,
-                    data,
-                    places,
-                    &memory.tables,
-                ]);
-                &*path
-            }
-        };
-        match queue.launch(kernel, &arrays, input, output, n) {
-            Ok(ns) => {
-                *launch = self.add(query, kernel, ns, output.as_chunks::<N>().0);
+        let launch = queue
+            .launch(kernel, input, output, n)
+            .and_then(|ns| self.add(kernel, &mut **queue, ns, output.as_chunks::<N>().0));
+        match launch {
+            Ok(launch) => {
+                worker.launch = launch;
                 Ok(worker)
             }
             Err(fault) => {
@@ -315,18 +236,28 @@ impl<'a> DeviceScene<'a> {
 
     fn worker(&self) -> Result<Worker, DeviceFault> {
         Ok(Worker {
-            queue: LaunchQueue::new(self.device.machine())?,
-            nearest: Kernel::create(&self.memory.program, "nearest")?,
-            occluded: Kernel::create(&self.memory.program, "occluded")?,
-            path: match &self.memory.paths {
-                Ok(_) => Some(Kernel::create(&self.memory.program, "path")?),
-                Err(_) => None,
-            },
+            queue: Arc::clone(&self.loaded).queue()?,
             input: Vec::new(),
             output: Vec::new(),
             launch: DeviceLaunch::default(),
         })
     }
+}
+
+/// Returns the work of a kernel that has not been launched.
+fn no_work(kernel: Kernel, queue: &mut dyn LaunchQueue) -> Result<KernelWork, DeviceFault> {
+    let facts = queue.facts(kernel)?;
+    Ok(KernelWork {
+        name: kernel.name().to_owned(),
+        launches: 0,
+        rays: 0,
+        seconds: 0.0,
+        group_size: GROUP,
+        warp_size: facts.warp_size,
+        private_bytes: facts.private_bytes,
+        steps: 0,
+        lane_steps: 0,
+    })
 }
 
 impl RayDevice for DeviceScene<'_> {
@@ -339,7 +270,7 @@ impl RayDevice for DeviceScene<'_> {
         hits.clear();
         hits.resize(rays.len(), None);
         let words = rays.iter().map(|ray| words(&ray, f32::INFINITY, NONE));
-        self.answer::<N_IN, N_OUT>(Query::Nearest, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Kernel::Nearest, words, rays.len(), |(i, answer)| {
             let [t, primitive, instance, n_visits, n_tests] = *answer;
             hits[i] = hit([t, primitive, instance]);
             count(i, n_visits, n_tests);
@@ -358,7 +289,7 @@ impl RayDevice for DeviceScene<'_> {
             let ignored = shadow.ignored.map_or(NONE, |object| object.0);
             words(&shadow.ray, shadow.t_max, ignored)
         });
-        self.answer::<N_IN, N_OUT>(Query::Occluded, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Kernel::Occluded, words, rays.len(), |(i, answer)| {
             let [found, _, _, n_visits, n_tests] = *answer;
             occluded[i] = found != NONE;
             count(i, n_visits, n_tests);
@@ -366,8 +297,7 @@ impl RayDevice for DeviceScene<'_> {
     }
 
     fn follows_paths(&self, sampler: &Sampler) -> bool {
-        let paths = self.memory.paths.as_ref();
-        paths.is_ok_and(|paths| paths.sampler == *sampler)
+        self.paths.as_ref().is_ok_and(|of| of == sampler)
     }
 
     fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {
@@ -377,7 +307,7 @@ impl RayDevice for DeviceScene<'_> {
             let [g, h, j, k] = paths.media.get(i).copied().unwrap_or_default();
             [a, b, c, d, e, f, pixel, sample, g, h, j, k]
         });
-        self.answer::<N_START, N_RESULTS>(Query::Path, words, paths.rays.len(), |(i, result)| {
+        self.answer::<N_START, N_RESULTS>(Kernel::Path, words, paths.rays.len(), |(i, result)| {
             let (path, hit) = followed(result);
             take(i, &path, hit);
         })
@@ -432,5 +362,25 @@ impl fmt::Debug for DeviceScene<'_> {
         f.debug_tuple("DeviceScene")
             .field(&self.device.name())
             .finish()
+    }
+}
+
+/// Values that threads take in turns: each uses its own, and returns it.
+struct Pool<T>(Mutex<Vec<T>>);
+
+impl<T> Pool<T> {
+    fn new() -> Self {
+        Self(Mutex::default())
+    }
+
+    fn take(&self) -> Option<T> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    }
+
+    fn put(&self, value: T) {
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(value);
     }
 }

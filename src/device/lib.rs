@@ -16,6 +16,7 @@ mod formulas;
 mod paths;
 mod program;
 mod scene;
+mod library;
 mod opencl;
 mod proof;
 mod opened;

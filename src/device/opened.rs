@@ -3,9 +3,8 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use opencl3::program::Program;
-
-use crate::opencl::{self, DeviceFault, ListedDevice, OpenDevice};
+use crate::library::{DeviceFault, DeviceProgram, ListedDevice, OpenDevice};
+use crate::opencl;
 use crate::program::{self, Depths};
 use crate::proof;
 use host::text::Diagnostic;
@@ -15,10 +14,10 @@ const OTHER_DEVICE: &str = "render without `--device`, or on another device";
 
 /// A device whose arithmetic agrees with the processor's.
 pub struct Device {
-    machine: OpenDevice,
+    machine: Box<dyn OpenDevice>,
     name: String,
     /// The program that was compiled last, and its text.
-    program: Mutex<Option<(String, Arc<Program>)>>,
+    program: Mutex<(String, Arc<dyn DeviceProgram>)>,
 }
 
 /// Why a device cannot be used.
@@ -39,8 +38,11 @@ impl Device {
     pub fn open(name: Option<&str>) -> Result<Self, DeviceError> {
         let all = opencl::list().unwrap_or_default();
         let wanted = name.unwrap_or_default().to_lowercase();
-        let is_wanted = |listed: &&ListedDevice| listed.name().to_lowercase().contains(&wanted);
-        let Some(listed) = all.iter().find(is_wanted) else {
+        let found = all.iter().find(|listed| {
+            let name = listed.name().to_lowercase();
+            name.contains(&wanted)
+        });
+        let Some(listed) = found else {
             return Err(DeviceError::Missing(no_device(&all, name)));
         };
         let name = listed.name();
@@ -51,8 +53,9 @@ impl Device {
         let failed = |fault: DeviceFault| failed(&name, &fault);
         let machine = listed.open().map_err(failed)?;
         let text = program::text(Depths::new(1, None), None);
-        let program = Arc::new(machine.compile(&text).map_err(failed)?);
-        if let Some(difference) = proof::refute(&machine, &program).map_err(failed)? {
+        let program = machine.compile(&text).map_err(failed)?;
+        let difference = proof::refute(Arc::clone(&program)).map_err(failed)?;
+        if let Some(difference) = difference {
             let message = format!("the device {name} cannot render the same picture: {difference}");
             return Err(DeviceError::Failed(
                 Diagnostic::new(message).with_help(OTHER_DEVICE),
@@ -61,7 +64,7 @@ impl Device {
         Ok(Self {
             machine,
             name,
-            program: Mutex::new(Some((text, program))),
+            program: Mutex::new((text, program)),
         })
     }
 
@@ -70,22 +73,18 @@ impl Device {
         &self.name
     }
 
-    /// Returns the device of OpenCL.
-    pub(crate) fn machine(&self) -> &OpenDevice {
-        &self.machine
+    pub(crate) fn machine(&self) -> &dyn OpenDevice {
+        &*self.machine
     }
 
     /// Returns the program with this text.
-    pub(crate) fn program(&self, text: String) -> Result<Arc<Program>, DeviceFault> {
+    pub(crate) fn program(&self, text: String) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let mut last = self.program.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*last {
-            Some((last, program)) if *last == text => Ok(Arc::clone(program)),
-            _ => {
-                let program = Arc::new(self.machine.compile(&text)?);
-                *last = Some((text, Arc::clone(&program)));
-                Ok(program)
-            }
+        if last.0 != text {
+            let program = self.machine.compile(&text)?;
+            *last = (text, program);
         }
+        Ok(Arc::clone(&last.1))
     }
 
     pub(crate) fn failed(&self, fault: &DeviceFault) -> DeviceError {
@@ -105,7 +104,7 @@ fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
 }
 
 /// Returns the message that no device has such a name.
-fn no_device(all: &[ListedDevice], name: Option<&str>) -> Diagnostic {
+fn no_device(all: &[Box<dyn ListedDevice>], name: Option<&str>) -> Diagnostic {
     let names: Vec<_> = all
         .iter()
         .map(|listed| format!("`{}`", listed.name()))

@@ -1,4 +1,4 @@
-//! A straight program → a function of OpenCL C.
+//! A straight program → a function of the device's language.
 
 use std::fmt::Write;
 
@@ -130,7 +130,9 @@ fn expression(instructions: &[Instruction], number: usize) -> String {
         Operation::Min => format!("{a} < {b} ? {a} : {b}"),
         Operation::Max => format!("{a} > {b} ? {a} : {b}"),
         Operation::Sqrt => format!("SQRT({a})"),
-        Operation::FlipSign => format!("flip_sign({a}, {b})"),
+        Operation::FlipSign => {
+            format!("FLOAT_OF(BITS_OF({a}) ^ (BITS_OF({b}) & 0x80000000u))")
+        }
         Operation::Floor => format!("floor({a})"),
         Operation::Truncate => format!("trunc({a})"),
         Operation::Less => format!("{a} < {b}"),

@@ -1,10 +1,10 @@
 //! The proof of a device's arithmetic: before the first ray, it computes what the processor
 //! computes, and every bit has to agree.
 
-use opencl3::kernel::Kernel;
-use opencl3::program::Program;
+use std::sync::Arc;
 
-use crate::opencl::{DeviceFault, LaunchQueue, OpenDevice};
+use crate::library::{DeviceFault, DeviceProgram};
+use crate::program::Kernel;
 
 /// Number of triples of numbers.
 const N_TRIPLES: usize = 1 << 19;
@@ -21,14 +21,11 @@ const RESULTS: [&str; 8] = [
 ];
 
 /// Returns the first result that the device computes differently, as text; `None` if all agree.
-pub(crate) fn refute(
-    machine: &OpenDevice,
-    program: &Program,
-) -> Result<Option<String>, DeviceFault> {
+pub(crate) fn refute(program: Arc<dyn DeviceProgram>) -> Result<Option<String>, DeviceFault> {
     let input: Vec<u32> = (0..3 * N_TRIPLES as u64).map(number).collect();
     let mut output = vec![0; RESULTS.len() * N_TRIPLES];
-    let kernel = Kernel::create(program, "arithmetic")?;
-    LaunchQueue::new(machine)?.launch(&kernel, &[], &input, &mut output, N_TRIPLES)?;
+    let mut queue = program.load(&[])?.queue()?;
+    queue.launch(Kernel::Arithmetic, &input, &mut output, N_TRIPLES)?;
     let triples = input
         .as_chunks::<3>()
         .0

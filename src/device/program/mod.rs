@@ -8,6 +8,39 @@ use crate::formulas;
 /// Levels of nodes by which the sizes of stacks grow: a program serves hierarchies of similar depth.
 const LEVEL_STEP: usize = 8;
 
+/// A kernel of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kernel {
+    /// Finds the nearest hits of rays.
+    Nearest,
+    /// Finds if anything is in the way of rays.
+    Occluded,
+    /// Follows whole paths.
+    Path,
+    /// Computes with triples of numbers.
+    Arithmetic,
+}
+
+impl Kernel {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Occluded => "occluded",
+            Self::Path => "path",
+            Self::Arithmetic => "arithmetic",
+        }
+    }
+
+    /// Returns the number of arrays of the scene that it reads: so many of the first ones.
+    pub(crate) fn n_arrays(self) -> usize {
+        match self {
+            Self::Nearest | Self::Occluded => 5,
+            Self::Path => 9,
+            Self::Arithmetic => 0,
+        }
+    }
+}
+
 /// The kind of an instance in a record, after the kinds of shapes.
 pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
 
@@ -30,15 +63,16 @@ impl Depths {
     }
 }
 
-/// Returns the program for scenes of these depths; with the functions of whole paths, it follows
-/// them.
+/// Returns the program for scenes of these depths, without the prelude of a language; with the
+/// functions of whole paths, it follows them.
 pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
     // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
     // the last one.
     let stack = |n_levels: usize| 7 * n_levels + 9;
     let kind = |kind: ShapeKind| kind as u32;
     let mut text = format!(
-        "{}
+        "#define NONE 0xffffffffu
+#define END 3u
 #define ID_BIT {ID_BIT}u
 #define CAPSULE_BIT {CAPSULE_BIT}u
 #define MIN_COS {:?}
@@ -47,7 +81,6 @@ pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
 #define CAPSULE {}u
 #define INSTANCE {INSTANCE}u
 ",
-        include_str!("prelude.cl"),
         f64::from(MIN_COS),
         kind(ShapeKind::Triangle),
         kind(ShapeKind::Rectangle),

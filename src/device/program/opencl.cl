@@ -9,8 +9,3 @@
 #define FLOAT_OF(x) as_float(x)
 #define DOUBLE_OF(x) as_double(x)
 #define SQRT(x) sqrt(x)
-
-#define NONE 0xffffffffu
-#define END 3u
-FUNCTION float flip_sign(float x, float y) { return FLOAT_OF(BITS_OF(x) ^ (BITS_OF(y) & 0x80000000u)); }
-

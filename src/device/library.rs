@@ -1,0 +1,129 @@
+//! What a library of devices offers.
+//!
+//! A [`ListedDevice`] opens as an [`OpenDevice`], which compiles a [`DeviceProgram`]; with the arrays of a
+//! scene it is a [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
+
+use std::fmt;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::program::Kernel;
+use base::stop;
+
+/// Rays or triples of a launch that share a group.
+pub(crate) const GROUP: usize = 64;
+/// Time after which a device that has not finished a launch counts as hung.
+const MAX_LAUNCH: Duration = Duration::from_secs(30);
+
+/// Why a device cannot go on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum DeviceFault {
+    /// A call failed with this name of an error.
+    Call(String),
+    /// The program cannot be built; the compiler's first lines.
+    Build(String),
+    /// A launch has not finished in time.
+    Hang,
+    /// The work was stopped.
+    Stopped,
+}
+
+impl DeviceFault {
+    /// Returns that the program cannot be built, with the first lines of the compiler's log.
+    pub(crate) fn of_build(log: &str) -> Self {
+        let lines = log.lines().filter(|line| !line.trim().is_empty());
+        Self::Build(lines.take(3).collect::<Vec<_>>().join("; "))
+    }
+}
+
+impl fmt::Display for DeviceFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Call(name) => write!(f, "{name}"),
+            Self::Build(log) => write!(f, "its compiler refuses the program: {log}"),
+            Self::Hang => write!(f, "it has not finished in {} s", MAX_LAUNCH.as_secs()),
+            Self::Stopped => write!(f, "stopped"),
+        }
+    }
+}
+
+/// A device as its library lists it.
+pub(crate) trait ListedDevice {
+    /// Returns the device's name and its driver's.
+    fn name(&self) -> String;
+
+    /// Returns true if it computes in double precision.
+    fn has_doubles(&self) -> bool;
+
+    /// Opens the device.
+    fn open(&self) -> Result<Box<dyn OpenDevice>, DeviceFault>;
+}
+
+/// A device that programs run on.
+pub(crate) trait OpenDevice: Send + Sync {
+    /// Returns the bytes of its memory.
+    fn n_bytes(&self) -> u64;
+
+    /// Returns the most bytes of one array.
+    fn max_array_bytes(&self) -> u64;
+
+    /// Compiles a program, given without the prelude of the device's language.
+    fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault>;
+}
+
+/// A compiled program.
+pub(crate) trait DeviceProgram: Send + Sync {
+    /// Copies the arrays of a scene, none of which is empty, to the device's memory. A kernel has
+    /// as many of them as first arguments as it reads: [`Kernel::n_arrays`].
+    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault>;
+}
+
+/// A program with the arrays of a scene.
+pub(crate) trait LoadedProgram: Send + Sync {
+    /// Creates a queue.
+    fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault>;
+}
+
+/// A queue with memory for the input and the output of launches, reused from launch to launch.
+pub(crate) trait LaunchQueue: Send {
+    /// Runs a kernel for `n` items, at least one: its arguments are its arrays, the input, the
+    /// output and `n`. Returns the nanoseconds that it took on the device.
+    ///
+    /// After an error, the device may still write to the queue's memory: it must not be dropped.
+    fn launch(
+        &mut self,
+        kernel: Kernel,
+        input: &[u32],
+        output: &mut [u32],
+        n: usize,
+    ) -> Result<f64, DeviceFault>;
+
+    /// Returns what the library says about a kernel.
+    fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault>;
+}
+
+/// What a library says about a kernel; `None` where it says nothing.
+pub(crate) struct KernelFacts {
+    /// Number of items that run in lockstep.
+    pub(crate) warp_size: Option<usize>,
+    /// Bytes of memory of an item beyond registers.
+    pub(crate) private_bytes: Option<u64>,
+}
+
+/// Waits until a launch is done, without trust in the driver.
+pub(crate) fn wait(is_done: impl Fn() -> Result<bool, DeviceFault>) -> Result<(), DeviceFault> {
+    let begin = Instant::now();
+    while !is_done()? {
+        let waited = begin.elapsed();
+        if waited > MAX_LAUNCH {
+            return Err(DeviceFault::Hang);
+        }
+        if stop::is_requested() && waited > Duration::from_secs(2) {
+            return Err(DeviceFault::Stopped);
+        }
+        // As long again as the wait so far, so that short launches are noticed soon.
+        thread::sleep((waited / 8).clamp(Duration::from_micros(5), Duration::from_millis(2)));
+    }
+    Ok(())
+}
