@@ -23,7 +23,7 @@
 //! 1. `base` has keywords and requests to stop, `math` numbers and SIMD lanes.
 //! 2. `world` has what rays meet: shapes, materials, lights, fog and cameras in render space.
 //! 3. `tracer` finds hits and makes colors of them, and counts and times both.
-//! 4. `host` has files, folders, memory and threads, `device` traces rays on OpenCL devices, `vtk`
+//! 4. `host` has files, folders, memory and threads, `device` traces rays on OpenCL and CUDA devices, `vtk`
 //!    has files of VTK; `import` reads files of meshes, points and pictures.
 //! 5. `scene` reads a YAML file and the files that it names, and builds a world of them.
 //! 6. `render` traces it tile by tile on all threads, onto a film.
@@ -40,7 +40,7 @@ pub mod cli;
 
 #[doc(inline)]
 pub use ::{
-    device::{Device, DeviceError},
+    device::{Device, DeviceError, DeviceLibrary},
     output::results,
     render::{attribution, film, schedule},
     scene::{animation, build, config, yaml},

@@ -1,6 +1,6 @@
-"""Renders scenes on the processor and on OpenCL devices, in turns, and compares pixels, counters and times.
+"""Renders scenes on the processor and on other devices, in turns, and compares pixels, counters and times.
 
-race.py PROGRAM [DEVICE ...]: a device is `opencl`, the default, or `opencl:TEXT` as in `raycost render --device`.
+race.py PROGRAM [DEVICE ...]: a device is `opencl`, the default, or another one of `raycost render --device`.
 Prints a table, and writes one JSON file for --json: for each scene and device the medians over all rounds of the render
 stage's time and of the whole process's CPU time, as ratios processor / device (above 1, the device is faster), with
 the totals of the counters. Ends with 1 if a byte of the picture or a counter differs.

@@ -6,9 +6,10 @@
 //! first ray; [`Device::load`] copies a scene to its memory, and gives a
 //! [`RayDevice`](tracer::accel::RayDevice).
 //!
-//! The program is a text of OpenCL C: the loops are written there (`traversal.cl`, `level.cl`,
-//! `path.cl`), and the formulas of boxes and shapes (`formulas`), of surfaces and lights (`paths`)
-//! are recorded from the Rust code (`tape`), so that none is written twice.
+//! The program is one text, of which a prelude makes OpenCL C or CUDA C++: the loops are written there
+//! (`traversal.cl`, `level.cl`, `path.cl`), and the formulas of boxes and shapes (`formulas`), of
+//! surfaces and lights (`paths`) are recorded from the Rust code (`tape`), so that none is written
+//! twice.
 
 mod tape;
 mod print;
@@ -18,9 +19,10 @@ mod program;
 mod scene;
 mod library;
 mod opencl;
+mod cuda;
 mod proof;
 mod opened;
 mod device_scene;
 
 pub use device_scene::DeviceScene;
-pub use opened::{Device, DeviceError};
+pub use opened::{Device, DeviceError, DeviceLibrary};

@@ -1,4 +1,4 @@
-//! What a library of devices offers.
+//! What a library of devices offers: OpenCL and CUDA stand behind the same traits.
 //!
 //! A [`ListedDevice`] opens as an [`OpenDevice`], which compiles a [`DeviceProgram`]; with the arrays of a
 //! scene it is a [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
@@ -19,6 +19,8 @@ const MAX_LAUNCH: Duration = Duration::from_secs(30);
 /// Why a device cannot go on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum DeviceFault {
+    /// The system does not have this library.
+    Missing(&'static str),
     /// A call failed with this name of an error.
     Call(String),
     /// The program cannot be built; the compiler's first lines.
@@ -40,6 +42,7 @@ impl DeviceFault {
 impl fmt::Display for DeviceFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Missing(library) => write!(f, "it has no `{library}`"),
             Self::Call(name) => write!(f, "{name}"),
             Self::Build(log) => write!(f, "its compiler refuses the program: {log}"),
             Self::Hang => write!(f, "it has not finished in {} s", MAX_LAUNCH.as_secs()),

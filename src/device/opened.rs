@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::cuda;
 use crate::library::{DeviceFault, DeviceProgram, ListedDevice, OpenDevice};
 use crate::opencl;
 use crate::program::{self, Depths};
@@ -11,6 +12,42 @@ use host::text::Diagnostic;
 
 /// Help where a device cannot be used.
 const OTHER_DEVICE: &str = "render without `--device`, or on another device";
+
+/// A library of devices, which is loaded at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeviceLibrary {
+    /// OpenCL, for devices of many makers.
+    OpenCl,
+    /// CUDA, for NVIDIA's cards.
+    Cuda,
+}
+
+impl DeviceLibrary {
+    fn list(self) -> Result<Vec<Box<dyn ListedDevice>>, DeviceFault> {
+        match self {
+            Self::OpenCl => opencl::list(),
+            Self::Cuda => cuda::list(),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::OpenCl => "OpenCL",
+            Self::Cuda => "CUDA",
+        }
+    }
+
+    /// Returns help where it lists no device.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::OpenCl => {
+                "install the driver of the graphics card, or PoCL for the processor: Debian's packages are \
+                 `ocl-icd-libopencl1` and `pocl-opencl-icd`"
+            }
+            Self::Cuda => "install the driver of NVIDIA's card, or render without `--device`",
+        }
+    }
+}
 
 /// A device whose arithmetic agrees with the processor's.
 pub struct Device {
@@ -30,20 +67,23 @@ pub enum DeviceError {
 }
 
 impl Device {
-    /// Opens a device: the first graphics card, or else the first device; with a text, the first
-    /// one whose name or driver contains it, in any case.
+    /// Opens a device of a library: the first graphics card, or else the first device; with a text,
+    /// the first one whose name or driver contains it, in any case.
     ///
     /// # Errors
     /// There is none, or its arithmetic differs from IEEE 754's; the message says what there is.
-    pub fn open(name: Option<&str>) -> Result<Self, DeviceError> {
-        let all = opencl::list().unwrap_or_default();
+    pub fn open(library: DeviceLibrary, name: Option<&str>) -> Result<Self, DeviceError> {
+        let all = library.list().map_err(|fault| {
+            let message = format!("the system lists no {} device: {fault}", library.name());
+            DeviceError::Missing(Diagnostic::new(message).with_help(library.remedy()))
+        })?;
         let wanted = name.unwrap_or_default().to_lowercase();
         let found = all.iter().find(|listed| {
             let name = listed.name().to_lowercase();
             name.contains(&wanted)
         });
         let Some(listed) = found else {
-            return Err(DeviceError::Missing(no_device(&all, name)));
+            return Err(DeviceError::Missing(no_device(library, &all, name)));
         };
         let name = listed.name();
         if !listed.has_doubles() {
@@ -99,22 +139,33 @@ impl fmt::Debug for Device {
 }
 
 fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
+    if let DeviceFault::Missing(library) = fault {
+        let message =
+            format!("the device {name} needs `{library}`, which the system does not have");
+        return DeviceError::Missing(Diagnostic::new(message).with_help(
+            "`pip install nvidia-cuda-nvrtc` installs it; its folder belongs in `LD_LIBRARY_PATH`. \
+             `--device opencl` needs only the driver",
+        ));
+    }
     let message = format!("the device {name} fails: {fault}");
     DeviceError::Failed(Diagnostic::new(message).with_help(OTHER_DEVICE))
 }
 
 /// Returns the message that no device has such a name.
-fn no_device(all: &[Box<dyn ListedDevice>], name: Option<&str>) -> Diagnostic {
+fn no_device(
+    library: DeviceLibrary,
+    all: &[Box<dyn ListedDevice>],
+    name: Option<&str>,
+) -> Diagnostic {
     let names: Vec<_> = all
         .iter()
         .map(|listed| format!("`{}`", listed.name()))
         .collect();
+    let library_name = library.name();
     if let (Some(name), false) = (name, names.is_empty()) {
-        let message = format!("no OpenCL device has `{name}` in its name");
+        let message = format!("no {library_name} device has `{name}` in its name");
         return Diagnostic::new(message).with_help(format!("there is {}", names.join(", ")));
     }
-    Diagnostic::new("the system lists no OpenCL device").with_help(
-        "install the driver of the graphics card, or PoCL for the processor: Debian's packages are \
-         `ocl-icd-libopencl1` and `pocl-opencl-icd`",
-    )
+    Diagnostic::new(format!("the system lists no {library_name} device"))
+        .with_help(library.remedy())
 }

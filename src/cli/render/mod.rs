@@ -82,8 +82,8 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "HOW", value_parser = keyword::<Traversal>())]
     traversal: Option<Traversal>,
 
-    /// Render on another device: `opencl`, or `opencl:TEXT` for the first one whose name or driver
-    /// contains the text. Same picture, same counters
+    /// Render on another device, of `opencl` or `cuda`: `opencl:TEXT` is the first one whose name or
+    /// driver contains the text. Same picture, same counters
     #[arg(long, value_name = "DEVICE", value_parser = parse_device)]
     device: Option<DeviceChoice>,
 

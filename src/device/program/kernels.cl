@@ -1,6 +1,12 @@
 
 /* Answers the query of a ray: finds the nearest hit, or any hit before a limit that does not belong to an object. */
-FUNCTION Search answer(World world, Prepared *ray, float limit, uint ignored, int is_nearest) {
+SEPARATE_FUNCTION Search answer(World world, const float *origin, const float *direction, float limit, uint ignored,
+                                int is_nearest) {
+  Prepared ray;
+  for (int i = 0; i < 3; i++) {
+    ray.origin[i] = origin[i];
+    ray.direction[i] = direction[i];
+  }
   Search search;
   search.t = INFINITY;
   search.limit = limit;
@@ -11,21 +17,18 @@ FUNCTION Search answer(World world, Prepared *ray, float limit, uint ignored, in
   search.n_visits = 0u;
   search.n_tests = 0u;
   Placement none;
-  none.ray = ray;
+  none.ray = &ray;
   none.record = world.records;
-  search_world(&world, 0u, ray, &search, is_nearest, none);
+  search_world(&world, 0u, &ray, &search, is_nearest, none);
   return search;
 }
 
 /* Answers the query of ray `id`: `rays` has origin, direction, limit and ignored object, `out` the parameter of the hit
    (NONE without one; for occlusion 0), its primitive, its instance, the node visits and the primitive tests. */
 FUNCTION void answer_ray(World world, GLOBAL const float *rays, GLOBAL uint *out, uint id, int is_nearest) {
-  Prepared ray;
-  for (int i = 0; i < 3; i++) {
-    ray.origin[i] = rays[8ul * id + i];
-    ray.direction[i] = rays[8ul * id + 3 + i];
-  }
-  Search search = answer(world, &ray, rays[8ul * id + 6], BITS_OF(rays[8ul * id + 7]), is_nearest);
+  float ray[7];
+  for (int i = 0; i < 7; i++) ray[i] = rays[8ul * id + i];
+  Search search = answer(world, ray, ray + 3, ray[6], BITS_OF(rays[8ul * id + 7]), is_nearest);
   int is_hit = is_nearest ? search.t < INFINITY : search.is_done;
   out[5ul * id] = !is_hit ? NONE : is_nearest ? BITS_OF(search.t) : 0u;
   out[5ul * id + 1] = search.primitive;

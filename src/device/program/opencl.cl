@@ -4,6 +4,7 @@
 #define GLOBAL __global
 #define CONSTANT __constant
 #define FUNCTION static inline
+#define SEPARATE_FUNCTION static
 #define ID get_global_id(0)
 #define BITS_OF(x) as_uint(x)
 #define FLOAT_OF(x) as_float(x)

@@ -17,12 +17,7 @@ FUNCTION void count_ray(PathCost *cost, uint depth) { cost->bounces[depth < N_BO
 /* Searches for the ray of a path, and counts its steps. */
 FUNCTION Search search_path(World world, const float *origin, const float *direction, float limit, uint ignored,
                             int is_nearest, PathCost *cost) {
-  Prepared ray;
-  for (int i = 0; i < 3; i++) {
-    ray.origin[i] = origin[i];
-    ray.direction[i] = direction[i];
-  }
-  Search search = answer(world, &ray, limit, ignored, is_nearest);
+  Search search = answer(world, origin, direction, limit, ignored, is_nearest);
   cost->n_visits += search.n_visits;
   cost->n_tests += search.n_tests;
   return search;

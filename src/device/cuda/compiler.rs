@@ -1,0 +1,124 @@
+//! NVIDIA's compiler of CUDA C++ at run time: NVRTC, a library of the CUDA toolkit, and of PyPI as
+//! `nvidia-cuda-nvrtc` (NVRTC, user guide).
+#![expect(unsafe_code, reason = "functions of C")]
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ptr::{null, null_mut};
+
+use super::functions::{functions, load};
+use super::ptx;
+use crate::library::DeviceFault;
+
+/// The names of the library, newest first.
+const NAMES: [&str; 4] = [
+    "libnvrtc.so.13",
+    "libnvrtc.so.12",
+    "libnvrtc.so.11.2",
+    "libnvrtc.so",
+];
+
+/// No fused operations, no flushed subnormals, and correct rounding.
+const OPTIONS: [&str; 4] = [
+    "--fmad=false",
+    "--ftz=false",
+    "--prec-div=true",
+    "--prec-sqrt=true",
+];
+
+/// The compute capability, times 10, that the program needs at most: newer cards run it, too, and
+/// compilers of CUDA 10 to 13 know it.
+const CAPABILITY: c_int = 75;
+
+/// A handle of a program.
+type ProgramHandle = *mut c_void;
+
+functions! {
+    /// The compiler. Its functions return 0, or the number of an error.
+    Compiler {
+        create: b"nvrtcCreateProgram"(
+            *mut ProgramHandle, *const c_char, *const c_char, c_int, *const *const c_char, *const *const c_char
+        );
+        compile: b"nvrtcCompileProgram"(ProgramHandle, c_int, *const *const c_char);
+        log_size: b"nvrtcGetProgramLogSize"(ProgramHandle, *mut usize);
+        log: b"nvrtcGetProgramLog"(ProgramHandle, *mut c_char);
+        ptx_size: b"nvrtcGetPTXSize"(ProgramHandle, *mut usize);
+        ptx: b"nvrtcGetPTX"(ProgramHandle, *mut c_char);
+        destroy: b"nvrtcDestroyProgram"(*mut ProgramHandle);
+    }
+}
+
+impl Compiler {
+    /// Loads the compiler.
+    pub(super) fn open() -> Result<Self, DeviceFault> {
+        let mut found = NAMES.into_iter().filter_map(|name| Self::of(load(name)?));
+        found.next().ok_or(DeviceFault::Missing("libnvrtc.so"))
+    }
+
+    /// Compiles CUDA C++ for cards of a compute capability, times 10, and newer ones. Returns PTX
+    /// for the driver, whose arithmetic is exact.
+    pub(super) fn compile(&self, text: &str, capability: c_int) -> Result<String, DeviceFault> {
+        let capability = capability.min(CAPABILITY);
+        let options = [format!("--gpu-architecture=compute_{capability}")];
+        let options = options.into_iter().chain(OPTIONS.map(str::to_owned));
+        let options: Vec<_> = options.map(c_text).collect();
+        let options: Vec<_> = options.iter().map(|option| option.as_ptr()).collect();
+        let (text, name) = (c_text(text), c"raycost.cu");
+        let mut program = null_mut();
+        // SAFETY: the texts end with a zero and outlive the calls, which keep none of them; there are
+        // no headers; `read` reads with the functions of a size and a text.
+        unsafe {
+            check((self.create)(
+                &mut program,
+                text.as_ptr(),
+                name.as_ptr(),
+                0,
+                null(),
+                null(),
+            ))?;
+            let code = (self.compile)(program, options.len() as c_int, options.as_ptr());
+            let result = if code == 0 {
+                read(program, self.ptx_size, self.ptx)
+            } else {
+                let log = read(program, self.log_size, self.log);
+                log.and_then(|log| Err(DeviceFault::of_build(&log)))
+            };
+            (self.destroy)(&mut program);
+            ptx::exact(&result?).map_err(DeviceFault::Build)
+        }
+    }
+}
+
+/// Reads a text of a program, given the functions for its size and its bytes.
+///
+/// # Safety
+/// The functions are such ones, and the program exists.
+unsafe fn read(
+    program: ProgramHandle,
+    size: unsafe extern "C" fn(ProgramHandle, *mut usize) -> c_int,
+    bytes: unsafe extern "C" fn(ProgramHandle, *mut c_char) -> c_int,
+) -> Result<String, DeviceFault> {
+    let mut n = 0;
+    // SAFETY: `bytes` writes as many bytes as `size` says, the last one a zero.
+    let text = unsafe {
+        check(size(program, &mut n))?;
+        let mut text = vec![0_u8; n];
+        check(bytes(program, text.as_mut_ptr().cast()))?;
+        text
+    };
+    let text = String::from_utf8_lossy(&text);
+    Ok(text.trim_end_matches('\0').to_owned())
+}
+
+/// Returns a text that ends with a zero.
+fn c_text(text: impl Into<Vec<u8>>) -> CString {
+    let mut text = text.into();
+    text.retain(|&byte| byte != 0);
+    CString::new(text).unwrap_or_default()
+}
+
+fn check(code: c_int) -> Result<(), DeviceFault> {
+    match code {
+        0 => Ok(()),
+        _ => Err(DeviceFault::Call(format!("error {code} of NVRTC"))),
+    }
+}

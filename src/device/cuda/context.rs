@@ -1,0 +1,297 @@
+//! What lives on one of NVIDIA's cards: a context with its modules, memory and streams.
+#![expect(unsafe_code, reason = "functions of C")]
+
+use std::ffi::{CStr, CString, c_int, c_uint, c_void};
+use std::ptr::null_mut;
+use std::sync::Arc;
+
+use super::driver::{Address, Driver, Handle};
+use crate::library::{DeviceFault, GROUP, wait};
+
+/// `CUDA_ERROR_NOT_READY`: an event has not happened yet.
+const NOT_READY: c_int = 600;
+/// `CU_STREAM_NON_BLOCKING`: streams do not wait for each other.
+const NON_BLOCKING: c_uint = 1;
+/// `CU_JIT_ERROR_LOG_BUFFER` and `CU_JIT_ERROR_LOG_BUFFER_SIZE_BYTES`.
+const ERROR_LOG: [c_int; 2] = [5, 6];
+/// Bytes of the log of the driver's compiler.
+const MAX_LOG: usize = 4096;
+/// `CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES`.
+const LOCAL_BYTES: c_int = 3;
+
+/// The primary context of a device.
+pub(super) struct Context {
+    driver: Arc<Driver>,
+    device: c_int,
+    handle: Handle,
+}
+
+// SAFETY: all threads may use the driver and its handles (CUDA C++ programming guide, "Context").
+unsafe impl Send for Context {}
+// SAFETY: as above.
+unsafe impl Sync for Context {}
+
+impl Context {
+    pub(super) fn new(driver: Arc<Driver>, device: c_int) -> Result<Self, DeviceFault> {
+        let mut handle = null_mut();
+        // SAFETY: the call writes one handle.
+        driver.check(unsafe { (driver.retain_context)(&mut handle, device) })?;
+        Ok(Self {
+            driver,
+            device,
+            handle,
+        })
+    }
+
+    /// Returns the driver, for calls of this thread that are about this context.
+    fn enter(&self) -> Result<&Driver, DeviceFault> {
+        // SAFETY: the context lives.
+        self.driver
+            .check(unsafe { (self.driver.set_context)(self.handle) })?;
+        Ok(&self.driver)
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        // SAFETY: it was retained once.
+        unsafe { (self.driver.release_context)(self.device) };
+    }
+}
+
+/// A program on a device.
+pub(super) struct Module {
+    context: Arc<Context>,
+    handle: Handle,
+}
+
+// SAFETY: as for `Context`.
+unsafe impl Send for Module {}
+// SAFETY: as for `Context`.
+unsafe impl Sync for Module {}
+
+impl Module {
+    /// Has the driver compile PTX.
+    pub(super) fn new(context: &Arc<Context>, ptx: &str) -> Result<Self, DeviceFault> {
+        let driver = context.enter()?;
+        let ptx = CString::new(ptx).unwrap_or_default();
+        let (mut log, mut handle) = ([0_u8; MAX_LOG], null_mut());
+        let mut options = ERROR_LOG;
+        let mut values = [log.as_mut_ptr().cast(), MAX_LOG as *mut c_void];
+        // SAFETY: a zero ends the text; the log is as long as the second option says, whose value the
+        // driver replaces by the length of what it wrote.
+        let code = unsafe {
+            (driver.load_module)(
+                &mut handle,
+                ptx.as_ptr().cast(),
+                options.len() as c_uint,
+                options.as_mut_ptr(),
+                values.as_mut_ptr(),
+            )
+        };
+        driver.check(code).map_err(|fault| {
+            let log = CStr::from_bytes_until_nul(&log)
+                .unwrap_or_default()
+                .to_string_lossy();
+            match log.trim() {
+                "" => fault,
+                log => DeviceFault::of_build(log),
+            }
+        })?;
+        Ok(Self {
+            context: Arc::clone(context),
+            handle,
+        })
+    }
+
+    /// Returns a kernel.
+    pub(super) fn kernel(&self, name: &str) -> Result<CudaKernel, DeviceFault> {
+        let driver = self.context.enter()?;
+        let name = CString::new(name).unwrap_or_default();
+        let mut kernel = CudaKernel(null_mut());
+        // SAFETY: a zero ends the name; the call writes one handle.
+        driver.check(unsafe { (driver.kernel)(&mut kernel.0, self.handle, name.as_ptr()) })?;
+        Ok(kernel)
+    }
+
+    /// Returns the bytes of memory of an item of a kernel beyond registers.
+    pub(super) fn local_bytes(&self, kernel: &CudaKernel) -> Result<u64, DeviceFault> {
+        let mut value = 0;
+        // SAFETY: the call writes one number.
+        let code =
+            unsafe { (self.context.driver.kernel_attribute)(&mut value, LOCAL_BYTES, kernel.0) };
+        self.context.driver.check(code)?;
+        Ok(value as u64)
+    }
+}
+
+impl Drop for Module {
+    fn drop(&mut self) {
+        if let Ok(driver) = self.context.enter() {
+            // SAFETY: the module lives, and no kernel of it runs.
+            unsafe { (driver.unload_module)(self.handle) };
+        }
+    }
+}
+
+/// A kernel of a module.
+pub(super) struct CudaKernel(Handle);
+
+// SAFETY: as for `Context`.
+unsafe impl Send for CudaKernel {}
+
+/// CudaMemory of a device.
+pub(super) struct CudaMemory {
+    context: Arc<Context>,
+    address: Address,
+    /// Number of words.
+    len: usize,
+}
+
+impl CudaMemory {
+    /// Allocates memory for a number of words, at least one.
+    pub(super) fn new(context: &Arc<Context>, len: usize) -> Result<Self, DeviceFault> {
+        let driver = context.enter()?;
+        let mut address = 0;
+        // SAFETY: the call writes one address.
+        driver.check(unsafe { (driver.allocate)(&mut address, 4 * len) })?;
+        Ok(Self {
+            context: Arc::clone(context),
+            address,
+            len,
+        })
+    }
+
+    /// Returns the number of words.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+}
+
+impl Drop for CudaMemory {
+    fn drop(&mut self) {
+        if let Ok(driver) = self.context.enter() {
+            // SAFETY: the memory is allocated, and no kernel uses it.
+            unsafe { (driver.free)(self.address) };
+        }
+    }
+}
+
+/// A queue of copies and launches.
+pub(super) struct Stream {
+    context: Arc<Context>,
+    handle: Handle,
+    /// The events at the begin and the end of a launch.
+    events: [Handle; 2],
+}
+
+// SAFETY: as for `Context`.
+unsafe impl Send for Stream {}
+
+impl Stream {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Self, DeviceFault> {
+        let driver = context.enter()?;
+        let mut stream = Self {
+            context: Arc::clone(context),
+            handle: null_mut(),
+            events: [null_mut(); 2],
+        };
+        // SAFETY: each call writes one handle.
+        driver.check(unsafe { (driver.create_stream)(&mut stream.handle, NON_BLOCKING) })?;
+        for event in &mut stream.events {
+            // SAFETY: as above.
+            driver.check(unsafe { (driver.create_event)(event, 0) })?;
+        }
+        Ok(stream)
+    }
+
+    /// Copies words to memory, which is long enough; [`wait`](Self::wait) waits for the end.
+    pub(super) fn write(&self, to: &CudaMemory, words: &[u32]) -> Result<(), DeviceFault> {
+        assert!(words.len() <= to.len);
+        let (driver, n) = (self.context.enter()?, size_of_val(words));
+        // SAFETY: both sides are that long. The words may change at the return: the call has copied them,
+        // since their memory is not page-locked (CUDA Driver API, "API synchronization behavior").
+        driver.check(unsafe {
+            (driver.copy_to_device)(to.address, words.as_ptr().cast(), n, self.handle)
+        })
+    }
+
+    /// Copies words from memory, which is long enough.
+    pub(super) fn read(&self, from: &CudaMemory, words: &mut [u32]) -> Result<(), DeviceFault> {
+        assert!(words.len() <= from.len);
+        let (driver, n) = (self.context.enter()?, size_of_val(words));
+        // SAFETY: both sides are that long, and the call returns when all is copied, since the words'
+        // memory is not page-locked.
+        driver.check(unsafe {
+            (driver.copy_to_host)(words.as_mut_ptr().cast(), from.address, n, self.handle)
+        })
+    }
+
+    /// Runs a kernel for `n` items, with arrays and then `n` as its arguments. Returns the
+    /// nanoseconds that it took.
+    pub(super) fn run<'a>(
+        &self,
+        kernel: &CudaKernel,
+        arrays: impl Iterator<Item = &'a CudaMemory>,
+        n: usize,
+    ) -> Result<f64, DeviceFault> {
+        let driver = self.context.enter()?;
+        let [begin, end] = self.events;
+        let mut addresses: Vec<Address> = arrays.map(|memory| memory.address).collect();
+        let (n_groups, mut n) = (n.div_ceil(GROUP) as c_uint, n as u32);
+        let addresses = addresses
+            .iter_mut()
+            .map(|address| (&raw mut *address).cast());
+        let mut arguments: Vec<*mut c_void> = addresses.chain([(&raw mut n).cast()]).collect();
+        // SAFETY: the kernel's parameters are such arrays and a number, which the call reads before it
+        // returns; the arrays live until the end of the launch, or for ever if the device hangs.
+        driver.check(unsafe { (driver.record_event)(begin, self.handle) })?;
+        driver.check(unsafe {
+            (driver.launch)(
+                kernel.0,
+                n_groups,
+                1,
+                1,
+                GROUP as c_uint,
+                1,
+                1,
+                0,
+                self.handle,
+                arguments.as_mut_ptr(),
+                null_mut(),
+            )
+        })?;
+        self.wait()?;
+        let mut ms = 0.0;
+        // SAFETY: both events have happened; the call writes one number.
+        driver.check(unsafe { (driver.milliseconds)(&mut ms, begin, end) })?;
+        Ok(1e6 * f64::from(ms))
+    }
+
+    /// Waits until all is done that was queued.
+    pub(super) fn wait(&self) -> Result<(), DeviceFault> {
+        let (driver, [_, end]) = (self.context.enter()?, self.events);
+        // SAFETY: stream and event live.
+        driver.check(unsafe { (driver.record_event)(end, self.handle) })?;
+        // SAFETY: the event lives.
+        wait(|| match unsafe { (driver.query_event)(end) } {
+            NOT_READY => Ok(false),
+            code => driver.check(code).map(|()| true),
+        })
+    }
+}
+
+impl Drop for Stream {
+    fn drop(&mut self) {
+        let Ok(driver) = self.context.enter() else {
+            return;
+        };
+        // SAFETY: null is none; what was queued is done.
+        unsafe {
+            for event in self.events {
+                (driver.destroy_event)(event);
+            }
+            (driver.destroy_stream)(self.handle);
+        }
+    }
+}

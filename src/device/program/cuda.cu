@@ -1,0 +1,15 @@
+/* The names of what differs between the languages of devices, here of CUDA C++. */
+typedef unsigned int uint;
+typedef unsigned long ulong;
+#define KERNEL extern "C" __global__
+#define GLOBAL
+#define CONSTANT static __constant__
+#define FUNCTION static __device__ inline
+#define SEPARATE_FUNCTION static __device__ __noinline__
+#define ID (blockIdx.x * blockDim.x + threadIdx.x)
+#define BITS_OF(x) __float_as_uint(x)
+#define FLOAT_OF(x) __uint_as_float(x)
+#define DOUBLE_OF(x) __longlong_as_double((long long)(x))
+#define SQRT(x) sqrt(x)
+#define INFINITY FLOAT_OF(0x7f800000u)
+
