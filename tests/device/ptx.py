@@ -63,6 +63,8 @@ def operation(words, args):
     if op == "setp":
         a, b = numbers
         comparison = words[1]
+        if comparison in ("num", "nan"):
+            return f"{to} = {'!' if comparison == 'num' else ''}({a} != {a} || {b} != {b});"
         is_unordered = comparison not in COMPARISONS
         other = f" || {a} != {a} || {b} != {b}" if is_unordered else ""
         return f"{to} = {a} {COMPARISONS[comparison.removesuffix('u') if is_unordered else comparison]} {b}{other};"

@@ -12,4 +12,11 @@ typedef unsigned long ulong;
 #define DOUBLE_OF(x) __longlong_as_double((long long)(x))
 #define SQRT(x) sqrt(x)
 #define INFINITY FLOAT_OF(0x7f800000u)
+#define round(x) rounded_half_away(x)
+
+/* CUDA's own function adds in another mode of rounding. */
+FUNCTION double rounded_half_away(double x) {
+  double whole = trunc(x), rest = x - whole;
+  return rest >= 0.5 ? whole + 1.0 : rest <= -0.5 ? whole - 1.0 : whole;
+}
 
