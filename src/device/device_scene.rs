@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::mem;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glam::Vec3;
 
@@ -43,8 +43,9 @@ impl Device {
     ) -> Result<DeviceScene<'_>, DeviceError> {
         let arrays = SceneArrays::new(accel);
         let paths = RecordedPaths::new(formulas);
-        let n_data = paths.as_ref().map_or(0, |paths| paths.data.len());
-        let n_bytes = 4 * arrays.lines.len().max(n_data) as u64;
+        let all = all_arrays(&arrays, paths.as_ref().ok());
+        let longest = all.iter().map(|array| size_of_val(*array)).max();
+        let n_bytes = longest.unwrap_or(0) as u64;
         let (most, memory) = (self.machine().max_array_bytes(), self.machine().n_bytes());
         if n_bytes > most {
             let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
@@ -59,13 +60,12 @@ impl Device {
         }
         let functions = paths.as_ref().ok().map(|paths| &paths.text[..]);
         let program = self.program(program::text(arrays.depths, functions));
-        let loaded =
-            program.and_then(|program| program.load(&all_arrays(&arrays, paths.as_ref().ok())));
+        let loaded = program.and_then(|program| program.load(&all));
         Ok(DeviceScene {
             device: self,
             loaded: loaded.map_err(|fault| self.failed(&fault))?,
             paths: paths.map(|_| formulas.sampler),
-            workers: Pool::new(),
+            workers: Mutex::default(),
             kernels: Mutex::default(),
             failure: OnceLock::new(),
             cancellation: cancellation.clone(),
@@ -100,7 +100,8 @@ pub struct DeviceScene<'a> {
     /// The numbers of the samples whose paths it follows, or the part of the scene because of which
     /// it follows none.
     paths: Result<Sampler, String>,
-    workers: Pool<Worker>,
+    /// The workers that no thread uses at the moment.
+    workers: Mutex<Vec<Worker>>,
     /// The work of each kernel that was launched.
     kernels: Mutex<Vec<KernelWork>>,
     failure: OnceLock<DeviceFault>,
@@ -114,11 +115,6 @@ struct Worker {
     output: Vec<u32>,
     /// The last launch.
     launch: DeviceLaunch,
-}
-
-/// Returns the place of the node visits and the primitive tests in an answer of a kernel.
-fn place_of_steps(kernel: Kernel) -> usize {
-    if kernel == Kernel::Path { 6 } else { 3 }
 }
 
 impl DeviceScene<'_> {
@@ -135,7 +131,7 @@ impl DeviceScene<'_> {
 
     /// Returns the work of each kernel since the last call.
     pub fn take_kernels(&self) -> Vec<KernelWork> {
-        mem::take(&mut self.kernels.lock().unwrap_or_else(PoisonError::into_inner))
+        mem::take(&mut *locked(&self.kernels))
     }
 
     /// Returns the device with the work of each kernel since the last call of
@@ -156,8 +152,8 @@ impl DeviceScene<'_> {
         ns: f64,
         answers: &[[u32; N]],
     ) -> Result<DeviceLaunch, DeviceFault> {
-        let name = kernel.name();
-        let mut kernels = self.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let name = kernel.name;
+        let mut kernels = locked(&self.kernels);
         let number = match kernels.iter().position(|work| work.name == name) {
             Some(number) => number,
             None => {
@@ -165,7 +161,8 @@ impl DeviceScene<'_> {
                 kernels.len() - 1
             }
         };
-        let first = place_of_steps(kernel);
+        // An answer has the node visits and the primitive tests there.
+        let first = if kernel == Kernel::PATH { 6 } else { 3 };
         let steps = |answer: &[u32; N]| {
             let steps = &answer[first..first + 2];
             steps.iter().map(|&n| u64::from(n)).sum()
@@ -190,7 +187,7 @@ impl DeviceScene<'_> {
                 let answers = worker.output[..N * n].as_chunks::<N>().0;
                 answers.iter().enumerate().for_each(answer);
                 let launch = worker.launch;
-                self.workers.put(worker);
+                locked(&self.workers).push(worker);
                 launch
             }
             Err(fault) => {
@@ -209,7 +206,8 @@ impl DeviceScene<'_> {
         rays: impl Iterator<Item = [u32; M]>,
         n: usize,
     ) -> Result<Worker, DeviceFault> {
-        let mut worker = self.workers.take().map_or_else(|| self.worker(), Ok)?;
+        let idle = locked(&self.workers).pop();
+        let mut worker = idle.map_or_else(|| self.worker(), Ok)?;
         worker.input.clear();
         worker.input.extend(rays.flatten());
         worker.output.resize(N * n, 0);
@@ -248,7 +246,7 @@ impl DeviceScene<'_> {
 fn no_work(kernel: Kernel, queue: &mut dyn LaunchQueue) -> Result<KernelWork, DeviceFault> {
     let facts = queue.facts(kernel)?;
     Ok(KernelWork {
-        name: kernel.name().to_owned(),
+        name: kernel.name.to_owned(),
         launches: 0,
         rays: 0,
         seconds: 0.0,
@@ -270,7 +268,7 @@ impl RayDevice for DeviceScene<'_> {
         hits.clear();
         hits.resize(rays.len(), None);
         let words = rays.iter().map(|ray| words(&ray, f32::INFINITY, NONE));
-        self.answer::<N_IN, N_OUT>(Kernel::Nearest, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Kernel::NEAREST, words, rays.len(), |(i, answer)| {
             let [t, primitive, instance, n_visits, n_tests] = *answer;
             hits[i] = hit([t, primitive, instance]);
             count(i, n_visits, n_tests);
@@ -289,7 +287,7 @@ impl RayDevice for DeviceScene<'_> {
             let ignored = shadow.ignored.map_or(NONE, |object| object.0);
             words(&shadow.ray, shadow.t_max, ignored)
         });
-        self.answer::<N_IN, N_OUT>(Kernel::Occluded, words, rays.len(), |(i, answer)| {
+        self.answer::<N_IN, N_OUT>(Kernel::OCCLUDED, words, rays.len(), |(i, answer)| {
             let [found, _, _, n_visits, n_tests] = *answer;
             occluded[i] = found != NONE;
             count(i, n_visits, n_tests);
@@ -307,7 +305,7 @@ impl RayDevice for DeviceScene<'_> {
             let [g, h, j, k] = paths.media.get(i).copied().unwrap_or_default();
             [a, b, c, d, e, f, pixel, sample, g, h, j, k]
         });
-        self.answer::<N_START, N_RESULTS>(Kernel::Path, words, paths.rays.len(), |(i, result)| {
+        self.answer::<N_START, N_RESULTS>(Kernel::PATH, words, paths.rays.len(), |(i, result)| {
             let (path, hit) = followed(result);
             take(i, &path, hit);
         })
@@ -365,22 +363,7 @@ impl fmt::Debug for DeviceScene<'_> {
     }
 }
 
-/// Values that threads take in turns: each uses its own, and returns it.
-struct Pool<T>(Mutex<Vec<T>>);
-
-impl<T> Pool<T> {
-    fn new() -> Self {
-        Self(Mutex::default())
-    }
-
-    fn take(&self) -> Option<T> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
-    }
-
-    fn put(&self, value: T) {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(value);
-    }
+/// Locks a value that a thread cannot leave half-written.
+fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }

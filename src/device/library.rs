@@ -1,7 +1,7 @@
 //! What a library of devices offers: OpenCL and CUDA stand behind the same traits.
 //!
-//! A [`ListedDevice`] opens as an [`OpenDevice`], which compiles a [`DeviceProgram`]; with the arrays of a
-//! scene it is a [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
+//! A [`LibraryDevice`] compiles a [`DeviceProgram`]; with the arrays of a scene it is a
+//! [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
 
 use std::fmt;
 use std::sync::Arc;
@@ -51,25 +51,19 @@ impl fmt::Display for DeviceFault {
     }
 }
 
-/// A device as its library lists it.
-pub(crate) trait ListedDevice {
+/// A device of a library.
+pub(crate) trait LibraryDevice: Send + Sync {
     /// Returns the device's name and its driver's.
     fn name(&self) -> String;
 
-    /// Returns true if it computes in double precision.
-    fn has_doubles(&self) -> bool;
-
-    /// Opens the device.
-    fn open(&self) -> Result<Box<dyn OpenDevice>, DeviceFault>;
-}
-
-/// A device that programs run on.
-pub(crate) trait OpenDevice: Send + Sync {
     /// Returns the bytes of its memory.
     fn n_bytes(&self) -> u64;
 
     /// Returns the most bytes of one array.
     fn max_array_bytes(&self) -> u64;
+
+    /// Returns true if it computes in double precision.
+    fn has_doubles(&self) -> bool;
 
     /// Compiles a program, given without the prelude of the device's language.
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault>;

@@ -16,11 +16,10 @@ use opencl3::event::CL_COMPLETE;
 use opencl3::kernel::{self, CL_KERNEL_MAX_SUB_GROUP_SIZE_FOR_NDRANGE, ExecuteKernel};
 use opencl3::memory::{Buffer, CL_MEM_COPY_HOST_PTR, CL_MEM_READ_ONLY, CL_MEM_READ_WRITE};
 use opencl3::platform::{Platform, get_platforms};
-use opencl3::program;
+use opencl3::program::Program;
 
 use crate::library::{
-    DeviceFault, DeviceProgram, GROUP, KernelFacts, LaunchQueue, ListedDevice, LoadedProgram,
-    OpenDevice, wait,
+    DeviceFault, DeviceProgram, GROUP, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram, wait,
 };
 use crate::program::Kernel;
 
@@ -37,7 +36,7 @@ impl From<ClError> for DeviceFault {
 ///
 /// # Errors
 /// The system has no `libOpenCL`, or it lists no platform.
-pub(crate) fn list() -> Result<Vec<Box<dyn ListedDevice>>, DeviceFault> {
+pub(crate) fn list() -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
     let platforms = get_platforms()?;
     let of = |platform: &Platform| platform.get_devices(CL_DEVICE_TYPE_ALL).unwrap_or_default();
     let all = platforms.iter().flat_map(of);
@@ -45,7 +44,7 @@ pub(crate) fn list() -> Result<Vec<Box<dyn ListedDevice>>, DeviceFault> {
     all.sort_by_key(|device| !is_gpu(device));
     let listed = all
         .into_iter()
-        .map(|device| Box::new(OpenClListed(device)) as _);
+        .map(|device| Box::new(OpenClDevice(device)) as _);
     Ok(listed.collect())
 }
 
@@ -54,9 +53,9 @@ fn is_gpu(device: &Device) -> bool {
     kind.is_ok_and(|kind| kind & CL_DEVICE_TYPE_GPU != 0)
 }
 
-struct OpenClListed(Device);
+struct OpenClDevice(Device);
 
-impl ListedDevice for OpenClListed {
+impl LibraryDevice for OpenClDevice {
     fn name(&self) -> String {
         let Self(device) = self;
         let name = device.name().unwrap_or_default();
@@ -67,40 +66,22 @@ impl ListedDevice for OpenClListed {
         format!("{} ({})", name.trim(), driver.trim())
     }
 
+    fn n_bytes(&self) -> u64 {
+        self.0.global_mem_size().unwrap_or(0)
+    }
+
+    fn max_array_bytes(&self) -> u64 {
+        self.0.max_mem_alloc_size().unwrap_or(0)
+    }
+
     fn has_doubles(&self) -> bool {
         let config = self.0.double_fp_config();
         config.is_ok_and(|config| config != 0)
     }
 
-    fn open(&self) -> Result<Box<dyn OpenDevice>, DeviceFault> {
+    fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let Self(device) = *self;
         let context = Context::from_device(&device)?;
-        Ok(Box::new(OpenClDevice(Arc::new(OpenClContext {
-            device,
-            context,
-        }))))
-    }
-}
-
-struct OpenClDevice(Arc<OpenClContext>);
-
-/// A device with a context for its programs and memory.
-struct OpenClContext {
-    device: Device,
-    context: Context,
-}
-
-impl OpenDevice for OpenClDevice {
-    fn n_bytes(&self) -> u64 {
-        self.0.device.global_mem_size().unwrap_or(0)
-    }
-
-    fn max_array_bytes(&self) -> u64 {
-        self.0.device.max_mem_alloc_size().unwrap_or(0)
-    }
-
-    fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
-        let OpenClContext { device, context } = &*self.0;
         // Without the option, a device that could round correctly may not.
         let config = device.single_fp_config().unwrap_or(0);
         let options = if config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT == 0 {
@@ -109,22 +90,24 @@ impl OpenDevice for OpenClDevice {
             "-cl-fp32-correctly-rounded-divide-sqrt"
         };
         let text = PRELUDE.to_owned() + text;
-        let program = program::Program::create_and_build_from_source(context, &text, options);
+        let program = Program::create_and_build_from_source(&context, &text, options);
         Ok(Arc::new(OpenClProgram {
             program: program.map_err(|log| DeviceFault::of_build(&log))?,
-            machine: Arc::clone(&self.0),
+            context,
+            device,
         }))
     }
 }
 
 struct OpenClProgram {
-    program: program::Program,
-    machine: Arc<OpenClContext>,
+    program: Program,
+    context: Context,
+    device: Device,
 }
 
 impl DeviceProgram for OpenClProgram {
     fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault> {
-        let arrays = arrays.iter().map(|array| self.machine.upload(array));
+        let arrays = arrays.iter().map(|array| self.upload(array));
         Ok(Arc::new(OpenClScene {
             arrays: arrays.collect::<Result<_, _>>()?,
             program: self,
@@ -139,19 +122,19 @@ struct OpenClScene {
 
 impl LoadedProgram for OpenClScene {
     fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        let machine = &self.program.machine;
+        let program = &self.program;
         Ok(Box::new(OpenClQueue {
-            queue: CommandQueue::create_default(&machine.context, CL_QUEUE_PROFILING_ENABLE)?,
-            input: machine.allocate(1)?,
-            output: machine.allocate(1)?,
+            queue: CommandQueue::create_default(&program.context, CL_QUEUE_PROFILING_ENABLE)?,
+            input: program.allocate(1)?,
+            output: program.allocate(1)?,
             lengths: [1; 2],
             kernels: Vec::new(),
-            loaded: self,
+            scene: self,
         }))
     }
 }
 
-impl OpenClContext {
+impl OpenClProgram {
     fn upload(&self, array: &[u32]) -> Result<Buffer<u32>, DeviceFault> {
         let flags = CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR;
         let from = array.as_ptr().cast_mut().cast::<c_void>();
@@ -186,7 +169,7 @@ impl OpenClContext {
 }
 
 struct OpenClQueue {
-    loaded: Arc<OpenClScene>,
+    scene: Arc<OpenClScene>,
     queue: CommandQueue,
     input: Buffer<u32>,
     output: Buffer<u32>,
@@ -201,7 +184,7 @@ impl OpenClQueue {
         if let Some(index) = self.kernels.iter().position(|&(known, _)| known == kernel) {
             return Ok(index);
         }
-        let created = kernel::Kernel::create(&self.loaded.program.program, kernel.name())?;
+        let created = kernel::Kernel::create(&self.scene.program.program, kernel.name)?;
         self.kernels.push((kernel, created));
         Ok(self.kernels.len() - 1)
     }
@@ -216,14 +199,14 @@ impl LaunchQueue for OpenClQueue {
         n: usize,
     ) -> Result<f64, DeviceFault> {
         let index = self.index(kernel)?;
-        let machine = &self.loaded.program.machine;
+        let OpenClScene { program, arrays } = &*self.scene;
         let [input_len, output_len] = &mut self.lengths;
         if *input_len < input.len() {
-            self.input = machine.allocate(input.len())?;
+            self.input = program.allocate(input.len())?;
             *input_len = input.len();
         }
         if *output_len < output.len() {
-            self.output = machine.allocate(output.len())?;
+            self.output = program.allocate(output.len())?;
             *output_len = output.len();
         }
         // SAFETY: the kernels' parameters are such arrays in this order, the buffers are large enough,
@@ -233,7 +216,7 @@ impl LaunchQueue for OpenClQueue {
             self.queue
                 .enqueue_write_buffer(&mut self.input, 1, 0, input, &[])?;
             let mut launch = ExecuteKernel::new(&self.kernels[index].1);
-            for array in &self.loaded.arrays[..kernel.n_arrays()] {
+            for array in &arrays[..kernel.n_arrays] {
                 launch.set_arg(array);
             }
             launch
@@ -260,9 +243,9 @@ impl LaunchQueue for OpenClQueue {
 
     fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
         let index = self.index(kernel)?;
-        let (machine, created) = (&self.loaded.program.machine, &self.kernels[index].1);
-        let device = machine.device.id();
-        let warp = machine.sub_group(created);
+        let (program, created) = (&self.scene.program, &self.kernels[index].1);
+        let device = program.device.id();
+        let warp = program.sub_group(created);
         let warp = warp.or_else(|| created.get_work_group_size_multiple(device).ok());
         Ok(KernelFacts {
             warp_size: warp.filter(|&n| n > 0),

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::cuda;
-use crate::library::{DeviceFault, DeviceProgram, ListedDevice, OpenDevice};
+use crate::library::{DeviceFault, DeviceProgram, LibraryDevice};
 use crate::opencl;
 use crate::program::{self, Depths};
 use crate::proof;
@@ -23,7 +23,7 @@ pub enum DeviceLibrary {
 }
 
 impl DeviceLibrary {
-    fn list(self) -> Result<Vec<Box<dyn ListedDevice>>, DeviceFault> {
+    fn list(self) -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
         match self {
             Self::OpenCl => opencl::list(),
             Self::Cuda => cuda::list(),
@@ -51,7 +51,7 @@ impl DeviceLibrary {
 
 /// A device whose arithmetic agrees with the processor's.
 pub struct Device {
-    machine: Box<dyn OpenDevice>,
+    machine: Box<dyn LibraryDevice>,
     name: String,
     /// The program that was compiled last, and its text.
     program: Mutex<(String, Arc<dyn DeviceProgram>)>,
@@ -73,25 +73,22 @@ impl Device {
     /// # Errors
     /// There is none, or its arithmetic differs from IEEE 754's; the message says what there is.
     pub fn open(library: DeviceLibrary, name: Option<&str>) -> Result<Self, DeviceError> {
-        let all = library.list().map_err(|fault| {
+        let mut all = library.list().map_err(|fault| {
             let message = format!("the system lists no {} device: {fault}", library.name());
             DeviceError::Missing(Diagnostic::new(message).with_help(library.remedy()))
         })?;
         let wanted = name.unwrap_or_default().to_lowercase();
-        let found = all.iter().find(|listed| {
-            let name = listed.name().to_lowercase();
-            name.contains(&wanted)
-        });
-        let Some(listed) = found else {
+        let is_wanted = |name: String| name.to_lowercase().contains(&wanted);
+        let Some(found) = all.iter().position(|machine| is_wanted(machine.name())) else {
             return Err(DeviceError::Missing(no_device(library, &all, name)));
         };
-        let name = listed.name();
-        if !listed.has_doubles() {
+        let machine = all.swap_remove(found);
+        let name = machine.name();
+        if !machine.has_doubles() {
             let message = format!("the device {name} does not compute in double precision");
             return Err(DeviceError::Failed(Diagnostic::new(message)));
         }
         let failed = |fault: DeviceFault| failed(&name, &fault);
-        let machine = listed.open().map_err(failed)?;
         let text = program::text(Depths::new(1, None), None);
         let program = machine.compile(&text).map_err(failed)?;
         let difference = proof::refute(Arc::clone(&program)).map_err(failed)?;
@@ -113,7 +110,7 @@ impl Device {
         &self.name
     }
 
-    pub(crate) fn machine(&self) -> &dyn OpenDevice {
+    pub(crate) fn machine(&self) -> &dyn LibraryDevice {
         &*self.machine
     }
 
@@ -154,7 +151,7 @@ fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
 /// Returns the message that no device has such a name.
 fn no_device(
     library: DeviceLibrary,
-    all: &[Box<dyn ListedDevice>],
+    all: &[Box<dyn LibraryDevice>],
     name: Option<&str>,
 ) -> Diagnostic {
     let names: Vec<_> = all

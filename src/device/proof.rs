@@ -25,7 +25,7 @@ pub(crate) fn refute(program: Arc<dyn DeviceProgram>) -> Result<Option<String>, 
     let input: Vec<u32> = (0..3 * N_TRIPLES as u64).map(number).collect();
     let mut output = vec![0; RESULTS.len() * N_TRIPLES];
     let mut queue = program.load(&[])?.queue()?;
-    queue.launch(Kernel::Arithmetic, &input, &mut output, N_TRIPLES)?;
+    queue.launch(Kernel::ARITHMETIC, &input, &mut output, N_TRIPLES)?;
     let triples = input
         .as_chunks::<3>()
         .0

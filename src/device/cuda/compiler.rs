@@ -2,8 +2,9 @@
 //! `nvidia-cuda-nvrtc` (NVRTC, user guide).
 #![expect(unsafe_code, reason = "functions of C")]
 
-use std::ffi::{CString, c_char, c_int, c_void};
-use std::ptr::{null, null_mut};
+use std::ffi::{CString, c_char, c_int};
+use std::ptr::null;
+use std::sync::LazyLock;
 
 use super::functions::{functions, load};
 use super::ptx;
@@ -29,8 +30,8 @@ const OPTIONS: [&str; 4] = [
 /// compilers of CUDA 10 to 13 know it.
 const CAPABILITY: c_int = 75;
 
-/// A handle of a program.
-type ProgramHandle = *mut c_void;
+/// A handle of a program: the bits of a pointer.
+type ProgramHandle = usize;
 
 functions! {
     /// The compiler. Its functions return 0, or the number of an error.
@@ -48,10 +49,11 @@ functions! {
 }
 
 impl Compiler {
-    /// Loads the compiler.
-    pub(super) fn open() -> Result<Self, DeviceFault> {
-        let mut found = NAMES.into_iter().filter_map(|name| Self::of(load(name)?));
-        found.next().ok_or(DeviceFault::Missing("libnvrtc.so"))
+    /// Returns the compiler, which is loaded once.
+    pub(super) fn open() -> Result<&'static Self, DeviceFault> {
+        static COMPILER: LazyLock<Option<Compiler>> =
+            LazyLock::new(|| NAMES.iter().find_map(|name| Compiler::of(load(name)?)));
+        COMPILER.as_ref().ok_or(DeviceFault::Missing("libnvrtc.so"))
     }
 
     /// Compiles CUDA C++ for cards of a compute capability, times 10, and newer ones. Returns PTX
@@ -63,7 +65,7 @@ impl Compiler {
         let options: Vec<_> = options.map(c_text).collect();
         let options: Vec<_> = options.iter().map(|option| option.as_ptr()).collect();
         let (text, name) = (c_text(text), c"raycost.cu");
-        let mut program = null_mut();
+        let mut program = 0;
         // SAFETY: the texts end with a zero and outlive the calls, which keep none of them; there are
         // no headers; `read` reads with the functions of a size and a text.
         unsafe {

@@ -26,18 +26,12 @@ pub(super) struct Context {
     handle: Handle,
 }
 
-// SAFETY: all threads may use the driver and its handles (CUDA C++ programming guide, "Context").
-unsafe impl Send for Context {}
-// SAFETY: as above.
-unsafe impl Sync for Context {}
-
 impl Context {
-    pub(super) fn new(driver: Arc<Driver>, device: c_int) -> Result<Self, DeviceFault> {
-        let mut handle = null_mut();
+    pub(super) fn new(driver: &Arc<Driver>, device: c_int) -> Result<Self, DeviceFault> {
         // SAFETY: the call writes one handle.
-        driver.check(unsafe { (driver.retain_context)(&mut handle, device) })?;
+        let handle = driver.get(|context| unsafe { (driver.retain_context)(context, device) })?;
         Ok(Self {
-            driver,
+            driver: Arc::clone(driver),
             device,
             handle,
         })
@@ -45,10 +39,10 @@ impl Context {
 
     /// Returns the driver, for calls of this thread that are about this context.
     fn enter(&self) -> Result<&Driver, DeviceFault> {
+        let driver = &*self.driver;
         // SAFETY: the context lives.
-        self.driver
-            .check(unsafe { (self.driver.set_context)(self.handle) })?;
-        Ok(&self.driver)
+        driver.check(unsafe { (driver.set_context)(self.handle) })?;
+        Ok(driver)
     }
 }
 
@@ -65,17 +59,12 @@ pub(super) struct Module {
     handle: Handle,
 }
 
-// SAFETY: as for `Context`.
-unsafe impl Send for Module {}
-// SAFETY: as for `Context`.
-unsafe impl Sync for Module {}
-
 impl Module {
     /// Has the driver compile PTX.
     pub(super) fn new(context: &Arc<Context>, ptx: &str) -> Result<Self, DeviceFault> {
         let driver = context.enter()?;
         let ptx = CString::new(ptx).unwrap_or_default();
-        let (mut log, mut handle) = ([0_u8; MAX_LOG], null_mut());
+        let (mut log, mut handle) = ([0_u8; MAX_LOG], 0);
         let mut options = ERROR_LOG;
         let mut values = [log.as_mut_ptr().cast(), MAX_LOG as *mut c_void];
         // SAFETY: a zero ends the text; the log is as long as the second option says, whose value the
@@ -83,17 +72,15 @@ impl Module {
         let code = unsafe {
             (driver.load_module)(
                 &mut handle,
-                ptx.as_ptr().cast(),
+                ptx.as_ptr(),
                 options.len() as c_uint,
                 options.as_mut_ptr(),
                 values.as_mut_ptr(),
             )
         };
         driver.check(code).map_err(|fault| {
-            let log = CStr::from_bytes_until_nul(&log)
-                .unwrap_or_default()
-                .to_string_lossy();
-            match log.trim() {
+            let log = CStr::from_bytes_until_nul(&log).unwrap_or_default();
+            match log.to_string_lossy().trim() {
                 "" => fault,
                 log => DeviceFault::of_build(log),
             }
@@ -104,24 +91,25 @@ impl Module {
         })
     }
 
-    /// Returns a kernel.
-    pub(super) fn kernel(&self, name: &str) -> Result<CudaKernel, DeviceFault> {
+    /// Returns the context.
+    pub(super) fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// Returns the handle of a kernel.
+    fn kernel(&self, name: &str) -> Result<Handle, DeviceFault> {
         let driver = self.context.enter()?;
         let name = CString::new(name).unwrap_or_default();
-        let mut kernel = CudaKernel(null_mut());
         // SAFETY: a zero ends the name; the call writes one handle.
-        driver.check(unsafe { (driver.kernel)(&mut kernel.0, self.handle, name.as_ptr()) })?;
-        Ok(kernel)
+        driver.get(|kernel| unsafe { (driver.kernel)(kernel, self.handle, name.as_ptr()) })
     }
 
     /// Returns the bytes of memory of an item of a kernel beyond registers.
-    pub(super) fn local_bytes(&self, kernel: &CudaKernel) -> Result<u64, DeviceFault> {
-        let mut value = 0;
+    pub(super) fn local_bytes(&self, kernel: &str) -> Result<u64, DeviceFault> {
+        let (driver, kernel) = (&self.context.driver, self.kernel(kernel)?);
         // SAFETY: the call writes one number.
-        let code =
-            unsafe { (self.context.driver.kernel_attribute)(&mut value, LOCAL_BYTES, kernel.0) };
-        self.context.driver.check(code)?;
-        Ok(value as u64)
+        let n = driver.get(|n| unsafe { (driver.kernel_attribute)(n, LOCAL_BYTES, kernel) })?;
+        Ok(n as u64)
     }
 }
 
@@ -134,13 +122,7 @@ impl Drop for Module {
     }
 }
 
-/// A kernel of a module.
-pub(super) struct CudaKernel(Handle);
-
-// SAFETY: as for `Context`.
-unsafe impl Send for CudaKernel {}
-
-/// CudaMemory of a device.
+/// Memory of a device.
 pub(super) struct CudaMemory {
     context: Arc<Context>,
     address: Address,
@@ -152,19 +134,20 @@ impl CudaMemory {
     /// Allocates memory for a number of words, at least one.
     pub(super) fn new(context: &Arc<Context>, len: usize) -> Result<Self, DeviceFault> {
         let driver = context.enter()?;
-        let mut address = 0;
-        // SAFETY: the call writes one address.
-        driver.check(unsafe { (driver.allocate)(&mut address, 4 * len) })?;
         Ok(Self {
             context: Arc::clone(context),
-            address,
+            // SAFETY: the call writes one address.
+            address: driver.get(|address| unsafe { (driver.allocate)(address, 4 * len) })?,
             len,
         })
     }
 
-    /// Returns the number of words.
-    pub(super) fn len(&self) -> usize {
-        self.len
+    /// Makes the memory longer, if it is too short; then its words are lost.
+    pub(super) fn grow(&mut self, len: usize) -> Result<(), DeviceFault> {
+        if self.len < len {
+            *self = Self::new(&self.context, len)?;
+        }
+        Ok(())
     }
 }
 
@@ -185,35 +168,27 @@ pub(super) struct Stream {
     events: [Handle; 2],
 }
 
-// SAFETY: as for `Context`.
-unsafe impl Send for Stream {}
-
 impl Stream {
     pub(super) fn new(context: &Arc<Context>) -> Result<Self, DeviceFault> {
         let driver = context.enter()?;
-        let mut stream = Self {
+        // SAFETY: the call writes one handle.
+        let event = || driver.get(|event| unsafe { (driver.create_event)(event, 0) });
+        Ok(Self {
             context: Arc::clone(context),
-            handle: null_mut(),
-            events: [null_mut(); 2],
-        };
-        // SAFETY: each call writes one handle.
-        driver.check(unsafe { (driver.create_stream)(&mut stream.handle, NON_BLOCKING) })?;
-        for event in &mut stream.events {
             // SAFETY: as above.
-            driver.check(unsafe { (driver.create_event)(event, 0) })?;
-        }
-        Ok(stream)
+            handle: driver.get(|stream| unsafe { (driver.create_stream)(stream, NON_BLOCKING) })?,
+            events: [event()?, event()?],
+        })
     }
 
     /// Copies words to memory, which is long enough; [`wait`](Self::wait) waits for the end.
     pub(super) fn write(&self, to: &CudaMemory, words: &[u32]) -> Result<(), DeviceFault> {
         assert!(words.len() <= to.len);
         let (driver, n) = (self.context.enter()?, size_of_val(words));
-        // SAFETY: both sides are that long. The words may change at the return: the call has copied them,
-        // since their memory is not page-locked (CUDA Driver API, "API synchronization behavior").
-        driver.check(unsafe {
-            (driver.copy_to_device)(to.address, words.as_ptr().cast(), n, self.handle)
-        })
+        // SAFETY: both sides are that long. The words may change at the return: the call has copied
+        // them, since their memory is not page-locked (CUDA Driver API, "API synchronization
+        // behavior").
+        driver.check(unsafe { (driver.copy_to_device)(to.address, words.as_ptr(), n, self.handle) })
     }
 
     /// Copies words from memory, which is long enough.
@@ -223,7 +198,7 @@ impl Stream {
         // SAFETY: both sides are that long, and the call returns when all is copied, since the words'
         // memory is not page-locked.
         driver.check(unsafe {
-            (driver.copy_to_host)(words.as_mut_ptr().cast(), from.address, n, self.handle)
+            (driver.copy_to_host)(words.as_mut_ptr(), from.address, n, self.handle)
         })
     }
 
@@ -231,40 +206,42 @@ impl Stream {
     /// nanoseconds that it took.
     pub(super) fn run<'a>(
         &self,
-        kernel: &CudaKernel,
+        module: &Module,
+        kernel: &str,
         arrays: impl Iterator<Item = &'a CudaMemory>,
         n: usize,
     ) -> Result<f64, DeviceFault> {
+        let kernel = module.kernel(kernel)?;
         let driver = self.context.enter()?;
         let [begin, end] = self.events;
         let mut addresses: Vec<Address> = arrays.map(|memory| memory.address).collect();
-        let (n_groups, mut n) = (n.div_ceil(GROUP) as c_uint, n as u32);
+        let (n_groups, group, mut n) = (n.div_ceil(GROUP) as c_uint, GROUP as c_uint, n as u32);
         let addresses = addresses
             .iter_mut()
             .map(|address| (&raw mut *address).cast());
         let mut arguments: Vec<*mut c_void> = addresses.chain([(&raw mut n).cast()]).collect();
+        let (arguments, stream) = (arguments.as_mut_ptr(), self.handle);
         // SAFETY: the kernel's parameters are such arrays and a number, which the call reads before it
         // returns; the arrays live until the end of the launch, or for ever if the device hangs.
-        driver.check(unsafe { (driver.record_event)(begin, self.handle) })?;
+        driver.check(unsafe { (driver.record_event)(begin, stream) })?;
         driver.check(unsafe {
             (driver.launch)(
-                kernel.0,
+                kernel,
                 n_groups,
                 1,
                 1,
-                GROUP as c_uint,
+                group,
                 1,
                 1,
                 0,
-                self.handle,
-                arguments.as_mut_ptr(),
+                stream,
+                arguments,
                 null_mut(),
             )
         })?;
         self.wait()?;
-        let mut ms = 0.0;
         // SAFETY: both events have happened; the call writes one number.
-        driver.check(unsafe { (driver.milliseconds)(&mut ms, begin, end) })?;
+        let ms = driver.get(|ms| unsafe { (driver.milliseconds)(ms, begin, end) })?;
         Ok(1e6 * f64::from(ms))
     }
 
@@ -283,15 +260,14 @@ impl Stream {
 
 impl Drop for Stream {
     fn drop(&mut self) {
-        let Ok(driver) = self.context.enter() else {
-            return;
-        };
-        // SAFETY: null is none; what was queued is done.
-        unsafe {
-            for event in self.events {
-                (driver.destroy_event)(event);
+        let [begin, end] = self.events;
+        if let Ok(driver) = self.context.enter() {
+            // SAFETY: they live, and what was queued is done.
+            unsafe {
+                (driver.destroy_event)(begin);
+                (driver.destroy_event)(end);
+                (driver.destroy_stream)(self.handle);
             }
-            (driver.destroy_stream)(self.handle);
         }
     }
 }

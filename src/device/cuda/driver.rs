@@ -7,18 +7,16 @@ use std::ptr::null;
 use super::functions::{functions, load};
 use crate::library::DeviceFault;
 
-/// A handle of the driver: of a context, a module, a kernel, a stream or an event.
-pub(super) type Handle = *mut c_void;
+/// A handle of the driver, of a context, a module, a kernel, a stream or an event: the bits of a
+/// pointer. All threads may use it.
+pub(super) type Handle = usize;
 /// An address in a device's memory.
 pub(super) type Address = u64;
 
-/// Attributes of devices: `CUdevice_attribute`.
-#[derive(Clone, Copy)]
-pub(super) enum DeviceAttribute {
-    WarpSize = 10,
-    CapabilityMajor = 75,
-    CapabilityMinor = 76,
-}
+/// `CU_DEVICE_ATTRIBUTE_WARP_SIZE`.
+pub(super) const WARP_SIZE: c_int = 10;
+/// `CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR` and `_MINOR`.
+pub(super) const CAPABILITY: [c_int; 2] = [75, 76];
 
 functions! {
     /// The functions of the driver. They return 0, or the number of an error.
@@ -35,15 +33,15 @@ functions! {
         release_context: b"cuDevicePrimaryCtxRelease_v2"(c_int);
         set_context: b"cuCtxSetCurrent"(Handle);
         load_module: b"cuModuleLoadDataEx"(
-            *mut Handle, *const c_void, c_uint, *mut c_int, *mut *mut c_void
+            *mut Handle, *const c_char, c_uint, *mut c_int, *mut *mut c_void
         );
         unload_module: b"cuModuleUnload"(Handle);
         kernel: b"cuModuleGetFunction"(*mut Handle, Handle, *const c_char);
         kernel_attribute: b"cuFuncGetAttribute"(*mut c_int, c_int, Handle);
         allocate: b"cuMemAlloc_v2"(*mut Address, usize);
         free: b"cuMemFree_v2"(Address);
-        copy_to_device: b"cuMemcpyHtoDAsync_v2"(Address, *const c_void, usize, Handle);
-        copy_to_host: b"cuMemcpyDtoHAsync_v2"(*mut c_void, Address, usize, Handle);
+        copy_to_device: b"cuMemcpyHtoDAsync_v2"(Address, *const u32, usize, Handle);
+        copy_to_host: b"cuMemcpyDtoHAsync_v2"(*mut u32, Address, usize, Handle);
         create_stream: b"cuStreamCreate"(*mut Handle, c_uint);
         destroy_stream: b"cuStreamDestroy_v2"(Handle);
         create_event: b"cuEventCreate"(*mut Handle, c_uint);
@@ -70,53 +68,53 @@ impl Driver {
 
     /// Returns the version of CUDA up to which the driver goes, as "13.0".
     pub(super) fn version(&self) -> Result<String, DeviceFault> {
-        let mut number = 0;
         // SAFETY: the call writes one number.
-        self.check(unsafe { (self.version)(&mut number) })?;
+        let number = self.get(|number| unsafe { (self.version)(number) })?;
         Ok(format!("{}.{}", number / 1000, number % 1000 / 10))
     }
 
     /// Returns the numbers of all devices.
     pub(super) fn devices(&self) -> Result<Vec<c_int>, DeviceFault> {
-        let mut n = 0;
         // SAFETY: the call writes one number.
-        self.check(unsafe { (self.device_count)(&mut n) })?;
-        let device = |i| {
-            let mut device = 0;
-            // SAFETY: the call writes one number.
-            self.check(unsafe { (self.device)(&mut device, i) })?;
-            Ok(device)
-        };
+        let n = self.get(|n| unsafe { (self.device_count)(n) })?;
+        // SAFETY: as above.
+        let device = |i| self.get(|device| unsafe { (self.device)(device, i) });
         (0..n).map(device).collect()
     }
 
     /// Returns the name of a device.
     pub(super) fn device_name(&self, device: c_int) -> Result<String, DeviceFault> {
-        let mut name = [0; 256];
-        // SAFETY: the call writes at most that many bytes, the last one a zero.
-        self.check(unsafe { (self.device_name)(name.as_mut_ptr(), name.len() as c_int, device) })?;
-        // SAFETY: a zero ends the name.
-        let name = unsafe { CStr::from_ptr(name.as_ptr()) };
-        Ok(name.to_string_lossy().into_owned())
+        let mut name = [0_u8; 256];
+        let n = name.len() as c_int;
+        // SAFETY: the call writes at most `n` bytes.
+        self.check(unsafe { (self.device_name)(name.as_mut_ptr().cast(), n, device) })?;
+        let name = CStr::from_bytes_until_nul(&name).unwrap_or_default();
+        Ok(name.to_string_lossy().trim().to_owned())
     }
 
     /// Returns the bytes of a device's memory.
     pub(super) fn device_bytes(&self, device: c_int) -> Result<usize, DeviceFault> {
-        let mut n = 0;
         // SAFETY: the call writes one number.
-        self.check(unsafe { (self.device_bytes)(&mut n, device) })?;
-        Ok(n)
+        self.get(|n| unsafe { (self.device_bytes)(n, device) })
     }
 
     /// Returns an attribute of a device.
     pub(super) fn device_attribute(
         &self,
-        attribute: DeviceAttribute,
+        attribute: c_int,
         device: c_int,
     ) -> Result<c_int, DeviceFault> {
-        let mut value = 0;
         // SAFETY: the call writes one number.
-        self.check(unsafe { (self.device_attribute)(&mut value, attribute as c_int, device) })?;
+        self.get(|value| unsafe { (self.device_attribute)(value, attribute, device) })
+    }
+
+    /// Returns what a call writes.
+    pub(super) fn get<T: Default>(
+        &self,
+        call: impl FnOnce(*mut T) -> c_int,
+    ) -> Result<T, DeviceFault> {
+        let mut value = T::default();
+        self.check(call(&mut value))?;
         Ok(value)
     }
 
@@ -131,7 +129,7 @@ impl Driver {
             (self.error_name)(code, &mut name);
             (!name.is_null()).then(|| CStr::from_ptr(name).to_string_lossy())
         };
-        let name = name.map_or_else(|| format!("CUDA's error {code}"), |name| name.into_owned());
+        let name = name.map_or_else(|| format!("CUDA's error {code}"), Into::into);
         Err(DeviceFault::Call(name))
     }
 }

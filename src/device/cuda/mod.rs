@@ -15,12 +15,12 @@ use std::ffi::c_int;
 use std::sync::Arc;
 
 use crate::library::{
-    DeviceFault, DeviceProgram, KernelFacts, LaunchQueue, ListedDevice, LoadedProgram, OpenDevice,
+    DeviceFault, DeviceProgram, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram,
 };
 use crate::program::Kernel;
 use compiler::Compiler;
 use context::{Context, CudaMemory, Module, Stream};
-use driver::{DeviceAttribute, Driver};
+use driver::{CAPABILITY, Driver, WARP_SIZE};
 
 /// The names of what differs between the languages of devices.
 const PRELUDE: &str = include_str!("../program/cuda.cu");
@@ -29,25 +29,39 @@ const PRELUDE: &str = include_str!("../program/cuda.cu");
 ///
 /// # Errors
 /// The system has no driver, or it does not start.
-pub(crate) fn list() -> Result<Vec<Box<dyn ListedDevice>>, DeviceFault> {
+pub(crate) fn list() -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
     let driver = Arc::new(Driver::open()?);
     let listed = driver.devices()?.into_iter().map(|device| {
         let driver = Arc::clone(&driver);
-        Box::new(CudaListed { driver, device }) as _
+        Box::new(CudaDevice { driver, device }) as _
     });
     Ok(listed.collect())
 }
 
-struct CudaListed {
+struct CudaDevice {
     driver: Arc<Driver>,
     device: c_int,
 }
 
-impl ListedDevice for CudaListed {
+impl CudaDevice {
+    fn attribute(&self, attribute: c_int) -> Result<c_int, DeviceFault> {
+        self.driver.device_attribute(attribute, self.device)
+    }
+}
+
+impl LibraryDevice for CudaDevice {
     fn name(&self) -> String {
         let name = self.driver.device_name(self.device).unwrap_or_default();
         let version = self.driver.version().unwrap_or_default();
-        format!("{} (CUDA {version})", name.trim())
+        format!("{name} (CUDA {version})")
+    }
+
+    fn n_bytes(&self) -> u64 {
+        self.driver.device_bytes(self.device).unwrap_or(0) as u64
+    }
+
+    fn max_array_bytes(&self) -> u64 {
+        self.n_bytes()
     }
 
     /// All cards do for which NVRTC compiles.
@@ -55,67 +69,33 @@ impl ListedDevice for CudaListed {
         true
     }
 
-    fn open(&self) -> Result<Box<dyn OpenDevice>, DeviceFault> {
-        let attribute = |attribute| self.driver.device_attribute(attribute, self.device);
-        Ok(Box::new(CudaDevice {
-            n_bytes: self.driver.device_bytes(self.device)? as u64,
-            warp_size: attribute(DeviceAttribute::WarpSize)? as usize,
-            capability: 10 * attribute(DeviceAttribute::CapabilityMajor)?
-                + attribute(DeviceAttribute::CapabilityMinor)?,
-            context: Arc::new(Context::new(Arc::clone(&self.driver), self.device)?),
-            compiler: Compiler::open()?,
-        }))
-    }
-}
-
-/// An open device.
-struct CudaDevice {
-    compiler: Compiler,
-    context: Arc<Context>,
-    n_bytes: u64,
-    warp_size: usize,
-    /// Its compute capability, times 10.
-    capability: c_int,
-}
-
-impl OpenDevice for CudaDevice {
-    fn n_bytes(&self) -> u64 {
-        self.n_bytes
-    }
-
-    fn max_array_bytes(&self) -> u64 {
-        self.n_bytes
-    }
-
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
-        let text = PRELUDE.to_owned() + text;
-        let ptx = self.compiler.compile(&text, self.capability)?;
+        let [major, minor] = CAPABILITY.map(|attribute| self.attribute(attribute));
+        let ptx = Compiler::open()?.compile(&(PRELUDE.to_owned() + text), 10 * major? + minor?)?;
+        let context = Arc::new(Context::new(&self.driver, self.device)?);
         Ok(Arc::new(CudaProgram {
-            module: Module::new(&self.context, &ptx)?,
-            context: Arc::clone(&self.context),
-            warp_size: self.warp_size,
+            module: Module::new(&context, &ptx)?,
+            warp_size: self.attribute(WARP_SIZE)? as usize,
         }))
     }
 }
 
 struct CudaProgram {
     module: Module,
-    context: Arc<Context>,
     warp_size: usize,
 }
 
 impl DeviceProgram for CudaProgram {
     fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault> {
-        let stream = Stream::new(&self.context)?;
+        let context = self.module.context();
+        let stream = Stream::new(context)?;
         let copy = |array: &&[u32]| {
-            let memory = CudaMemory::new(&self.context, array.len())?;
+            let memory = CudaMemory::new(context, array.len())?;
             stream.write(&memory, array)?;
             Ok(memory)
         };
-        let arrays = arrays
-            .iter()
-            .map(copy)
-            .collect::<Result<_, DeviceFault>>()?;
+        let arrays = arrays.iter().map(copy);
+        let arrays = arrays.collect::<Result<_, DeviceFault>>()?;
         stream.wait()?;
         Ok(Arc::new(CudaScene {
             arrays,
@@ -131,18 +111,18 @@ struct CudaScene {
 
 impl LoadedProgram for CudaScene {
     fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        let context = &self.program.context;
+        let context = self.program.module.context();
         Ok(Box::new(CudaQueue {
             stream: Stream::new(context)?,
             input: CudaMemory::new(context, 1)?,
             output: CudaMemory::new(context, 1)?,
-            loaded: self,
+            scene: self,
         }))
     }
 }
 
 struct CudaQueue {
-    loaded: Arc<CudaScene>,
+    scene: Arc<CudaScene>,
     stream: Stream,
     input: CudaMemory,
     output: CudaMemory,
@@ -156,33 +136,22 @@ impl LaunchQueue for CudaQueue {
         output: &mut [u32],
         n: usize,
     ) -> Result<f64, DeviceFault> {
-        let CudaProgram {
-            module, context, ..
-        } = &*self.loaded.program;
-        for (memory, len) in [
-            (&mut self.input, input.len()),
-            (&mut self.output, output.len()),
-        ] {
-            if memory.len() < len {
-                *memory = CudaMemory::new(context, len)?;
-            }
-        }
+        let CudaScene { program, arrays } = &*self.scene;
+        self.input.grow(input.len())?;
+        self.output.grow(output.len())?;
         self.stream.write(&self.input, input)?;
-        let arrays = &self.loaded.arrays[..kernel.n_arrays()];
-        let arrays = arrays.iter().chain([&self.input, &self.output]);
-        let ns = self.stream.run(&module.kernel(kernel.name())?, arrays, n)?;
+        let arrays = arrays[..kernel.n_arrays].iter();
+        let arrays = arrays.chain([&self.input, &self.output]);
+        let ns = self.stream.run(&program.module, kernel.name, arrays, n)?;
         self.stream.read(&self.output, output)?;
         Ok(ns)
     }
 
     fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
-        let CudaProgram {
-            module, warp_size, ..
-        } = &*self.loaded.program;
-        let kernel = module.kernel(kernel.name())?;
+        let CudaProgram { module, warp_size } = &*self.scene.program;
         Ok(KernelFacts {
             warp_size: Some(*warp_size),
-            private_bytes: Some(module.local_bytes(&kernel)?),
+            private_bytes: Some(module.local_bytes(kernel.name)?),
         })
     }
 }

@@ -10,34 +10,24 @@ const LEVEL_STEP: usize = 8;
 
 /// A kernel of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kernel {
-    /// Finds the nearest hits of rays.
-    Nearest,
-    /// Finds if anything is in the way of rays.
-    Occluded,
-    /// Follows whole paths.
-    Path,
-    /// Computes with triples of numbers.
-    Arithmetic,
+pub(crate) struct Kernel {
+    pub(crate) name: &'static str,
+    /// Number of arrays of the scene that it reads: so many of the first ones.
+    pub(crate) n_arrays: usize,
 }
 
 impl Kernel {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Nearest => "nearest",
-            Self::Occluded => "occluded",
-            Self::Path => "path",
-            Self::Arithmetic => "arithmetic",
-        }
-    }
+    /// Finds the nearest hits of rays.
+    pub(crate) const NEAREST: Self = Self::new("nearest", 5);
+    /// Finds if anything is in the way of rays.
+    pub(crate) const OCCLUDED: Self = Self::new("occluded", 5);
+    /// Follows whole paths.
+    pub(crate) const PATH: Self = Self::new("path", 9);
+    /// Computes with triples of numbers.
+    pub(crate) const ARITHMETIC: Self = Self::new("arithmetic", 0);
 
-    /// Returns the number of arrays of the scene that it reads: so many of the first ones.
-    pub(crate) fn n_arrays(self) -> usize {
-        match self {
-            Self::Nearest | Self::Occluded => 5,
-            Self::Path => 9,
-            Self::Arithmetic => 0,
-        }
+    const fn new(name: &'static str, n_arrays: usize) -> Self {
+        Self { name, n_arrays }
     }
 }
 
