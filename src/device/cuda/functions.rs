@@ -26,7 +26,7 @@ macro_rules! functions {
 }
 pub(super) use functions;
 
-/// Folders beside the ones in which the system looks for libraries.
+/// Folders of libraries: where the system looks for them, and where the toolkit has them.
 const FOLDERS: [&str; 2] = ["", "/usr/local/cuda/lib64"];
 
 /// Loads a library by its name; `None` if the system does not have it.
