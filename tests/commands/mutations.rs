@@ -174,7 +174,7 @@ fn the_full_scene_is_fine() {
 }
 
 proptest! {
-    #![proptest_config(cases(5000))]
+    #![proptest_config(cases(2000))]
 
     #[test]
     fn damaged_scenes_get_a_message_or_are_fine(

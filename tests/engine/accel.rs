@@ -107,8 +107,8 @@ proptest! {
 
     #[test]
     fn all_find_the_same_hits_at_any_scale(
-        shapes in prop::collection::vec(generators::shape(), 1..200),
-        rays in prop::collection::vec(ray(), 80),
+        shapes in prop::collection::vec(generators::shape(), 1..100),
+        rays in prop::collection::vec(ray(), 40),
         exponent in -12_i32..13,
     ) {
         let scale = 10_f32.powi(exponent);

@@ -198,7 +198,7 @@ fn assert_is_twin(config: &Config, warps: Warps) {
 }
 
 proptest! {
-    #![proptest_config(cases(16))]
+    #![proptest_config(cases(10))]
 
     #[test]
     fn idle_lanes_of_random_scenes_are_those_of_single_rays(

