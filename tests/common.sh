@@ -2,8 +2,9 @@
 # What the scripts of the tests share; they source it.
 #
 # All of them build with the same profile, and with one of two sets of features: none, or all whose libraries
-# are here. The tests that need none are built as `cargo test` builds them, also where only the program is
-# wanted: `cargo build` would compile it again, since it gives the dependencies fewer features.
+# are here, with less optimization. The tests that need none are built as `cargo test` builds them, also where
+# only the program is wanted: `cargo build` would compile it again, since it gives the dependencies fewer
+# features.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 mkdir -p target
@@ -87,6 +88,15 @@ features() {
         if have $feature; then all+=,$feature; fi
     done
     echo $all
+}
+
+# Runs a command of cargo with all features. What they change is compiled for few tests only: faster than for the others.
+with_features() {
+    local profile=(--config profile.dev.package.raycost-render.opt-level=1)
+    for crate in vtk import scene output tools; do
+        profile+=(--config "profile.dev.package.raycost-$crate.opt-level=0")
+    done
+    cargo "$1" --quiet --locked "${profile[@]}" --features "$(features)" "${@:2}"
 }
 
 # Builds the program, and says where it is.
