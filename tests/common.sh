@@ -63,8 +63,10 @@ need() {
         no_services+=(-o "DPkg::Options::=--path-exclude=$path")
     done
     # shellcheck disable=SC2086
-    { as_root "${apt[@]}" update &&
-        as_root "${apt[@]}" "${no_services[@]}" install -y --no-install-recommends ${packages[$1]}; } >"$log" 2>&1 ||
+    # Others may install at the same time.
+    { flock 9 && as_root "${apt[@]}" update &&
+        as_root "${apt[@]}" "${no_services[@]}" install -y --no-install-recommends ${packages[$1]}; } \
+        9>target/install.lock >"$log" 2>&1 ||
         { cat "$log" >&2; fail "could not install ${packages[$1]}"; }
     have "$1" || fail "${packages[$1]} are installed, but something of them does not work"
 }
