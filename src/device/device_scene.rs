@@ -17,6 +17,7 @@ use math::sampling::Sampler;
 use tracer::accel::{Accel, CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
 use tracer::cost::{Cost, DeviceLaunch, FollowedPath, KernelWork, UsedDevice};
 use tracer::shade::PathFormulas;
+use world::camera::RayCone;
 use world::geometry::{Ray, RayStream};
 use world::scene::InstanceId;
 
@@ -64,7 +65,7 @@ impl Device {
         Ok(DeviceScene {
             device: self,
             loaded: loaded.map_err(|fault| self.failed(&fault))?,
-            paths: paths.map(|_| formulas.sampler),
+            paths: paths.map(|_| (formulas.sampler, formulas.cone)),
             workers: Mutex::default(),
             kernels: Mutex::default(),
             failure: OnceLock::new(),
@@ -99,7 +100,7 @@ pub struct DeviceScene<'a> {
     loaded: Arc<dyn LoadedProgram>,
     /// The numbers of the samples whose paths it follows, or the part of the scene because of which
     /// it follows none.
-    paths: Result<Sampler, String>,
+    paths: Result<(Sampler, Option<RayCone>), String>,
     /// The workers that no thread uses at the moment.
     workers: Mutex<Vec<Worker>>,
     /// The work of each kernel that was launched.
@@ -294,8 +295,8 @@ impl RayDevice for DeviceScene<'_> {
         })
     }
 
-    fn follows_paths(&self, sampler: &Sampler) -> bool {
-        self.paths.as_ref().is_ok_and(|of| of == sampler)
+    fn follows_paths(&self, sampler: &Sampler, cone: Option<RayCone>) -> bool {
+        self.paths.as_ref().is_ok_and(|of| *of == (*sampler, cone))
     }
 
     fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {

@@ -41,14 +41,19 @@ slots! {
     /// Position, normal, geometric normal, color and error; then the side.
     POINT = 17,
     SIDE = 30,
+    /// The opacity, then the factors of emission, roughness and metallicness.
+    OPACITY = 31,
+    FACTORS = 32,
     /// Direction, distance, radiance and density; 1 if it is behind the surface.
-    LIGHT = 31,
+    LIGHT = 37,
     /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
-    CROSSING = 40,
+    CROSSING = 46,
+    /// The length of the path before the ray.
+    LENGTH = 50,
 }
 
 /// Number of slots.
-const N_SLOTS: usize = slot::CROSSING + 4;
+const N_SLOTS: usize = slot::LENGTH + 1;
 /// Words of a followed path.
 pub(crate) const N_RESULTS: usize = 13 + N_BOUNCES;
 /// Words of a path at its start: its ray, pixel, sample and media.
@@ -105,7 +110,7 @@ impl RecordedPaths {
         let text = PathRecorder::new(formulas, &tables).record(&kinds)?;
         let mut tables = tables.into_words();
         let media = formulas.media();
-        let first_medium = format!("#define FIRST_MEDIUM {}u\n", tables.len());
+        let first_medium = format!("#define FIRST_MEDIUM {}ul\n", tables.len());
         tables.extend(media.as_flattened().iter().map(|number| number.to_bits()));
         surfaces.push(0);
         data.push(0.0);
@@ -172,17 +177,27 @@ impl<'f> PathRecorder<'f> {
         self.by_number("reflected", kinds, |tape, kind| {
             reflected_results(&formulas, tape, kind)
         })?;
-        for (stem, is_late) in [("next_ray", false), ("late_ray", true)] {
-            self.by_number(stem, kinds, |tape, kind| {
-                next_results(&formulas, tape, kind, is_late)
+        self.by_number("passage", kinds, |tape, kind| {
+            passage_results(&formulas, tape, kind)
+        })?;
+        if rules.splits {
+            self.by_number("split", kinds, |tape, kind| {
+                split_results(&formulas, tape, kind)
             })?;
+        } else {
+            for (stem, is_late) in [("next_ray", false), ("late_ray", true)] {
+                self.by_number(stem, kinds, |tape, kind| {
+                    next_results(&formulas, tape, kind, is_late)
+                })?;
+            }
         }
         let background =
             self.function("background_0", |tape| background_results(&formulas, tape))?;
         let flight = self.function("flight_0", |tape| flight_results(&formulas, tape))?;
+        let fade = self.function("fade_0", |tape| fade_results(&formulas, tape))?;
         let _ = writeln!(
             self.text,
-            "#define background {background}\n#define flight {flight}"
+            "#define background {background}\n#define flight {flight}\n#define fade {fade}"
         );
         Ok(self.text + &defines(&formulas, &rules, kinds))
     }
@@ -244,8 +259,8 @@ fn point_results<'t>(
     let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
     let mut data = tape.numbers(Operation::Data);
     let mut place = tape.numbers(Operation::Place);
-    let [t] = tape.inputs(slot::T);
-    let point = formulas.point(kind, ray, t, &mut data, &mut place);
+    let [[t], [length]] = [slot::T, slot::LENGTH].map(|slot| tape.inputs(slot));
+    let (point, opacity) = formulas.point(kind, ray, [t, length], &mut data, &mut place);
     let vectors = [
         point.position,
         point.normal,
@@ -253,7 +268,12 @@ fn point_results<'t>(
         point.color,
     ];
     let vectors = vectors.into_iter().flat_map(coordinates);
-    vectors.chain([point.error, point.side]).collect()
+    let mut results: Vec<_> = vectors.chain([point.error, point.side, opacity]).collect();
+    if formulas.has_factors() {
+        results.extend(coordinates(point.factors.emission));
+        results.extend([point.factors.roughness, point.factors.metallic]);
+    }
+    results
 }
 
 /// Records the light of the point without light samples.
@@ -266,13 +286,20 @@ fn own_light_results<'t>(
     let mut data = tape.numbers(Operation::Data);
     let mut place = tape.numbers(Operation::Place);
     let hit = tape.inputs(slot::T);
-    let light = formulas.own_light(kind, &point(tape), ray, hit, &mut data, &mut place);
+    let light = formulas.own_light(
+        kind,
+        &point(formulas, tape),
+        ray,
+        hit,
+        &mut data,
+        &mut place,
+    );
     coordinates(light).into()
 }
 
 /// Records light sample `i`.
 fn light_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>, i: usize) -> Vec<Register<'t>> {
-    let at = point(tape);
+    let at = point(formulas, tape);
     let light = formulas.light(i, &at, sample(tape));
     let [x, y, z] = coordinates(light.direction);
     let [red, green, blue] = coordinates(light.radiance);
@@ -296,7 +323,7 @@ fn shadow_results<'t>(
     tape: &'t Tape<'t>,
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
-    let shadow = formulas.shadow(kind, &point(tape), &light(tape));
+    let shadow = formulas.shadow(kind, &point(formulas, tape), &light(tape));
     let [x, y, z] = coordinates(shadow.origin);
     vec![number(shadow.end, shadow.may_arrive), x, y, z, shadow.end]
 }
@@ -308,7 +335,13 @@ fn reflected_results<'t>(
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
     let rays = [slot::EYE, slot::DIRECTION].map(|slot| at(tape, slot));
-    let light = formulas.reflected(kind, &point(tape), &light(tape), rays, &crossing(tape));
+    let light = formulas.reflected(
+        kind,
+        &point(formulas, tape),
+        &light(tape),
+        rays,
+        &crossing(tape),
+    );
     coordinates(light).into()
 }
 
@@ -324,7 +357,7 @@ fn next_results<'t>(
         return vec![tape.zero(); 12];
     }
     let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
-    let at = point(tape);
+    let at = point(formulas, tape);
     let ray = formulas.next(kind, &at, path, sample(tape), &crossing(tape), is_late);
     let density = ray.density;
     let [zero, one, two] = [0.0, 1.0, 2.0].map(|number| density.splat(number));
@@ -334,6 +367,50 @@ fn next_results<'t>(
     let vectors = [ray.origin, ray.direction, ray.weight];
     let vectors = vectors.into_iter().flat_map(coordinates);
     head.chain(vectors).chain([density]).collect()
+}
+
+/// Records the two rays that continue a path that splits: of each, if there is one, its origin,
+/// direction and weight.
+fn split_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
+    let [opacity] = tape.inputs(slot::OPACITY);
+    let at = point(formulas, tape);
+    let rays = formulas.split(kind, &at, path, opacity, &crossing(tape));
+    let results = rays.map(|ray| {
+        let vectors = [ray.origin, ray.direction, ray.weight];
+        let vectors = vectors.into_iter().flat_map(coordinates);
+        std::iter::once(number(opacity, ray.is_alive)).chain(vectors)
+    });
+    results.into_iter().flatten().collect()
+}
+
+/// Records the rest of the ray past its hit: the share of light of a shadow ray; 1 if another ray
+/// passes; the origin, and its distance from the old one.
+fn passage_results<'t>(
+    formulas: &PathFormulas,
+    tape: &'t Tape<'t>,
+    kind: SurfaceKind,
+) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let mut data = tape.numbers(Operation::Data);
+    let mut place = tape.numbers(Operation::Place);
+    let [t] = tape.inputs(slot::T);
+    let past = formulas.passage(kind, ray, t, &mut data, &mut place);
+    let [x, y, z] = coordinates(past.origin);
+    let is_passed = number(t, past.is_passed);
+    vec![past.share, is_passed, x, y, z, past.advance]
+}
+
+/// Records the share of light that fog leaves on the way to the hit, and the light that it adds.
+fn fade_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
+    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
+    let [t] = tape.inputs(slot::T);
+    let (share, light) = formulas.fade(ray, t);
+    std::iter::once(share).chain(coordinates(light)).collect()
 }
 
 /// Records if the ray meets a particle of fog before its hit, and where.
@@ -353,8 +430,8 @@ fn background_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Re
 
 /// Returns the part of a scene that a reason of a [`Tape`] comes from.
 fn part_of(reason: &str) -> String {
-    if reason.ends_with("ColorTable") {
-        return "a logarithmic color scale".to_owned();
+    if reason.ends_with("Power") {
+        return "an exponent above 2^31".to_owned();
     }
     reason.to_owned()
 }
@@ -376,13 +453,24 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
         ("N_BOUNCES", N_BOUNCES),
         ("N_PLACE", N_PLACE),
         ("N_LIGHTS", rules.n_lights),
+        (
+            "MAX_PENDING",
+            if rules.splits {
+                rules.max_depth as usize + 1
+            } else {
+                1
+            },
+        ),
     ];
     let (has_fog, particles) = match rules.particles {
         None => (0, 0),
         Some(particles) => (1, particles),
     };
     let numbers = [
+        ("SPLITS", rules.splits.into()),
         ("HAS_MEDIA", rules.has_media.into()),
+        ("WEAKENS_LIGHTS", rules.weakens_lights.into()),
+        ("HAS_FADING_FOG", rules.has_fading_fog.into()),
         ("HAS_FOG", has_fog),
         ("PARTICLES", particles),
         ("MAX_DEPTH", rules.max_depth),
@@ -407,6 +495,14 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
             "CONTINUING_KINDS",
             bits(|formulas, kind| formulas.surface(kind).continues),
         ),
+        (
+            "OPEN_KINDS",
+            bits(|formulas, kind| formulas.surface(kind).is_open),
+        ),
+        (
+            "VEIL_KINDS",
+            bits(|formulas, kind| formulas.surface(kind).is_veil),
+        ),
     ];
     numbers
         .chain(kinds)
@@ -425,10 +521,11 @@ fn sample<'t>(tape: &'t Tape<'t>) -> [Register<'t>; 3] {
 }
 
 /// Returns the point that was hit.
-fn point<'t>(tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
+fn point<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
     let [position, normal, geometric_normal, color] =
         [0, 3, 6, 9].map(|first| at(tape, slot::POINT + first));
     let ([error], [side]) = (tape.inputs(slot::POINT + 12), tape.inputs(slot::SIDE));
+    let [roughness, metallic] = tape.inputs(slot::FACTORS + 3);
     ShadingPoint {
         position,
         normal,
@@ -436,7 +533,15 @@ fn point<'t>(tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
         color,
         error,
         side,
-        factors: PictureFactors::ones(side),
+        factors: if formulas.has_factors() {
+            PictureFactors {
+                emission: at(tape, slot::FACTORS),
+                roughness,
+                metallic,
+            }
+        } else {
+            PictureFactors::ones(side)
+        },
     }
 }
 
@@ -504,7 +609,11 @@ objects:
   - {{ disk: {{ center: [-1, 0, 0], normal: [1, 2, 3], radius: 0.6 }}, material: card }}
 "
         );
-        let mut config: Config = scene::yaml::from_str(&text).unwrap();
+        built(&text)
+    }
+
+    fn built(text: &str) -> Scene {
+        let mut config: Config = scene::yaml::from_str(text).unwrap();
         let geometries = Geometries::read(&mut config, Path::new("."), u64::MAX).unwrap();
         scene::build::scene(&config, geometries).unwrap()
     }
@@ -569,7 +678,7 @@ objects:
                 state[slot] = f32::from_bits(word);
             }
             let scene = scene(model);
-            let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas();
+            let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas(None);
             let at = point_of(&state);
             let arriving = Illumination {
                 direction: number_at(&state, slot::LIGHT),
@@ -586,10 +695,10 @@ objects:
                 let recorded = program(|tape| point_results(&formulas, tape, kind));
                 let mut numbers = data.iter().copied();
                 let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| number_at(&state, slot));
-                let found = formulas.point(kind, ray, state[slot::T], &mut || numbers.next().unwrap(), &mut || 0.0);
+                let (found, opacity) = formulas.point(kind, ray, [slot::T, slot::LENGTH].map(|slot| state[slot]), &mut || numbers.next().unwrap(), &mut || 0.0);
                 let vectors = [found.position, found.normal, found.geometric_normal, found.color];
                 let mut expected: Vec<f32> = vectors.into_iter().flat_map(coordinates_of).collect();
-                expected.extend([found.error, found.side]);
+                expected.extend([found.error, found.side, opacity]);
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "point of {kind:?}");
 
                 let recorded = program(|tape| shadow_results(&formulas, tape, kind));
@@ -632,12 +741,18 @@ objects:
 
     #[test]
     fn scenes_without_formulas_are_refused_by_name() {
-        let mut scene = scene("path");
-        scene.has_images = true;
-        let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas();
+        let light = "{ directional: { direction: [0, -1, 0], radiance: 1 } }";
+        let scene = built(&format!(
+            "image: {{ width: 4, height: 4 }}
+camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
+lights: [{}]
+",
+            [light; 33].join(", ")
+        ));
+        let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas(None);
         assert_eq!(
             RecordedPaths::new(&formulas).err().as_deref(),
-            Some("pictures")
+            Some("more than 32 lights")
         );
     }
 }

@@ -15,7 +15,7 @@ pub(crate) fn function(program: &Program) -> String {
 }
 
 /// Returns the statements of a program's function. The tables have these functions and first words.
-pub(crate) fn body(program: &Program, tables: &[(&str, u32)]) -> String {
+pub(crate) fn body(program: &Program, tables: &[(&str, u64)]) -> String {
     let Program {
         instructions,
         results,
@@ -44,7 +44,7 @@ pub(crate) fn body(program: &Program, tables: &[(&str, u32)]) -> String {
 fn look_up(
     number: usize,
     operands: &[u32; 3],
-    (function, first): (&str, u32),
+    (function, first): (&str, u64),
     [n_at, n_values]: [u32; 2],
 ) -> String {
     let mut text = format!("  float at{number}[{n_at}], found{number}[{n_values}];\n");
@@ -53,7 +53,7 @@ fn look_up(
     }
     let _ = writeln!(
         text,
-        "  {function}(tables + {first}u, {n_values}, at{number}, found{number});"
+        "  {function}(tables + {first}ul, {n_values}, at{number}, found{number});"
     );
     text
 }

@@ -9,6 +9,7 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use indexmap::IndexMap;
 use math::simd::{Arithmetic, DeviceTable, Double, Integer, LookupTable, Mask, Real};
 
 /// The type of a register.
@@ -91,35 +92,34 @@ pub(crate) struct Tape<'t> {
 /// The tables in which formulas look values up; equal ones once.
 #[derive(Default)]
 pub(crate) struct Tables {
-    all: RefCell<Vec<(&'static str, u32)>>,
-    words: RefCell<Vec<u32>>,
-    indices: RefCell<HashMap<DeviceTable, u32>>,
+    /// The tables, each with the index of its first word.
+    all: RefCell<IndexMap<DeviceTable, u64>>,
 }
 
 impl Tables {
     /// Returns the index of a table.
     fn index(&self, table: DeviceTable) -> u32 {
         let mut all = self.all.borrow_mut();
-        let mut words = self.words.borrow_mut();
-        *self
-            .indices
-            .borrow_mut()
-            .entry(table)
-            .or_insert_with_key(|table| {
-                all.push((table.function, words.len() as u32));
-                words.extend_from_slice(&table.words);
-                all.len() as u32 - 1
-            })
+        let last = all.last();
+        let first = last.map_or(0, |(table, first)| first + table.words.len() as u64);
+        let entry = all.entry(table);
+        let index = entry.index() as u32;
+        entry.or_insert(first);
+        index
     }
 
     /// Returns the function of each table, and the index of its first word.
-    pub(crate) fn all(&self) -> Vec<(&'static str, u32)> {
-        self.all.borrow().clone()
+    pub(crate) fn all(&self) -> Vec<(&'static str, u64)> {
+        let all = self.all.borrow();
+        all.iter()
+            .map(|(table, first)| (table.function, *first))
+            .collect()
     }
 
     /// Returns the words of all tables.
     pub(crate) fn into_words(self) -> Vec<u32> {
-        self.words.into_inner()
+        let all = self.all.into_inner();
+        all.into_keys().flat_map(|table| table.words).collect()
     }
 }
 

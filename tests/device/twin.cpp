@@ -35,6 +35,7 @@ template <typename To, typename From> static To bits(From x) {
 static uint as_uint(float x) { return bits<uint>(x); }
 static float as_float(uint x) { return bits<float>(x); }
 static double as_double(ulong x) { return bits<double>(x); }
+static ulong as_ulong(double x) { return bits<ulong>(x); }
 extern "C" { thread_local size_t item; }
 static size_t get_global_id(uint) { return item; }
 )";

@@ -10,6 +10,7 @@ typedef unsigned long ulong;
 #define BITS_OF(x) __float_as_uint(x)
 #define FLOAT_OF(x) __uint_as_float(x)
 #define DOUBLE_OF(x) __longlong_as_double((long long)(x))
+#define BITS_OF_DOUBLE(x) ((ulong)__double_as_longlong(x))
 #define SQRT(x) sqrt(x)
 #define INFINITY FLOAT_OF(0x7f800000u)
 #define round(x) rounded_half_away(x)

@@ -99,6 +99,7 @@ pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
     if let Some(functions) = paths {
         text += include_str!("functions.cl");
         text += include_str!("tables.cl");
+        text += include_str!("pictures.cl");
         text += functions;
         text += include_str!("media.cl");
         text += include_str!("path.cl");

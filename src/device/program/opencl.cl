@@ -9,4 +9,5 @@
 #define BITS_OF(x) as_uint(x)
 #define FLOAT_OF(x) as_float(x)
 #define DOUBLE_OF(x) as_double(x)
+#define BITS_OF_DOUBLE(x) as_ulong(x)
 #define SQRT(x) sqrt(x)

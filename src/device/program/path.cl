@@ -1,31 +1,271 @@
 
 /* Whole paths: from the camera ray to the end, as the waves of src/tracer/shade follow them. The functions point,
-   own_light, light, shadow, reflected, next_ray, late_ray, background and flight are recorded (paths.rs). They read the state
-   of a path by its slots: ORIGIN, DIRECTION, and so on. */
+   own_light, light, shadow, reflected, next_ray, late_ray, split, passage, background, flight and fade are recorded
+   (paths.rs). They read the state of a path by its slots: ORIGIN, DIRECTION, and so on. */
+
+/* 1 if a kind of surfaces is one of these. */
+#define IS_OF(kinds, kind) (((kinds) >> (kind) & 1ul) != 0ul)
+
+/* All arrays of a scene. */
+typedef struct {
+  World world;
+  GLOBAL const uint *surfaces, *data, *places, *tables;
+} Scene;
 
 /* The cost of a path. */
 typedef struct {
   uint n_visits, n_tests;
   uint n_shadows;
   uint n_rays[3]; /* reflected, refracted and diffuse rays */
+  uint depth;
   uint bounces[N_BOUNCES];
 } PathCost;
+
+/* A path at one of its rays. */
+typedef struct {
+  float state[N_SLOTS];
+  Media media;
+  uint depth;
+  uint kind; /* of the ray: 0 to 2 as in the cost */
+} Path;
+
+/* A ray that continues a path later. */
+typedef struct {
+  float state[10]; /* origin, direction, weight and length */
+  Media media;
+  uint depth, kind;
+} Pending;
+
+FUNCTION PathCost no_cost(void) {
+  PathCost cost;
+  cost.n_visits = cost.n_tests = cost.n_shadows = cost.depth = 0u;
+  for (uint i = 0; i < 3u; i++) cost.n_rays[i] = 0u;
+  for (uint i = 0; i < N_BOUNCES; i++) cost.bounces[i] = 0u;
+  return cost;
+}
 
 /* Counts a ray at a bounce. */
 FUNCTION void count_ray(PathCost *cost, uint depth) { cost->bounces[depth < N_BOUNCES ? depth : N_BOUNCES - 1u]++; }
 
-/* Searches for the ray of a path, and counts its steps. */
-FUNCTION Search search_path(World world, const float *origin, const float *direction, float limit, uint ignored,
+/* Searches for a ray, and counts its steps. */
+FUNCTION Search search_path(const Scene *scene, const float *origin, const float *direction, float limit, uint ignored,
                             int is_nearest, PathCost *cost) {
-  Search search = answer(world, origin, direction, limit, ignored, is_nearest);
+  Search search = answer(scene->world, origin, direction, limit, ignored, is_nearest);
   cost->n_visits += search.n_visits;
   cost->n_tests += search.n_tests;
   return search;
 }
 
-/* Adds weighted light to a color. */
-FUNCTION void add(float *color, const float *light, const float *weight) {
-  for (int i = 0; i < 3; i++) color[i] += light[i] * weight[i];
+/* The kind of the surface that was hit, its numbers, and the numbers of its instance. */
+FUNCTION uint kind_of(const Scene *scene, const Search *hit) { return scene->surfaces[2ul * hit->primitive]; }
+FUNCTION GLOBAL const uint *data_of(const Scene *scene, const Search *hit) {
+  return scene->data + scene->surfaces[2ul * hit->primitive + 1];
+}
+FUNCTION GLOBAL const uint *place_of(const Scene *scene, const Search *hit) {
+  return scene->places + (hit->instance ? (ulong)N_PLACE * (hit->instance - 1u) : 0ul);
+}
+
+/* Searches for the nearest surface that a ray does not pass: src/tracer/trace/openings.rs. Of the light of a shadow ray,
+   `share` is left. */
+FUNCTION Search search_past(const Scene *scene, const float *origin, const float *direction, float limit, int is_shadow,
+                            PathCost *cost, float *share) {
+  float rest[T + 1u], length = 0.0f;
+  *share = 1.0f;
+  for (int i = 0; i < 3; i++) {
+    rest[ORIGIN + i] = origin[i];
+    rest[DIRECTION + i] = direction[i];
+  }
+  for (;;) {
+    Search search = search_path(scene, rest + ORIGIN, rest + DIRECTION, INFINITY, NONE, 1, cost);
+    if (!(search.t < INFINITY)) return search;
+    rest[T] = search.t;
+    search.t = length + search.t;
+    uint kind = kind_of(scene, &search);
+    if (!IS_OF(OPEN_KINDS, kind) || search.t >= limit) return search;
+    float past[6];
+    passage(kind, rest, data_of(scene, &search), place_of(scene, &search), scene->tables, past);
+    float left = *share * (is_shadow ? past[0] : past[1]), next = length + past[5];
+    /* By rounding errors, a ray along the surface may not advance: it ends there. */
+    if (left <= 0.0f || !(next > length)) return search;
+    *share = left;
+    length = next;
+    for (int i = 0; i < 3; i++) rest[ORIGIN + i] = past[2 + i];
+  }
+}
+
+/* Adds the light samples of a point to its light; returns 1 if any arrives. */
+FUNCTION int add_lights(const Scene *scene, Path *path, const Search *hit, const Interface *met, PathCost *cost,
+                        float *light_of_ray) {
+  float *s = path->state;
+  uint kind = kind_of(scene, hit);
+  GLOBAL const uint *data = data_of(scene, hit), *place = place_of(scene, hit), *tables = scene->tables;
+  int is_lit = 0;
+  for (uint i = 0; i < N_LIGHTS; i++) {
+    float cast[5], arriving[3], share = 1.0f;
+    light(i, s, data, place, tables, s + LIGHT);
+    if (WEAKENS_LIGHTS) {
+      const Media *way = media_of_kinds[kind] && s[LIGHT + 8u] != 0.0f ? &met->behind : &path->media;
+      weaken(tables, way, s[LIGHT + 3u], s + LIGHT + 4);
+    }
+    shadow(kind, s, data, place, tables, cast);
+    if (cast[0] == 0.0f) continue;
+    if (CASTS_SHADOWS) {
+      cost->n_shadows++;
+      count_ray(cost, path->depth);
+      if (OPEN_KINDS) {
+        Search way = search_past(scene, cast + 1, s + LIGHT, cast[4], 1, cost, &share);
+        if (way.t < cast[4] || share <= 0.0f) continue;
+      } else {
+        uint ignored = IGNORES_OWN_OBJECT ? scene->world.primitives[2ul * hit->primitive] : NONE;
+        Search way = search_path(scene, cast + 1, s + LIGHT, cast[4], ignored, 0, cost);
+        if (way.is_done) continue;
+      }
+    }
+    is_lit = 1;
+    for (int k = 0; k < 3; k++) s[LIGHT + 4 + k] *= share;
+    reflected(kind, s, data, place, tables, arriving);
+    for (int k = 0; k < 3; k++) light_of_ray[k] += arriving[k];
+  }
+  return is_lit;
+}
+
+/* Continues a path with the ray of these numbers: origin, direction and weight. */
+FUNCTION void continue_path(Path *path, const float *ray, uint kind, const Media *media) {
+  for (uint i = 0; i < 6u; i++) path->state[ORIGIN + i] = ray[i];
+  for (uint i = 0; i < 3u; i++) path->state[WEIGHT + i] = ray[6u + i];
+  path->state[LENGTH] += path->state[T];
+  path->media = *media;
+  path->depth++;
+  path->kind = kind;
+}
+
+/* Follows the ray of a path to the point that it hits, and adds its light to `color` if it counts. Returns 1 if another
+   ray continues the path, which is its next ray; 3 if it splits, and `other` continues it, too. `first` is its hit. */
+FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *cost, float *color, Search *first,
+                         Pending *other) {
+  float *s = path->state, light_of_ray[3], gained[4];
+  GLOBAL const uint *tables = scene->tables;
+  Search hit;
+  if (OPEN_KINDS) {
+    float share;
+    hit = search_past(scene, s + ORIGIN, s + DIRECTION, INFINITY, 0, cost, &share);
+  } else {
+    hit = search_path(scene, s + ORIGIN, s + DIRECTION, INFINITY, NONE, 1, cost);
+  }
+  *first = hit;
+  int is_hit = hit.t < INFINITY;
+  s[T] = hit.t;
+  s[DIMENSION] = FLOAT_OF(FIRST_DIMENSION + path->depth * DIMENSION_STEP);
+  if (HAS_FOG && path->media.ids[0] == 0u) {
+    /* A particle of fog may lie before the hit. */
+    float met[2];
+    flight(s, scene->data, scene->places, tables, met);
+    if (met[0] != 0.0f) {
+      is_hit = 1;
+      hit.primitive = PARTICLES;
+      hit.instance = 0u;
+      s[T] = met[1];
+    }
+  }
+  /* Media and fog weaken the light on the way; fog adds some. */
+  if (HAS_MEDIA) weaken(tables, &path->media, s[T], s + WEIGHT);
+  for (int i = 0; i < 4; i++) gained[i] = 0.0f;
+  if (HAS_FADING_FOG && path->media.ids[0] == 0u) {
+    fade(s, scene->data, scene->places, tables, gained);
+    for (int i = 0; i < 3; i++) {
+      gained[1 + i] *= s[WEIGHT + i];
+      s[WEIGHT + i] *= gained[0];
+    }
+  }
+  if (!is_hit) {
+    background(s, scene->data, scene->places, tables, light_of_ray);
+    if (counts)
+      for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * s[WEIGHT + i] + gained[1 + i];
+    return 0u;
+  }
+  uint kind = kind_of(scene, &hit);
+  GLOBAL const uint *data = data_of(scene, &hit), *place = place_of(scene, &hit);
+  point(kind, s, data, place, tables, s + POINT);
+  /* The media on both sides. */
+  Interface met;
+  uint medium = HAS_MEDIA ? media_of_kinds[kind] : 0u;
+  if (HAS_MEDIA) s[CROSSING + 2u] = s[CROSSING + 3u] = index_in(tables, &path->media);
+  if (medium) {
+    met = cross_surface(tables, &path->media, medium, s[SIDE] > 0.0f);
+    s[CROSSING] = met.eta;
+    s[CROSSING + 1u] = met.is_visible ? 1.0f : 0.0f;
+    s[CROSSING + 3u] = index_in(tables, &met.behind);
+  } else {
+    met.behind = path->media;
+  }
+  /* Its light: its own, then one light sample after the other. */
+  int is_lit = !NEEDS_LIGHT, needs_lights = counts || NEEDS_LIGHT;
+  int has_lights = LIGHTS_LAST_POINTS || path->depth < MAX_DEPTH;
+  own_light(kind, s, data, place, tables, light_of_ray);
+  if (needs_lights && has_lights && IS_OF(LIT_KINDS, kind))
+    is_lit |= add_lights(scene, path, &hit, &met, cost, light_of_ray);
+  if (!is_lit) return 0u;
+  float opacity = SPLITS ? s[OPACITY] : 1.0f;
+  if (counts)
+    for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * (s[WEIGHT + i] * opacity) + gained[1 + i];
+  /* The next rays. */
+  int may_bounce = path->depth < MAX_DEPTH && IS_OF(CONTINUING_KINDS, kind);
+#if SPLITS
+  float rays[20];
+  if (!may_bounce && !IS_OF(VEIL_KINDS, kind)) return 0u;
+  split(kind, s, data, place, tables, rays);
+  int is_reflected = may_bounce && rays[0] != 0.0f, passes = rays[10] != 0.0f;
+  if (is_reflected && passes) {
+    for (uint i = 0; i < 9u; i++) other->state[i] = rays[11u + i];
+    other->state[9] = s[LENGTH] + s[T];
+    other->media = met.behind;
+    other->depth = path->depth + 1u;
+    other->kind = 1u;
+  }
+  if (is_reflected)
+    continue_path(path, rays + 1, 0u, &path->media);
+  else if (passes)
+    continue_path(path, rays + 11, 1u, &met.behind);
+  return (uint)(is_reflected || passes) + 2u * (uint)(is_reflected && passes);
+#else
+  if (!may_bounce) return 0u;
+  float ray[12];
+  if (path->depth < LATE_DEPTH)
+    next_ray(kind, s, data, place, tables, ray);
+  else
+    late_ray(kind, s, data, place, tables, ray);
+  if (ray[0] == 0.0f) return 0u;
+  uint kind_of_ray = ray[1] == 0.0f ? 0u : ray[1] == 1.0f ? 1u : 2u;
+  s[DENSITY] = ray[11];
+  continue_path(path, ray + 2, kind_of_ray, medium && kind_of_ray == 1u ? &met.behind : &path->media);
+  return 1u;
+#endif
+}
+
+/* Resumes a path with another ray. */
+FUNCTION void resume(Path *path, const Pending *ray) {
+  for (uint i = 0; i < 6u; i++) path->state[ORIGIN + i] = ray->state[i];
+  for (uint i = 0; i < 3u; i++) path->state[WEIGHT + i] = ray->state[6u + i];
+  path->state[LENGTH] = ray->state[9];
+  path->media = ray->media;
+  path->depth = ray->depth;
+  path->kind = ray->kind;
+}
+
+/* Starts a path with its camera ray. */
+FUNCTION void start(Path *path, GLOBAL const uint *in) {
+  float *s = path->state;
+  for (uint i = 0; i < 6u; i++) s[ORIGIN + i] = FLOAT_OF(in[i]);
+  s[PIXEL] = FLOAT_OF(in[6]);
+  s[SAMPLE] = FLOAT_OF(in[7]);
+  for (uint i = 0; i < N_MEDIA; i++) path->media.ids[i] = in[8u + i];
+  s[DENSITY] = INFINITY;
+  s[LENGTH] = 0.0f;
+  for (uint i = 0; i < 3u; i++) {
+    s[EYE + i] = s[ORIGIN + i];
+    s[WEIGHT + i] = 1.0f;
+  }
+  path->depth = 0u;
 }
 
 KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL const uint *unbounded,
@@ -34,118 +274,53 @@ KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL co
                  GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   uint id = (uint)ID;
   if (id >= n) return;
-  World world = make_world(lines, levels, unbounded, primitives, records);
-  float s[N_SLOTS], color[3];
-  in += 12ul * id;
-  for (uint i = 0; i < 6u; i++) s[ORIGIN + i] = FLOAT_OF(in[i]);
-  s[PIXEL] = FLOAT_OF(in[6]);
-  s[SAMPLE] = FLOAT_OF(in[7]);
-  Media media;
-  for (uint i = 0; i < N_MEDIA; i++) media.ids[i] = in[8u + i];
-  s[DENSITY] = INFINITY;
-  for (uint i = 0; i < 3u; i++) {
-    s[EYE + i] = s[ORIGIN + i];
-    s[WEIGHT + i] = 1.0f;
-    color[i] = 0.0f;
-  }
-  PathCost cost;
-  cost.n_visits = cost.n_tests = cost.n_shadows = 0u;
-  for (uint i = 0; i < 3u; i++) cost.n_rays[i] = 0u;
-  for (uint i = 0; i < N_BOUNCES; i++) cost.bounces[i] = 0u;
+  Scene scene;
+  scene.world = make_world(lines, levels, unbounded, primitives, records);
+  scene.surfaces = surfaces;
+  scene.data = all_data;
+  scene.places = places;
+  scene.tables = tables;
   GLOBAL uint *result = out + (ulong)N_RESULTS * id;
+  PathCost cost = no_cost(), ignored = no_cost();
+  float color[3];
+  for (uint i = 0; i < 3u; i++) color[i] = 0.0f;
 
-  uint depth = 0u;
-  for (;;) {
-    /* Find the point that the ray hits. */
-    Search search = search_path(world, s + ORIGIN, s + DIRECTION, INFINITY, NONE, 1, &cost);
-    int is_hit = search.t < INFINITY;
-    if (depth == 0u) {
-      result[3] = is_hit ? BITS_OF(search.t) : NONE;
-      result[4] = search.primitive;
-      result[5] = search.instance;
-    }
-    float light_of_ray[3];
-    s[T] = search.t;
-    s[DIMENSION] = FLOAT_OF(FIRST_DIMENSION + depth * DIMENSION_STEP);
-    if (HAS_FOG && media.ids[0] == 0u) {
-      /* A particle of fog may lie before the hit. */
-      float met[2];
-      flight(s, all_data, places, tables, met);
-      if (met[0] != 0.0f) {
-        is_hit = 1;
-        search.primitive = PARTICLES;
-        search.instance = 0u;
-        s[T] = met[1];
+  /* The rays of a path that splits add to its color in the order of their bounces. Each pass follows all rays up to a
+     level anew, and only that level counts: this takes no memory for all rays. A path that does not split takes one pass. */
+  for (uint level = 0u;; level++) {
+    Path path;
+    Pending pending[MAX_PENDING];
+    uint n_pending = 0u;
+    int is_reached = 0;
+    start(&path, in + 12ul * id);
+    for (;;) {
+      int is_camera_ray = path.depth == 0u, counts = !SPLITS || path.depth == level;
+      is_reached |= counts;
+      if (counts && !is_camera_ray) {
+        cost.n_rays[path.kind]++;
+        count_ray(&cost, path.depth);
+        cost.depth = path.depth;
       }
-    }
-    if (HAS_MEDIA) weaken(tables, &media, s[T], s + WEIGHT);
-    if (!is_hit) {
-      background(s, all_data, places, tables, light_of_ray);
-      add(color, light_of_ray, s + WEIGHT);
-      break;
-    }
-    uint kind = surfaces[2ul * search.primitive];
-    GLOBAL const uint *data = all_data + surfaces[2ul * search.primitive + 1];
-    GLOBAL const uint *place = places + (search.instance ? (ulong)N_PLACE * (search.instance - 1u) : 0ul);
-    point(kind, s, data, place, tables, s + POINT);
-    /* The media on both sides. */
-    Interface met;
-    uint medium = HAS_MEDIA ? media_of_kinds[kind] : 0u;
-    if (HAS_MEDIA) s[CROSSING + 2u] = s[CROSSING + 3u] = index_in(tables, &media);
-    if (medium) {
-      met = cross_surface(tables, &media, medium, s[SIDE] > 0.0f);
-      s[CROSSING] = met.eta;
-      s[CROSSING + 1u] = met.is_visible ? 1.0f : 0.0f;
-      s[CROSSING + 3u] = index_in(tables, &met.behind);
-    }
-    /* Its light: its own, then one light sample after the other. */
-    own_light(kind, s, data, place, tables, light_of_ray);
-    int is_lit = !NEEDS_LIGHT;
-    uint n_lights = LIT_KINDS >> kind & 1ul && (LIGHTS_LAST_POINTS || depth < MAX_DEPTH) ? N_LIGHTS : 0u;
-    for (uint i = 0; i < n_lights; i++) {
-      float cast[5], arriving[3];
-      light(i, s, data, place, tables, s + LIGHT);
-      if (HAS_MEDIA) {
-        const Media *way = medium && s[LIGHT + 8u] != 0.0f ? &met.behind : &media;
-        weaken(tables, way, s[LIGHT + 3u], s + LIGHT + 4);
+      Search first;
+      uint next = follow_ray(&scene, &path, counts, counts ? &cost : &ignored, color, &first, pending + n_pending);
+      if (is_camera_ray && level == 0u) {
+        result[3] = first.t < INFINITY ? BITS_OF(first.t) : NONE;
+        result[4] = first.primitive;
+        result[5] = first.instance;
       }
-      shadow(kind, s, data, place, tables, cast);
-      if (cast[0] == 0.0f) continue;
-      if (CASTS_SHADOWS) {
-        cost.n_shadows++;
-        count_ray(&cost, depth);
-        uint ignored = IGNORES_OWN_OBJECT ? primitives[2ul * search.primitive] : NONE;
-        Search way = search_path(world, cast + 1, s + LIGHT, cast[4], ignored, 0, &cost);
-        if (way.is_done) continue;
-      }
-      is_lit = 1;
-      reflected(kind, s, data, place, tables, arriving);
-      for (int k = 0; k < 3; k++) light_of_ray[k] += arriving[k];
+      if (SPLITS && counts) next = 0u;
+      if (next == 3u) n_pending++;
+      if (next) continue;
+      if (n_pending == 0u) break;
+      resume(&path, pending + --n_pending);
     }
-    if (!is_lit) break;
-    add(color, light_of_ray, s + WEIGHT);
-    /* The next ray. */
-    if (depth >= MAX_DEPTH || !(CONTINUING_KINDS >> kind & 1ul)) break;
-    float ray[12];
-    if (depth < LATE_DEPTH)
-      next_ray(kind, s, data, place, tables, ray);
-    else
-      late_ray(kind, s, data, place, tables, ray);
-    if (ray[0] == 0.0f) break;
-    depth++;
-    uint kind_of_ray = ray[1] == 0.0f ? 0u : ray[1] == 1.0f ? 1u : 2u;
-    for (uint i = 0; i < 3u; i++) cost.n_rays[i] += (uint)(i == kind_of_ray);
-    count_ray(&cost, depth);
-    if (medium && kind_of_ray == 1u) media = met.behind;
-    for (uint i = 0; i < 6u; i++) s[ORIGIN + i] = ray[2u + i];
-    for (uint i = 0; i < 3u; i++) s[WEIGHT + i] = ray[8u + i];
-    s[DENSITY] = ray[11];
+    if (!SPLITS || !is_reached) break;
   }
   for (uint i = 0; i < 3u; i++) result[i] = BITS_OF(color[i]);
   result[6] = cost.n_visits;
   result[7] = cost.n_tests;
   result[8] = cost.n_shadows;
   for (uint i = 0; i < 3u; i++) result[9u + i] = cost.n_rays[i];
-  result[12] = depth;
+  result[12] = cost.depth;
   for (uint i = 0; i < N_BOUNCES; i++) result[13u + i] = cost.bounces[i];
 }

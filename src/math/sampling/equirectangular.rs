@@ -2,7 +2,7 @@
 //!
 //! Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 2023, 12.5.2 and A.5.
 
-use crate::simd::{LookupTable, Real};
+use crate::simd::{DeviceTable, LookupTable, Real};
 
 /// A density of directions that is bilinear between the texel centers of a map, whose columns are
 /// equal steps of longitude, and rows of latitude. Between two rows it is linear in the sine of the
@@ -82,6 +82,25 @@ impl EquirectangularDistribution {
             bands,
             heights: heights.iter().map(|height| *height as f32).collect(),
         })
+    }
+
+    /// Returns the distribution for other devices: the numbers of columns and rows, then all arrays.
+    fn on_device(&self, function: &'static str) -> DeviceTable {
+        let Self {
+            n_columns,
+            texels,
+            sums,
+            columns,
+            bands,
+            heights,
+        } = self;
+        let head = [*n_columns as u32, sums.len() as u32];
+        let arrays = [texels, sums, columns, bands, heights];
+        let numbers = arrays.into_iter().flatten().map(|number| number.to_bits());
+        DeviceTable {
+            function,
+            words: head.into_iter().chain(numbers).collect(),
+        }
     }
 
     /// Returns the density along a line at position `down` of a band.
@@ -211,6 +230,10 @@ impl LookupTable<2, 3> for EquirectangularDistribution {
             left + (right - left) * across,
         ]
     }
+
+    fn on_device(&self) -> Option<DeviceTable> {
+        Some(self.on_device("sample_equirectangular"))
+    }
 }
 
 /// Returns the density at a direction: its longitude as a fraction of the map's width, plus any
@@ -229,6 +252,10 @@ impl LookupTable<3, 1> for EquirectangularDistribution {
         let from = texels.at_center(left as usize);
         let to = texels.at_center(left as usize + 1);
         [from + (to - from) * (column - left)]
+    }
+
+    fn on_device(&self) -> Option<DeviceTable> {
+        Some(self.on_device("equirectangular_density"))
     }
 }
 

@@ -13,6 +13,16 @@ pub fn uniform(key: [u64; 3]) -> [f32; 4] {
     hash(low, mixed(high)).map(unit::<f32>)
 }
 
+/// Returns a uniformly distributed number in [0, 1) for a key of three integers of 64 bits, given
+/// their upper and their lower halves: the first of [`uniform`].
+pub fn uniform_of_halves<R: Real>(upper: [R::Integer; 3], lower: [R::Integer; 3]) -> R {
+    let zero = upper[0].splat(0);
+    let [a, b, c, d] = pcg4d([upper[0], upper[1], upper[2], zero]);
+    let [x, y, z] = lower;
+    let [word, ..] = pcg4d([a.xor(x), b.xor(y), c.xor(z), d]);
+    unit(word)
+}
+
 /// Hashes the upper halves of a key.
 pub(super) fn mixed([a, b, c]: [u32; 3]) -> [u32; 4] {
     pcg4d([a, b, c, 0])
@@ -70,6 +80,15 @@ fn round<N: Integer>(x: N, y: N, z: N, w: N) -> (N, N, N, N) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_of_halves_is_the_first_of_their_key() {
+        for i in 0..1000 {
+            let key = [i << 32 | 7, i * i, !i];
+            let [upper, lower] = [32, 0].map(|shift| key.map(|word| (word >> shift) as u32));
+            assert_eq!(uniform_of_halves::<f32>(upper, lower), uniform(key)[0]);
+        }
+    }
 
     #[test]
     fn uniform_numbers_are_uniformly_distributed() {

@@ -16,6 +16,6 @@ mod filter;
 pub use alias::{AliasTable, MAX_BINS};
 pub use equirectangular::EquirectangularDistribution;
 pub use filter::{FilterSampler, PixelFilter};
-pub use hash::uniform;
+pub use hash::{uniform, uniform_of_halves};
 pub use sampler::{Dimension, PixelPattern, Sampler};
 pub use shapes::{Polygon, disk, hemisphere};

@@ -11,6 +11,7 @@ use scene::build::Sensor;
 use tracer::accel::{CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
 use tracer::cost::{Counter, Counters, DeviceLaunch, FollowedPath};
 use tracer::trace::Tracer;
+use world::camera::RayCone;
 use world::geometry::RayStream;
 
 /// The warps of a query's launches on a device.
@@ -129,8 +130,8 @@ impl RayDevice for WarpCounter<'_> {
         launch
     }
 
-    fn follows_paths(&self, sampler: &Sampler) -> bool {
-        self.device.follows_paths(sampler)
+    fn follows_paths(&self, sampler: &Sampler, cone: Option<RayCone>) -> bool {
+        self.device.follows_paths(sampler, cone)
     }
 
     fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {

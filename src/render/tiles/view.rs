@@ -72,13 +72,14 @@ impl<'a> View<'a> {
 
     /// Returns the formulas of the paths.
     pub fn formulas(&self) -> PathFormulas<'a> {
-        self.shader.formulas()
+        self.shader.formulas(self.tracer.cone())
     }
 
     /// Returns the device that follows the paths, if there is one.
     pub(super) fn path_device(&self) -> Option<&'a dyn RayDevice> {
         let device = self.tracer.accel.device()?;
-        device.follows_paths(&self.sampler).then_some(device)
+        let follows = device.follows_paths(&self.sampler, self.tracer.cone());
+        follows.then_some(device)
     }
 
     /// Returns the view of the whole picture through the first samples of its pixels.

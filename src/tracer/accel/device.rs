@@ -7,6 +7,7 @@ use super::hit::{Hit, ShadowStream};
 use super::level::SearchLevel;
 use crate::cost::{DeviceLaunch, FollowedPath};
 use math::sampling::Sampler;
+use world::camera::RayCone;
 use world::geometry::RayStream;
 use world::scene::World;
 
@@ -29,8 +30,9 @@ pub trait RayDevice: fmt::Debug + Sync {
         count: CountRay,
     ) -> DeviceLaunch;
 
-    /// Returns true if it also follows whole paths, whose samples have the numbers of this sampler.
-    fn follows_paths(&self, _: &Sampler) -> bool {
+    /// Returns true if it also follows whole paths, whose samples have the numbers of this sampler,
+    /// and whose camera rays have this footprint.
+    fn follows_paths(&self, _: &Sampler, _: Option<RayCone>) -> bool {
         false
     }
 

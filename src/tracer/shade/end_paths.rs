@@ -175,7 +175,7 @@ impl<M: Model> EndPoints<'_, M> {
         let mut lanes = 0;
         for (lane, (&ray, factor)) in rays.iter().zip(factors).enumerate() {
             let weight = self.wave.weights.get(ray as usize) * factor;
-            lanes |= u8::from(is_worth_tracing(weight)) << lane;
+            lanes |= u8::from(is_worth_tracing(weight.into())) << lane;
         }
         lanes
     }

@@ -8,21 +8,23 @@ use glam::Vec3;
 
 use super::bsdf::{Boundary, Bsdf, by_kind};
 use super::emission::{Arrival, emitted, weight, weighted_background};
-use super::fresnel::mirrored_share;
+use super::fresnel::{mirrored_share, split_at};
 use super::model::{Bounce, Model};
 use super::models::by_model;
 use super::numbers::{PointNumbers, SampleId};
+use super::path::is_worth_tracing;
 use super::path_tracing::ROULETTE_DEPTH;
 use super::scatter::Continuation;
 use super::surface_data::{DataReader, surface_data};
-use crate::trace::{HitAttributes, HitPlace, ShadingPoint, shading_point};
+use crate::trace::{HitAttributes, HitPlace, ShadingPoint, chance, shading_point};
 use math::sampling::{Dimension, Sampler};
 use math::simd::{Real, Vector};
-use world::geometry::{InstancePlacement, N_PARAMETERS, Seen, ShapeKind, ShapePlacement};
+use world::camera::RayCone;
+use world::geometry::{InstancePlacement, N_PARAMETERS, Seen, ShapeKind, ShapePlacement, leaving};
 use world::light::Illumination;
-use world::material::{Material, MaterialKind, PictureFactors};
+use world::material::{Material, MaterialKind, PictureFactors, TexturePoint};
 use world::scene::{AttributeKind, InstanceId, Scene, SurfaceClass, scalar_along};
-use world::scene::{LightNumbers, interpolated_scalar};
+use world::scene::{LightNumbers, interpolated_scalar, with_uv};
 
 /// The formulas of the paths of a scene.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +32,8 @@ pub struct PathFormulas<'a> {
     scene: &'a Scene,
     /// The numbers of the paths' samples.
     pub sampler: Sampler,
+    /// The footprint of the camera rays, by which textures are filtered; `None` for points.
+    pub cone: Option<RayCone>,
 }
 
 /// The rules of the loop, the same for all surfaces.
@@ -51,8 +55,14 @@ pub struct PathRules {
     pub needs_light: bool,
     /// The first dimension of the point that a camera ray hits, and its growth with each bounce.
     pub dimensions: [u32; 2],
+    /// True if paths split: then a point continues them by [`PathFormulas::split`].
+    pub splits: bool,
     /// True if rays enter and leave media, which weaken light.
     pub has_media: bool,
+    /// True if media weaken light samples, too.
+    pub weakens_lights: bool,
+    /// True if fog fades light without scattering it.
+    pub has_fading_fog: bool,
     /// The number of the primitive of fog particles that rays may meet; `None` without.
     pub particles: Option<u32>,
 }
@@ -65,6 +75,8 @@ pub struct SurfaceKind {
     shape: ShapeKind,
     /// The primitives of instanced meshes.
     instances: Option<InstanceKind>,
+    /// True if light passes in part or at holes, and the vertices have opacities.
+    has_opacities: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -84,6 +96,10 @@ pub struct SurfaceRules {
     pub continues: bool,
     /// The material plus 1 if a medium is behind the surface, else 0.
     pub medium: u32,
+    /// True if light passes in part or at holes.
+    pub is_open: bool,
+    /// True if a part of the light goes on past the surface, after any number of bounces.
+    pub is_veil: bool,
 }
 
 /// A surface that a ray meets, as the media on both sides make it.
@@ -105,6 +121,18 @@ pub struct ShadowFormula<R: Real> {
     pub origin: Vector<R>,
     /// The parameter at which it ends.
     pub end: R,
+}
+
+/// The rest of a ray past a surface that is not opaque.
+pub struct PassageFormula<R: Real> {
+    /// The share of light that passes, of a shadow ray.
+    pub share: R,
+    /// True if any other ray passes.
+    pub is_passed: R::Mask,
+    /// Its origin past the surface.
+    pub origin: Vector<R>,
+    /// The distance of the new origin from the old one, along the ray.
+    pub advance: R,
 }
 
 /// A ray that continues a path.
@@ -129,8 +157,12 @@ pub struct NextRay<R: Real> {
 const MAX_LIGHTS: usize = 32;
 
 impl<'a> PathFormulas<'a> {
-    pub(super) fn new(scene: &'a Scene, sampler: Sampler) -> Self {
-        Self { scene, sampler }
+    pub(super) fn new(scene: &'a Scene, sampler: Sampler, cone: Option<RayCone>) -> Self {
+        Self {
+            scene,
+            sampler,
+            cone,
+        }
     }
 
     /// Returns the part of the scene for which there are no formulas, if there is one.
@@ -142,19 +174,9 @@ impl<'a> PathFormulas<'a> {
         } else {
             0
         });
-        [
-            (scene.splits_paths(), "paths that split"),
-            (scene.fading_fog().is_some(), "fog that does not scatter"),
-            (scene.has_openings(), "openings"),
-            (scene.has_images, "pictures"),
-            (
-                scene.background.environment_map().is_some(),
-                "a picture as the background",
-            ),
-            (most_lights > MAX_LIGHTS, "more than 32 lights"),
-        ]
-        .into_iter()
-        .find_map(|(has, part)| has.then_some(part))
+        [(most_lights > MAX_LIGHTS, "more than 32 lights")]
+            .into_iter()
+            .find_map(|(has, part)| has.then_some(part))
     }
 
     /// Returns the rules of the loop.
@@ -174,7 +196,10 @@ impl<'a> PathFormulas<'a> {
                 ignores_own_object: ignores_own_object(model),
                 needs_light: needs_light(model),
                 dimensions: [first.0, second.0 - first.0],
+                splits: self.scene.splits_paths(),
                 has_media: self.scene.has_media(),
+                weakens_lights: self.scene.weakens_lights(),
+                has_fading_fog: self.scene.fading_fog().is_some(),
                 particles: self.particles(),
             }
         })
@@ -193,6 +218,7 @@ impl<'a> PathFormulas<'a> {
                 class: self.scene.class(primitive),
                 shape: ShapeKind::Sphere,
                 instances: None,
+                has_opacities: false,
             });
         }
         if let Some(instances) = &self.scene.instances
@@ -206,10 +232,13 @@ impl<'a> PathFormulas<'a> {
             let has_scalars = instances.scalar(mesh.first).is_some();
             of_instances = Some(InstanceKind { has_scalars });
         }
+        let class = self.scene.class(primitive);
+        let is_open = self.scene.material(class.material()).opacity.is_some();
         Some(SurfaceKind {
-            class: self.scene.class(primitive),
+            class,
             shape: self.scene.primitives[primitive as usize].shape_kind(),
             instances: of_instances,
+            has_opacities: is_open && self.scene.vertex_opacities(primitive).is_some(),
         })
     }
 
@@ -236,7 +265,14 @@ impl<'a> PathFormulas<'a> {
         if self.is_particle(kind) {
             return;
         }
-        surface_data(self.scene, kind.class.attributes(), primitive, numbers);
+        let attributes = kind.class.attributes();
+        surface_data(
+            self.scene,
+            attributes,
+            kind.has_opacities,
+            primitive,
+            numbers,
+        );
     }
 
     /// Appends the numbers that they read for each instance.
@@ -271,51 +307,42 @@ impl<'a> PathFormulas<'a> {
             is_two_sided: material.two_sided,
             continues: match bounce(model) {
                 Bounce::None => false,
-                Bounce::Mirrored => material.kind.mirrors(),
+                Bounce::Mirrored => material.kind.mirrors() || material.kind.medium().is_some(),
                 Bounce::Scattered => material.scatters(),
             },
             medium: match material.kind.medium() {
                 Some(_) => kind.class.material().0 + 1,
                 None => 0,
             },
+            is_open: material.opacity.is_some(),
+            is_veil: material.is_veil() && self.scene.splits_at_veils(),
         })
     }
 
-    /// Returns the point of a surface that a ray, with this origin and direction, hits at `t`. `data`
-    /// are the numbers of the primitive, `place` the numbers of the instance.
+    /// Returns true if pictures vary the roughness, the metallicness or the emission of surfaces.
+    pub fn has_factors(&self) -> bool {
+        self.scene.has_factors
+    }
+
+    /// Returns the point of a surface that a ray, with this origin and direction, hits at `t`, after
+    /// a path of this length, and its opacity. `data` are the numbers of the primitive, `place` the
+    /// numbers of the instance.
     pub fn point<R: Real>(
         &self,
         kind: SurfaceKind,
         [origin, direction]: [Vector<R>; 2],
-        t: R,
+        [t, length]: [R; 2],
         data: &mut dyn FnMut() -> R,
         place: &mut dyn FnMut() -> R,
-    ) -> ShadingPoint<R> {
+    ) -> (ShadingPoint<R>, R) {
         let near = origin + direction * t;
         if self.is_particle(kind) {
-            return self.particle(near);
+            return (self.particle(near), t.splat(1.0));
         }
         let mut data = DataReader(data);
         let surface = self.hit_surface(kind, &mut data, place);
         let parameters = surface.parameters;
-        // Project the hit onto the surface.
-        let (position, outward, error) = match surface.placement {
-            None => {
-                let (position, outward) = kind.shape.project_onto(&parameters, near);
-                let error = kind.shape.rounding_along(&parameters, [position, outward]);
-                (position, outward, error)
-            }
-            Some((placement, error)) => {
-                let near = placement.object_point(near);
-                let (position, outward) = kind.shape.project_onto(&parameters, near);
-                let position = placement.world_point(position);
-                (position, placement.world_normal(outward), error)
-            }
-        };
-        let outward = match surface.mirror {
-            None => outward,
-            Some(sign) => outward.flip_sign_by(sign),
-        };
+        let ([position, outward], error) = surface.project(kind.shape, near);
         let attributes = kind.class.attributes();
         let place = HitPlace {
             position,
@@ -327,6 +354,7 @@ impl<'a> PathFormulas<'a> {
             None => normals,
             Some(instance) => normals.map(|normal| instance.world_normal(normal)),
         };
+        let uvs = (attributes.has_uvs()).then(|| [(); 3].map(|()| data.numbers()));
         let normals = attributes.has_normals().then(|| turned(data.vectors()));
         let colors = attributes.has_corner_colors().then(|| data.vectors());
         let scalar = if attributes.has_corner_scalars() {
@@ -346,15 +374,75 @@ impl<'a> PathFormulas<'a> {
                 _ => None,
             }
         };
+        let cone = self.cone.map(|cone| (cone, length + t));
         let attributes = HitAttributes {
             parameters,
             normals,
-            uvs: None,
+            uvs,
             colors,
             scalar,
             color: matches!(attributes, AttributeKind::Colors).then(|| data.vector()),
         };
-        shading_point(self.material(kind), &place, &attributes, None)
+        let opacity = if self.surface(kind).is_veil {
+            self.opacity(kind, &surface, [position, outward], uvs)
+        } else {
+            t.splat(1.0)
+        };
+        let point = shading_point(self.material(kind), &place, &attributes, cone);
+        (point, opacity)
+    }
+
+    /// Returns the opacity at a position on a surface with this outward normal and these texture
+    /// coordinates at its vertices.
+    fn opacity<R: Real>(
+        &self,
+        kind: SurfaceKind,
+        surface: &HitSurface<R>,
+        [position, outward]: [Vector<R>; 2],
+        uvs: Option<[[R; 2]; 3]>,
+    ) -> R {
+        let one = position.x.splat(1.0);
+        let Some(opacity) = &self.material(kind).opacity else {
+            return one;
+        };
+        let mut at = TexturePoint::new(position, outward);
+        if let Some(uvs) = uvs {
+            at = with_uv(at, &surface.parameters, uvs);
+        }
+        let of_vertices = surface.opacities.map_or(one, |opacities| {
+            interpolated_scalar(&surface.parameters, opacities, position)
+        });
+        opacity.at(&at, of_vertices)
+    }
+
+    /// Returns what is left of a ray past the surface that it hits at `t`.
+    pub fn passage<R: Real>(
+        &self,
+        kind: SurfaceKind,
+        ray: [Vector<R>; 2],
+        t: R,
+        data: &mut dyn FnMut() -> R,
+        place: &mut dyn FnMut() -> R,
+    ) -> PassageFormula<R> {
+        let [origin, direction] = ray;
+        let mut data = DataReader(data);
+        let surface = self.hit_surface(kind, &mut data, place);
+        let (at, error) = surface.project(kind.shape, origin + direction * t);
+        let uvs = (kind.class.attributes().has_uvs()).then(|| [(); 3].map(|()| data.numbers()));
+        let opacity = self.opacity(kind, &surface, at, uvs);
+        // Decide if the whole ray passes.
+        let threshold = if self.scene.scatters_paths() {
+            chance(ray)
+        } else {
+            t.splat(0.0)
+        };
+        let next = leaving(at, error, direction);
+        PassageFormula {
+            share: t.splat(1.0) - opacity,
+            is_passed: opacity.le(threshold),
+            origin: next,
+            advance: (next - origin).dot(direction),
+        }
     }
 
     /// Returns the particle of fog at a position.
@@ -405,6 +493,7 @@ impl<'a> PathFormulas<'a> {
             instance: None,
             mirror: None,
             scalar: None,
+            opacities: None,
         };
         if kind.class.shape().is_none() {
             let placement = ShapePlacement::new(data.vectors(), data.vectors());
@@ -419,6 +508,7 @@ impl<'a> PathFormulas<'a> {
             let scalar = place.number();
             surface.scalar = of_instances.has_scalars.then_some(scalar);
         }
+        surface.opacities = kind.has_opacities.then(|| data.numbers());
         surface
     }
 
@@ -576,6 +666,71 @@ impl<'a> PathFormulas<'a> {
         }
     }
 
+    /// Returns the rays that continue a path, whose ray in `direction` has hit a point of this
+    /// opacity: the reflected ray, then the ray on the other side of the surface.
+    pub fn split<R: Real>(
+        &self,
+        kind: SurfaceKind,
+        at: &ShadingPoint<R>,
+        [direction, weight]: [Vector<R>; 2],
+        opacity: R,
+        crossing: &Crossing<R>,
+    ) -> [NextRay<R>; 2] {
+        let material = self.material(kind);
+        let one = opacity.splat(1.0);
+        let no = one.splat_mask(false);
+        let ray = |is_alive, direction, weight| NextRay {
+            is_alive,
+            origin: by_model!(self.scene, |model| model.origin(at, direction)),
+            direction,
+            weight,
+            density: one.splat(f32::INFINITY),
+            is_refracted: no,
+            is_diffuse: no,
+        };
+        let (scatters, mirrored) = (self.scatters(kind, at), at.mirrored(direction));
+        if material.kind.medium().is_some() {
+            let split = split_at(at, direction, crossing.eta, crossing.is_visible);
+            let worth = |share: R| is_worth_tracing(weight * share) & scatters;
+            let [reflected, refracted] = [split.reflectance, one - split.reflectance];
+            return [
+                ray(worth(reflected), mirrored, weight * reflected),
+                NextRay {
+                    is_refracted: one.splat_mask(true),
+                    ..ray(worth(refracted), split.refracted, weight * refracted)
+                },
+            ];
+        }
+        let share = mirrored_share(material, at, direction);
+        let reflects = if material.kind.mirrors() {
+            scatters
+        } else {
+            no
+        };
+        let passing = one - opacity;
+        let passes = if self.surface(kind).is_veil {
+            is_worth_tracing(weight * passing)
+        } else {
+            no
+        };
+        [
+            ray(reflects, mirrored, (weight * opacity).times(share)),
+            NextRay {
+                is_refracted: one.splat_mask(true),
+                ..ray(passes, direction, weight * passing)
+            },
+        ]
+    }
+
+    /// Returns the share of light that fog leaves on the way of a ray to its hit at `t`, and the
+    /// light that it adds.
+    pub fn fade<R: Real>(&self, ray: [Vector<R>; 2], t: R) -> (R, Vector<R>) {
+        match self.scene.fading_fog() {
+            Some(fog) => fog.fade(ray, t),
+            None => (t.splat(1.0), Vector::splat(t, Vec3::ZERO)),
+        }
+    }
+
     /// Returns the boundary that scattering needs.
     fn boundary<R: Real>(&self, material: &Material, crossing: &Crossing<R>) -> Boundary<R> {
         match material.kind.medium() {
@@ -605,6 +760,34 @@ struct HitSurface<R> {
     mirror: Option<R>,
     /// The instance's number of an array.
     scalar: Option<R>,
+    /// The opacities of the vertices.
+    opacities: Option<[R; 3]>,
+}
+
+impl<R: Real> HitSurface<R> {
+    /// Returns the point of the surface near a point, with the outward normal, and the bound of its
+    /// distance from the surface.
+    fn project(&self, shape: ShapeKind, near: Vector<R>) -> ([Vector<R>; 2], R) {
+        let parameters = &self.parameters;
+        let (position, outward, error) = match self.placement {
+            None => {
+                let (position, outward) = shape.project_onto(parameters, near);
+                let error = shape.rounding_along(parameters, [position, outward]);
+                (position, outward, error)
+            }
+            Some((placement, error)) => {
+                let near = placement.object_point(near);
+                let (position, outward) = shape.project_onto(parameters, near);
+                let position = placement.world_point(position);
+                (position, placement.world_normal(outward), error)
+            }
+        };
+        let outward = match self.mirror {
+            None => outward,
+            Some(sign) => outward.flip_sign_by(sign),
+        };
+        ([position, outward], error)
+    }
 }
 
 fn bounce<M: Model>(_: M) -> Bounce {

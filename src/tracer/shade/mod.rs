@@ -49,6 +49,7 @@ use model::{Bounce, Model};
 use models::by_model;
 use numbers::PointNumbers;
 use scatter::{Continuation, scattered_kind};
+use world::camera::RayCone;
 use world::geometry::{Ray, Seen};
 use world::light::Illumination;
 use world::material::Material;
@@ -58,7 +59,8 @@ pub use add_light::Eyes;
 pub use cast_shadows::ShadowWave;
 pub use eye_media::EyeMedia;
 pub use formulas::{
-    Crossing, NextRay, PathFormulas, PathRules, ShadowFormula, SurfaceKind, SurfaceRules,
+    Crossing, NextRay, PassageFormula, PathFormulas, PathRules, ShadowFormula, SurfaceKind,
+    SurfaceRules,
 };
 pub use numbers::{SampleId, SampleIds};
 pub use path::PathRay;
@@ -89,9 +91,10 @@ impl<'a> Shader<'a> {
         Self { scene, sampler }
     }
 
-    /// Returns the formulas that follow the paths of this shader.
-    pub fn formulas(&self) -> PathFormulas<'a> {
-        PathFormulas::new(self.scene, self.sampler)
+    /// Returns the formulas that follow the paths of this shader, whose camera rays have this
+    /// footprint.
+    pub fn formulas(&self, cone: Option<RayCone>) -> PathFormulas<'a> {
+        PathFormulas::new(self.scene, self.sampler, cone)
     }
 
     /// Creates a shader of waves for this instruction set.
@@ -336,8 +339,9 @@ impl<'a> Shader<'a> {
         let mut weight = path.weight * path.media.transmittance(distance, &self.scene.materials);
         let mut gained = Vec3::ZERO;
         if let Some(fog) = self.scene.fading_fog().filter(|_| path.media.is_none()) {
-            let (transmittance, light) = fog.fade(&path.ray, distance);
-            gained = weight * light;
+            let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
+            let (transmittance, light) = fog.fade(ray, distance);
+            gained = weight * Vec3::from(light);
             weight *= transmittance;
         }
         let arriving = PathRay {

@@ -6,6 +6,7 @@ use super::eye_media::EyeMedia;
 use super::media::Media;
 use super::numbers::SampleId;
 use crate::cost::RayKind;
+use math::simd::{Real, Vector};
 use world::geometry::Ray;
 
 /// A ray that starts at the camera, or continues a path from a surface.
@@ -67,7 +68,7 @@ impl PathRay {
 
     /// Returns true if the ray is worth tracing.
     pub(super) fn has_weight(&self) -> bool {
-        is_worth_tracing(self.weight)
+        is_worth_tracing(self.weight.into())
     }
 }
 
@@ -77,6 +78,6 @@ const MIN_WEIGHT: f32 = 1.0 / 4096.0;
 
 /// Returns true if a ray of this weight, split off at a surface, is traced.
 #[inline(always)]
-pub(super) fn is_worth_tracing(weight: Vec3) -> bool {
-    weight.max_element() >= MIN_WEIGHT
+pub(super) fn is_worth_tracing<R: Real>(Vector { x, y, z }: Vector<R>) -> R::Mask {
+    x.splat(MIN_WEIGHT).le(x.max(y).max(z))
 }

@@ -10,7 +10,7 @@ use crate::accel::Hit;
 use crate::cost::RayKind;
 use math::simd::{InstructionSet, N_LANES, Vector, VectorColumn, gather, grow, lanes_mut};
 use world::fog::FogSphere;
-use world::geometry::RayStream;
+use world::geometry::{Ray, RayStream};
 use world::material::Material;
 
 /// Rays of one kind and the paths that they continue, as a structure of arrays. All paths have the
@@ -151,9 +151,11 @@ impl PathWave {
                 continue;
             }
             let distance = hit.map_or(f32::INFINITY, |hit| hit.t);
-            let (transmittance, light) = fog.fade(&self.rays.get(i), distance);
+            let Ray { origin, direction } = self.rays.get(i);
+            let ray = [origin, direction].map(Vector::from);
+            let (transmittance, light) = fog.fade(ray, distance);
             let weight = self.weights.get(i);
-            self.gained.set(i, weight * light);
+            self.gained.set(i, weight * Vec3::from(light));
             self.weights.set(i, weight * transmittance);
         }
     }

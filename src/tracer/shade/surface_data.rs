@@ -6,11 +6,12 @@ use math::simd::{Real, Vector};
 use world::scene::{AttributeKind, PlacedPrimitive, Scene};
 
 /// Appends the numbers of a primitive: the parameters of its shape; with a transform, both maps and
-/// the bound of rounding errors; and its attributes of this kind. The numbers of an instanced mesh are
-/// in the space of the mesh.
+/// the bound of rounding errors; the opacities of its vertices; and its attributes of this kind. The
+/// numbers of an instanced mesh are in the space of the mesh.
 pub(super) fn surface_data(
     scene: &Scene,
     attributes: AttributeKind,
+    has_opacities: bool,
     primitive: u32,
     numbers: &mut Vec<f32>,
 ) {
@@ -23,6 +24,13 @@ pub(super) fn surface_data(
         numbers.push(surface.rounding([Vec3::ZERO; 2]));
     }
     let placed = PlacedPrimitive::from(primitive);
+    if has_opacities {
+        numbers.extend(scene.vertex_opacities(primitive).unwrap_or_default());
+    }
+    if attributes.has_uvs() {
+        let uvs = scene.vertex_uvs(primitive).unwrap_or_default();
+        numbers.extend(uvs.as_flattened());
+    }
     if attributes.has_normals() {
         push_vectors(numbers, &scene.vertex_normals(placed).unwrap_or_default());
     }

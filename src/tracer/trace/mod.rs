@@ -16,6 +16,7 @@ use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use find_points::FindPoints;
 pub(crate) use hit_attributes::{HitAttributes, HitPlace, shading_point};
 use math::simd::{Simd, Vector};
+pub(crate) use openings::chance;
 pub use points::{PointGroup, PointLanes, Points};
 pub use surface_point::{ShadingPoint, SurfacePoint};
 use surface_point::{on_side_of, side, width};
@@ -56,6 +57,11 @@ impl<'a> Tracer<'a> {
     /// Filters textures by the footprint of a camera ray.
     pub fn with_cone(self, cone: Option<RayCone>) -> Self {
         Self { cone, ..self }
+    }
+
+    /// Returns the footprint of the camera rays, by which textures are filtered.
+    pub fn cone(&self) -> Option<RayCone> {
+        self.cone
     }
 
     /// Returns the nearest surface point on a camera ray, whose direction is a unit vector.

@@ -10,8 +10,8 @@
 use super::Tracer;
 use crate::accel::{Hit, ShadowRay, ShadowStream};
 use crate::cost::{ByPixel, PixelProbe};
-use math::sampling::uniform;
-use math::simd::N_LANES;
+use math::sampling::uniform_of_halves;
+use math::simd::{N_LANES, Real, Vector};
 use world::geometry::{Ray, RayStream};
 
 /// The rest of a ray past some surfaces.
@@ -53,22 +53,20 @@ fn light_share(_: &Tracer, _: &Ray, opacity: f32) -> f32 {
 /// Returns 1 if the whole ray passes, or else 0.
 fn all_or_nothing(tracer: &Tracer, ray: &Ray, opacity: f32) -> f32 {
     let threshold = if tracer.scene.scatters_paths() {
-        chance(ray)
+        chance([ray.origin, ray.direction].map(Vector::from))
     } else {
         0.0
     };
     f32::from(u8::from(opacity <= threshold))
 }
 
-/// Returns a uniform number in [0, 1) for a ray, the same in any order and on any thread.
-fn chance(Ray { origin, direction }: &Ray) -> f32 {
-    let word = |a: f32, b: f32| u64::from(a.to_bits()) << 32 | u64::from(b.to_bits());
-    let [number, ..] = uniform([
-        word(origin.x, origin.y),
-        word(origin.z, direction.x),
-        word(direction.y, direction.z),
-    ]);
-    number
+/// Returns a uniform number in [0, 1) for a ray, given its origin and direction, the same in any
+/// order and on any thread.
+pub(crate) fn chance<R: Real>([origin, direction]: [Vector<R>; 2]) -> R {
+    uniform_of_halves(
+        [origin.x, origin.z, direction.y].map(R::to_integer_bits),
+        [origin.y, direction.x, direction.z].map(R::to_integer_bits),
+    )
 }
 
 impl Tracer<'_> {

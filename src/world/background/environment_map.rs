@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::color::Transfer;
 use crate::picture::Picture;
 use crate::values;
-use math::simd::{Arithmetic, LookupTable, Real, Vector, cos_sin, turns_of};
+use math::simd::{Arithmetic, DeviceTable, LookupTable, Real, Vector, cos_sin, turns_of};
 
 /// An equirectangular picture around the scene, as a [panorama camera](crate::camera::Panorama)
 /// sees it: columns are at equal steps of longitude around +y, rows of latitude, with the top row
@@ -100,6 +100,15 @@ impl LookupTable<2, 3> for EnvironmentMap {
     fn values_at(&self, place: [f32; 2]) -> [f32; 3] {
         let [r, g, b, _] = self.picture.around(place);
         [self.brightness(r), self.brightness(g), self.brightness(b)]
+    }
+
+    /// The factor and the maximum of the radiance, then the picture.
+    fn on_device(&self) -> Option<DeviceTable> {
+        let head = [self.intensity, MAX_RADIANCE].map(f32::to_bits);
+        Some(DeviceTable {
+            function: "environment_map",
+            words: head.into_iter().chain(self.picture.words()).collect(),
+        })
     }
 }
 

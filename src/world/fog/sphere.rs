@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::HenyeyGreenstein;
-use crate::geometry::Ray;
 use math::simd::{DeviceTable, LookupTable, Real, Vector};
 
 /// A sphere filled with fog.
@@ -33,10 +32,10 @@ impl FogSphere {
 
     /// Attenuates light along a ray up to its hit, without scattering: returns the fraction that is
     /// left, and the light that the fog adds.
-    pub fn fade(&self, ray: &Ray, distance: f32) -> (f32, Vec3) {
-        let ray = [ray.origin, ray.direction].map(Vector::from);
+    pub fn fade<R: Real>(&self, ray: [Vector<R>; 2], distance: R) -> (R, Vector<R>) {
         let transmittance = self.transmittance(ray, distance);
-        (transmittance, self.color * (1.0 - transmittance))
+        let added = distance.splat(1.0) - transmittance;
+        (transmittance, Vector::splat(added, self.color) * added)
     }
 
     /// Samples the distance along a ray, with an origin and a direction, at which it meets a
@@ -110,6 +109,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::geometry::Ray;
 
     fn fog(radius: f32) -> FogSphere {
         FogSphere {

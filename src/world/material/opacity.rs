@@ -10,6 +10,7 @@ use super::image::ImageTexture;
 use super::texture_point::TexturePoint;
 use crate::integers_as_f64;
 use crate::values;
+use math::simd::Real;
 
 /// The share of light that a surface meets; the rest passes as if nothing were there.
 ///
@@ -43,8 +44,9 @@ impl Opacity {
     }
 
     /// Returns the opacity at a point, from 0 to 1; `of_vertices` is that of the vertices.
-    pub fn at(&self, point: &TexturePoint<f32>, of_vertices: f32) -> f32 {
-        let of_image = self.image.as_ref().map_or(1.0, |image| {
+    pub fn at<R: Real>(&self, point: &TexturePoint<R>, of_vertices: R) -> R {
+        let [zero, one] = [0.0, 1.0].map(|number| of_vertices.splat(number));
+        let of_image = self.image.as_ref().map_or(one, |image| {
             let [red, green, blue, opacity] = image.values_at(point);
             if image.picture.is_opaque() {
                 red.max(green).max(blue)
@@ -52,9 +54,10 @@ impl Opacity {
                 opacity
             }
         });
-        let opacity = (self.factor * of_vertices * of_image).clamp(0.0, 1.0);
+        let opacity = one.splat(self.factor) * of_vertices * of_image;
+        let opacity = opacity.max(zero).min(one);
         match self.threshold {
-            Some(threshold) => f32::from(u8::from(opacity >= threshold)),
+            Some(threshold) => R::select(one.splat(threshold).le(opacity), one, zero),
             None => opacity,
         }
     }

@@ -122,6 +122,18 @@ impl Picture {
         (level.size, texels.map(|i| self.get(i)))
     }
 
+    /// Returns the picture for other devices: the number of its copies; for each its columns, its
+    /// rows and the index of its first texel; then the four values of all texels.
+    pub fn words(&self) -> impl Iterator<Item = u32> {
+        let levels = self.levels.iter();
+        let levels = levels.flat_map(|level| [level.size[0], level.size[1], level.first as u32]);
+        let n_texels = self.levels.iter().map(MipLevel::n_texels).sum();
+        let texels = (0..n_texels).flat_map(|i| self.get(i).map(f32::to_bits));
+        std::iter::once(self.levels.len() as u32)
+            .chain(levels)
+            .chain(texels)
+    }
+
     fn nearest(&self, [x, y]: [f32; 2]) -> [f32; 4] {
         let whole = self.levels[0];
         let [width, height] = whole.size;

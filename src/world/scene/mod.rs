@@ -321,6 +321,14 @@ impl Scene {
         }
     }
 
+    /// Returns the opacities at the vertices of the primitive, a triangle, if there are any.
+    pub fn vertex_opacities(&self, primitive: u32) -> Option<[f32; 3]> {
+        match self.attributes(primitive) {
+            (Attributes::Corners(corners), i) => Some(corners.opacities.as_ref()?.at(i)),
+            _ => None,
+        }
+    }
+
     /// Returns the numbers of an array at the vertices of the primitive, a triangle, if there are
     /// any.
     #[inline]
@@ -411,13 +419,11 @@ impl Scene {
         let Some(opacity) = &self.material(material).opacity else {
             return 1.0;
         };
-        let of_vertices = match self.attributes(placed.primitive) {
-            (Attributes::Corners(corners), i) => corners.opacities.as_ref().map(|of| of.at(i)),
-            _ => None,
-        };
-        let of_vertices = of_vertices.map_or(1.0, |of_vertices| {
-            interpolated_scalar(&self.parameters(placed), of_vertices, point.into())
-        });
+        let of_vertices = self
+            .vertex_opacities(placed.primitive)
+            .map_or(1.0, |of_vertices| {
+                interpolated_scalar(&self.parameters(placed), of_vertices, point.into())
+            });
         let at = TexturePoint::new(point.into(), normal.into());
         opacity.at(&self.with_uv(placed, at), of_vertices)
     }

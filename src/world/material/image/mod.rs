@@ -22,7 +22,7 @@ use crate::color::Transfer;
 use crate::geometry::RenderSpace;
 use crate::picture::{Picture, Sampling, TexelFilter, Wrap};
 use crate::values;
-use math::simd::{LookupTable, Real, Vector};
+use math::simd::{DeviceTable, LookupTable, Real, Vector};
 
 /// A picture on a surface.
 ///
@@ -203,5 +203,14 @@ impl LookupTable<3, 4> for ImageTexture {
             wrap: self.wrap,
         };
         self.picture.at(sampling, [u, v], footprint)
+    }
+
+    /// The filter, the continuation, then the picture.
+    fn on_device(&self) -> Option<DeviceTable> {
+        let head = [self.filter as u32, self.wrap as u32].into_iter();
+        Some(DeviceTable {
+            function: "image_texture",
+            words: head.chain(self.picture.words()).collect(),
+        })
     }
 }
