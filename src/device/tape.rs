@@ -422,11 +422,6 @@ impl Double for Register<'_> {
         let limit = Double::splat(self, limit);
         self.with(Operation::ZeroBelow, limit)
     }
-
-    fn map(self, _: impl Fn(f64) -> f64) -> Self {
-        self.tape.refuse("a power that is not whole");
-        self
-    }
 }
 
 #[cfg(test)]

@@ -23,12 +23,12 @@ FUNCTION double double_at(GLOBAL const uint *words) {
   return DOUBLE_OF((ulong)words[1] << 32 | (ulong)words[0]);
 }
 FUNCTION void color_table(GLOBAL const uint *table, uint n_values, const float *at, float *found) {
-  uint n = table[0], choice = table[1], i = 0u;
-  double number = (double)at[0] + double_at(table + 2);
-  double low = double_at(table + 4), high = double_at(table + 6);
-  GLOBAL const uint *colors = table + 11;
+  uint n = table[0], choice = table[1], is_log = table[2], i = 0u;
+  double number = (double)at[0] + double_at(table + 3);
+  double low = double_at(table + 5), high = double_at(table + 7);
+  GLOBAL const uint *colors = table + 12;
   if (at[0] != at[0]) {
-    colors = table + 8;
+    colors = table + 9;
   } else if (choice == 2u) {
     /* The nearest category; beyond 64 bits, the last one. */
     double nearest = round(number);
@@ -39,10 +39,20 @@ FUNCTION void color_table(GLOBAL const uint *table, uint n_values, const float *
     i = (uint)(rest < 0l ? rest + (long)n : rest);
   } else {
     double position = (number - low) / (high - low);
+    if (is_log) {
+      double least = DOUBLE_OF(0x0010000000000000ul);
+      position = logarithm((number > least ? number : least) / low) / logarithm(high / low);
+    }
     double place = choice == 0u ? position * (double)(n - 1u) + 0.5 : position * (double)n;
     i = place >= 0.0 ? place < (double)n ? (uint)place : n - 1u : 0u;
   }
   for (uint k = 0; k < n_values; k++) found[k] = FLOAT_OF(colors[3u * i + k]);
+}
+
+/* Power: a power of a base; 0 below a limit. */
+FUNCTION void power_of_base(GLOBAL const uint *table, uint n_values, const float *at, float *found) {
+  double found_power = power((double)at[0], (double)FLOAT_OF(table[0]));
+  found[0] = found_power < double_at(table + 1) ? 0.0f : (float)found_power;
 }
 
 /* FogSphere: the transmittance of a length. */

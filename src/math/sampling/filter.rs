@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use crate::simd::{Double, Real};
+use crate::simd::{LookupTable, Real};
 use base::keywords;
 
 keywords! {
@@ -90,20 +90,22 @@ impl FilterSampler {
         let distance = match self.filter {
             PixelFilter::Box | PixelFilter::Tent => one - outside.sqrt(),
             PixelFilter::BlackmanHarris => {
-                let root = outside.sqrt().sqrt().to_double();
-                R::from_double(root.map(|root| self.distance(root)))
+                let [distance] = R::look_up(self, [outside.sqrt().sqrt()]);
+                distance
             }
         };
         (radius * distance).flip_sign_by(even)
     }
+}
 
-    /// Interpolates the distance at a value of `q` from 0 to 1.
+/// Interpolates the distance at a value of `q` from 0 to 1.
+impl LookupTable<1, 1> for FilterSampler {
     #[inline(always)]
-    fn distance(&self, root: f64) -> f64 {
-        let step = root * N_STEPS as f64;
+    fn values_at(&self, [root]: [f32; 1]) -> [f32; 1] {
+        let step = f64::from(root) * N_STEPS as f64;
         let i = (step as usize).min(N_STEPS - 1);
         let [from, to] = [self.distances[i], self.distances[i + 1]].map(f64::from);
-        from + (step - i as f64) * (to - from)
+        [(from + (step - i as f64) * (to - from)) as f32]
     }
 }
 

@@ -312,12 +312,7 @@ impl Double for F64x8 {
 
     #[inline(always)]
     fn zero_below(self, limit: f64) -> Self {
-        self.map(|double| double.zero_below(limit))
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(eight!(|i| f(self.0[i])))
+        Self(eight!(|i| self.0[i].zero_below(limit)))
     }
 }
 

@@ -214,8 +214,6 @@ pub trait Double: Copy + Mul<Output = Self> {
     fn splat(self, value: f64) -> Self;
     /// Returns 0 where the number is less than `limit`.
     fn zero_below(self, limit: f64) -> Self;
-    /// Applies `f`, number by number.
-    fn map(self, f: impl Fn(f64) -> f64) -> Self;
 }
 
 impl Arithmetic for f32 {
@@ -391,10 +389,5 @@ impl Double for f64 {
     #[inline(always)]
     fn zero_below(self, limit: f64) -> f64 {
         if self < limit { 0.0 } else { self }
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> f64 {
-        f(self)
     }
 }

@@ -9,7 +9,6 @@
 use std::arch::x86_64::*;
 use std::ops::Mul;
 
-use super::lanes::N_LANES;
 use super::real::{Double, Integer};
 use super::registers::Registers;
 
@@ -77,20 +76,6 @@ impl<R: Registers> Double for YmmDoubles<R> {
             ]
         };
         Self(kept, self.1)
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        // SAFETY: both are eight times 64 bits.
-        let mut doubles: [f64; N_LANES] = unsafe { std::mem::transmute(self.0) };
-        for double in &mut doubles {
-            *double = f(*double);
-        }
-        // SAFETY: as above.
-        Self(
-            unsafe { std::mem::transmute::<[f64; N_LANES], [__m256d; 2]>(doubles) },
-            self.1,
-        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! Blinn-Phong reflection of one light.
 
-use math::simd::{Double, Real, Vector};
+use math::simd::{DeviceTable, Double, LookupTable, Real, Vector};
 use world::light::Illumination;
 use world::material::Material;
 
@@ -61,15 +61,38 @@ const MIN_HIGHLIGHT: f64 = 1.0 / (1_u128 << 100) as f64;
 /// intermediate result is subnormal.
 #[inline(always)]
 fn power<R: Real>(base: R, exponent: f32) -> R {
-    let base = base.to_double();
     let whole = exponent as u32;
-    let power = if whole as f32 == exponent && whole <= MAX_SQUARED {
-        whole_power(base, whole)
-    } else {
-        base.map(|base| libm::pow(base, f64::from(exponent)))
-    };
-    R::from_double(power.zero_below(MIN_HIGHLIGHT))
+    if whole as f32 == exponent && whole <= MAX_SQUARED {
+        let power = whole_power(base.to_double(), whole);
+        return R::from_double(power.zero_below(MIN_HIGHLIGHT));
+    }
+    let [power] = R::look_up(&Power(exponent), [base]);
+    power
 }
+
+/// The powers with an exponent.
+struct Power(f32);
+
+/// Returns the power of a base.
+impl LookupTable<1, 1> for Power {
+    #[inline]
+    fn values_at(&self, [base]: [f32; 1]) -> [f32; 1] {
+        let power = libm::pow(base.into(), self.0.into());
+        [power.zero_below(MIN_HIGHLIGHT) as f32]
+    }
+
+    /// The exponent, then the limit in two halves.
+    fn on_device(&self) -> Option<DeviceTable> {
+        let limit = MIN_HIGHLIGHT.to_bits();
+        (self.0 <= MAX_EXPONENT).then(|| DeviceTable {
+            function: "power_of_base",
+            words: vec![self.0.to_bits(), limit as u32, (limit >> 32) as u32],
+        })
+    }
+}
+
+/// Largest exponent of the powers of devices: libm computes greater ones otherwise.
+const MAX_EXPONENT: f32 = (1_u32 << 31) as f32;
 
 /// Computes the power by repeated squaring, in a fraction of the time of `pow`; may return 0 if the
 /// result is below [`MIN_HIGHLIGHT`].

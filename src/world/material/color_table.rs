@@ -58,10 +58,10 @@ impl LookupTable<1, 3> for ColorTable {
         self.colors.get(index).copied().unwrap_or(last)
     }
 
-    /// The number of colors, the choice, the bits of the offset and of both ends, the color of NaN,
-    /// and the colors.
+    /// The number of colors, the choice, 1 if the scale is logarithmic, the bits of the offset and of
+    /// both ends, the color of NaN, and the colors.
     fn on_device(&self) -> Option<DeviceTable> {
-        if self.is_log || self.colors.is_empty() {
+        if self.colors.is_empty() {
             return None;
         }
         let [low, high] = self.ends;
@@ -70,7 +70,11 @@ impl LookupTable<1, 3> for ColorTable {
             .into_iter()
             .flat_map(|bits| [bits as u32, (bits >> 32) as u32]);
         let colors = self.nan_color.iter().chain(self.colors.as_flattened());
-        let head = [self.colors.len() as u32, self.choice as u32];
+        let head = [
+            self.colors.len() as u32,
+            self.choice as u32,
+            self.is_log.into(),
+        ];
         let words = head.into_iter().chain(halves);
         Some(DeviceTable {
             function: "color_table",
