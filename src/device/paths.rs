@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use math::simd::{Arithmetic, Vector};
 use tracer::cost::N_BOUNCES;
-use tracer::shade::{Crossing, PathFormulas, PathRules, SurfaceKind};
+use tracer::shade::{Crossing, PathFormulas, PathRules, SurfaceKind, SurfaceRules};
 use tracer::trace::ShadingPoint;
 use world::light::Illumination;
 use world::material::PictureFactors;
@@ -158,7 +158,17 @@ impl<'f> PathRecorder<'f> {
             point_results(&formulas, tape, kind)
         })?;
         let media: Vec<String> = (kinds.iter())
-            .map(|&kind| format!("{}u", formulas.surface(kind).medium))
+            .map(|&kind| {
+                let is_medium = formulas.surface(formulas.material(kind)).is_medium;
+                format!(
+                    "{}u",
+                    if is_medium {
+                        kind.class.material().0 + 1
+                    } else {
+                        0
+                    }
+                )
+            })
             .collect();
         let _ = writeln!(
             self.text,
@@ -286,21 +296,17 @@ fn own_light_results<'t>(
     let mut data = tape.numbers(Operation::Data);
     let mut place = tape.numbers(Operation::Place);
     let hit = tape.inputs(slot::T);
-    let light = formulas.own_light(
-        kind,
-        &point(formulas, tape),
-        ray,
-        hit,
-        &mut data,
-        &mut place,
-    );
+    let at = point(formulas, tape);
+    let light = formulas.own_light(kind.class, &at, ray, hit, || {
+        formulas.parameters(kind, &mut data, &mut place)
+    });
     coordinates(light).into()
 }
 
 /// Records light sample `i`.
 fn light_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>, i: usize) -> Vec<Register<'t>> {
     let at = point(formulas, tape);
-    let light = formulas.light(i, &at, sample(tape));
+    let (light, _) = formulas.light(i, &at, sample(tape));
     let [x, y, z] = coordinates(light.direction);
     let [red, green, blue] = coordinates(light.radiance);
     let is_behind = number(light.distance, at.is_backed_by(light.direction));
@@ -323,7 +329,11 @@ fn shadow_results<'t>(
     tape: &'t Tape<'t>,
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
-    let shadow = formulas.shadow(kind, &point(formulas, tape), &light(tape));
+    let shadow = formulas.shadow(
+        formulas.material(kind),
+        &point(formulas, tape),
+        &light(tape),
+    );
     let [x, y, z] = coordinates(shadow.origin);
     vec![number(shadow.end, shadow.may_arrive), x, y, z, shadow.end]
 }
@@ -335,13 +345,8 @@ fn reflected_results<'t>(
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
     let rays = [slot::EYE, slot::DIRECTION].map(|slot| at(tape, slot));
-    let light = formulas.reflected(
-        kind,
-        &point(formulas, tape),
-        &light(tape),
-        rays,
-        &crossing(tape),
-    );
+    let (of, at) = (formulas.material(kind), point(formulas, tape));
+    let light = formulas.reflected(of, &at, &light(tape), rays, &crossing(tape));
     coordinates(light).into()
 }
 
@@ -353,12 +358,13 @@ fn next_results<'t>(
     kind: SurfaceKind,
     is_late: bool,
 ) -> Vec<Register<'t>> {
-    if !formulas.surface(kind).continues {
+    if !formulas.surface(formulas.material(kind)).continues {
         return vec![tape.zero(); 12];
     }
     let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
     let at = point(formulas, tape);
-    let ray = formulas.next(kind, &at, path, sample(tape), &crossing(tape), is_late);
+    let of = formulas.material(kind);
+    let ray = formulas.next(of, &at, path, sample(tape), &crossing(tape), is_late);
     let density = ray.density;
     let [zero, one, two] = [0.0, 1.0, 2.0].map(|number| density.splat(number));
     let of_kind = Register::select(ray.is_diffuse, two, zero);
@@ -379,7 +385,7 @@ fn split_results<'t>(
     let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
     let [opacity] = tape.inputs(slot::OPACITY);
     let at = point(formulas, tape);
-    let rays = formulas.split(kind, &at, path, opacity, &crossing(tape));
+    let rays = formulas.split(formulas.material(kind), &at, path, opacity, &crossing(tape));
     let results = rays.map(|ray| {
         let vectors = [ray.origin, ray.direction, ray.weight];
         let vectors = vectors.into_iter().flat_map(coordinates);
@@ -438,11 +444,11 @@ fn part_of(reason: &str) -> String {
 
 /// Returns the slots and the rules of the loop as macros.
 fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) -> String {
-    let bits = |is: fn(&PathFormulas, SurfaceKind) -> bool| {
+    let bits = |is: fn(SurfaceRules) -> bool| {
         let bits = kinds
             .iter()
             .zip(0..)
-            .map(|(&kind, i)| u64::from(is(formulas, kind)) << i);
+            .map(|(&kind, i)| u64::from(is(formulas.surface(formulas.material(kind)))) << i);
         format!("{}ul", bits.sum::<u64>())
     };
     let [first, step] = rules.dimensions;
@@ -487,22 +493,10 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
     let numbers = sizes.chain(numbers);
     let numbers = numbers.map(|(name, number)| (name, format!("{number}u")));
     let kinds = [
-        (
-            "LIT_KINDS",
-            bits(|formulas, kind| formulas.surface(kind).is_lit),
-        ),
-        (
-            "CONTINUING_KINDS",
-            bits(|formulas, kind| formulas.surface(kind).continues),
-        ),
-        (
-            "OPEN_KINDS",
-            bits(|formulas, kind| formulas.surface(kind).is_open),
-        ),
-        (
-            "VEIL_KINDS",
-            bits(|formulas, kind| formulas.surface(kind).is_veil),
-        ),
+        ("LIT_KINDS", bits(|surface| surface.is_lit)),
+        ("CONTINUING_KINDS", bits(|surface| surface.continues)),
+        ("OPEN_KINDS", bits(|surface| surface.is_open)),
+        ("VEIL_KINDS", bits(|surface| surface.is_veil)),
     ];
     numbers
         .chain(kinds)
@@ -688,6 +682,7 @@ objects:
             };
             for primitive in 0..formulas.n_primitives() {
                 let kind = formulas.kind(primitive).unwrap();
+                let of = formulas.material(kind);
                 let mut data = Vec::new();
                 formulas.push_data(kind, primitive, &mut data);
                 let evaluate = |program: &Program| program.evaluate([&state, &data, &[]]);
@@ -702,7 +697,7 @@ objects:
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "point of {kind:?}");
 
                 let recorded = program(|tape| shadow_results(&formulas, tape, kind));
-                let ShadowFormula { may_arrive, origin, end } = formulas.shadow(kind, &at, &arriving);
+                let ShadowFormula { may_arrive, origin, end } = formulas.shadow(of, &at, &arriving);
                 let [x, y, z] = coordinates_of(origin);
                 let expected = [f32::from(u8::from(may_arrive)), x, y, z, end];
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "shadow of {kind:?}");
@@ -714,16 +709,16 @@ objects:
                 };
                 let recorded = program(|tape| reflected_results(&formulas, tape, kind));
                 let rays = [slot::EYE, slot::DIRECTION].map(|slot| number_at(&state, slot));
-                let expected = coordinates_of(formulas.reflected(kind, &at, &arriving, rays, &crossing));
+                let expected = coordinates_of(formulas.reflected(of, &at, &arriving, rays, &crossing));
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "reflected by {kind:?}");
 
-                if !formulas.surface(kind).continues {
+                if !formulas.surface(formulas.material(kind)).continues {
                     continue;
                 }
                 for is_late in [false, true] {
                     let recorded = program(|tape| next_results(&formulas, tape, kind, is_late));
                     let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| number_at(&state, slot));
-                    let ray: NextRay<f32> = formulas.next(kind, &at, path, words, &crossing, is_late);
+                    let ray: NextRay<f32> = formulas.next(of, &at, path, words, &crossing, is_late);
                     let of_kind = if ray.is_refracted { 1.0 } else if ray.is_diffuse { 2.0 } else { 0.0 };
                     let mut expected = vec![f32::from(u8::from(ray.is_alive)), of_kind];
                     let vectors = [ray.origin, ray.direction, ray.weight];

@@ -12,12 +12,12 @@ impl Shader<'_> {
     /// Returns the point that a ray of a path meets: a particle of fog if one is nearer than this
     /// hit, else the hit.
     pub fn met_in_fog(&self, path: &PathRay, hit: Option<SurfacePoint>) -> Option<SurfacePoint> {
-        let Some(fog) = self.scene.scattering_fog().filter(|_| path.media.is_none()) else {
+        if !path.media.is_none() {
             return hit;
-        };
+        }
         let distance = hit.as_ref().map_or(f32::INFINITY, |point| point.distance);
         let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
-        match fog.flight(ray, distance, self.numbers(path).flight()) {
+        match self.formulas.flight(ray, distance, self.numbers(path)) {
             (true, t) => Some(SurfacePoint::fog_particle(self.scene, &path.ray, t)),
             (false, _) => hit,
         }

@@ -70,7 +70,8 @@ pub struct PathRules {
 /// Surfaces whose points have the same formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SurfaceKind {
-    class: SurfaceClass,
+    /// The material, the shape and the attributes.
+    pub class: SurfaceClass,
     /// The shape, before its transform if it has one.
     shape: ShapeKind,
     /// The primitives of instanced meshes.
@@ -85,17 +86,15 @@ struct InstanceKind {
     has_scalars: bool,
 }
 
-/// The rules of the loop at surfaces of one kind.
+/// The rules of the loop at surfaces of one material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SurfaceRules {
     /// True if light samples contribute.
     pub is_lit: bool,
-    /// True if both sides scatter light.
-    pub is_two_sided: bool,
     /// True if the surface continues paths.
     pub continues: bool,
-    /// The material plus 1 if a medium is behind the surface, else 0.
-    pub medium: u32,
+    /// True if a medium is behind the surface.
+    pub is_medium: bool,
     /// True if light passes in part or at holes.
     pub is_open: bool,
     /// True if a part of the light goes on past the surface, after any number of bounces.
@@ -157,12 +156,17 @@ pub struct NextRay<R: Real> {
 const MAX_LIGHTS: usize = 32;
 
 impl<'a> PathFormulas<'a> {
-    pub(super) fn new(scene: &'a Scene, sampler: Sampler, cone: Option<RayCone>) -> Self {
+    pub(super) fn new(scene: &'a Scene, sampler: Sampler) -> Self {
         Self {
             scene,
             sampler,
-            cone,
+            cone: None,
         }
+    }
+
+    /// Filters textures by the footprint of camera rays.
+    pub(super) fn with_cone(self, cone: Option<RayCone>) -> Self {
+        Self { cone, ..self }
     }
 
     /// Returns the part of the scene for which there are no formulas, if there is one.
@@ -295,27 +299,28 @@ impl<'a> PathFormulas<'a> {
         matches!(self.material(kind).kind, MaterialKind::Particles(_))
     }
 
-    fn material(&self, kind: SurfaceKind) -> &'a Material {
+    /// Returns the material of surfaces of a kind.
+    pub fn material(&self, kind: SurfaceKind) -> &'a Material {
         self.scene.material(kind.class.material())
     }
 
-    /// Returns the rules at surfaces of a kind.
-    pub fn surface(&self, kind: SurfaceKind) -> SurfaceRules {
-        let material = self.material(kind);
+    /// Returns true if a part of the light goes on past surfaces of a material, which splits paths.
+    fn is_veil(&self, material: &Material) -> bool {
+        material.is_veil() && self.scene.splits_at_veils()
+    }
+
+    /// Returns the rules at surfaces of a material.
+    pub fn surface(&self, material: &Material) -> SurfaceRules {
         by_model!(self.scene, |model| SurfaceRules {
             is_lit: model.is_lit(material),
-            is_two_sided: material.two_sided,
             continues: match bounce(model) {
                 Bounce::None => false,
                 Bounce::Mirrored => material.kind.mirrors() || material.kind.medium().is_some(),
                 Bounce::Scattered => material.scatters(),
             },
-            medium: match material.kind.medium() {
-                Some(_) => kind.class.material().0 + 1,
-                None => 0,
-            },
+            is_medium: material.kind.medium().is_some(),
             is_open: material.opacity.is_some(),
-            is_veil: material.is_veil() && self.scene.splits_at_veils(),
+            is_veil: self.is_veil(material),
         })
     }
 
@@ -383,7 +388,7 @@ impl<'a> PathFormulas<'a> {
             scalar,
             color: matches!(attributes, AttributeKind::Colors).then(|| data.vector()),
         };
-        let opacity = if self.surface(kind).is_veil {
+        let opacity = if self.is_veil(self.material(kind)) {
             self.opacity(kind, &surface, [position, outward], uvs)
         } else {
             t.splat(1.0)
@@ -513,36 +518,48 @@ impl<'a> PathFormulas<'a> {
     }
 
     /// Returns true where a point is on a side of its surface that scatters light.
-    fn scatters<R: Real>(&self, kind: SurfaceKind, at: &ShadingPoint<R>) -> R::Mask {
-        if self.material(kind).two_sided {
+    fn scatters<R: Real>(&self, material: &Material, at: &ShadingPoint<R>) -> R::Mask {
+        if material.two_sided {
             return at.side.splat_mask(true);
         }
         at.side.splat(0.0).lt(at.side)
     }
 
-    /// Returns the light of a point without light samples: ambient and emitted light. The ray has an
-    /// origin and a direction, which was chosen with this density, and hits the point at `t`.
-    pub fn own_light<R: Real>(
+    /// Returns the parameters of the shape of a primitive, in render space unless it has a
+    /// transform.
+    pub fn parameters<R: Real>(
         &self,
         kind: SurfaceKind,
+        data: &mut dyn FnMut() -> R,
+        place: &mut dyn FnMut() -> R,
+    ) -> [R; N_PARAMETERS] {
+        let surface = self.hit_surface(kind, &mut DataReader(data), place);
+        surface.parameters
+    }
+
+    /// Returns the light of a point without light samples: ambient and emitted light. The ray has an
+    /// origin and a direction, which was chosen with this density, and hits the point at `t`.
+    /// `parameters` are the shape's.
+    pub fn own_light<R: Real>(
+        &self,
+        class: SurfaceClass,
         at: &ShadingPoint<R>,
         [from, direction]: [Vector<R>; 2],
         [t, density]: [R; 2],
-        data: &mut dyn FnMut() -> R,
-        place: &mut dyn FnMut() -> R,
+        parameters: impl FnOnce() -> [R; N_PARAMETERS],
     ) -> Vector<R> {
-        let material = self.material(kind);
+        let material = self.scene.material(class.material());
         let ambient = self.scene.shading.ambient;
         let reflected = by_model!(self.scene, |model| model
             .ambient(material, ambient, at.color));
         let none = Vector::splat(t, Vec3::ZERO);
-        let radiance = Vector::select(self.scatters(kind, at), reflected, none);
+        let radiance = Vector::select(self.scatters(material, at), reflected, none);
         if !material.emits() {
             return radiance;
         }
         let mut emitted = emitted(material, at);
         let lights = &self.scene.lights;
-        let emitter = lights.emitter(kind.class.material(), kind.class.shape());
+        let emitter = lights.emitter(class.material(), class.shape());
         if let Some((emitter, index)) = emitter.filter(|_| self.scene.scatters_paths()) {
             let arrival = Arrival {
                 from,
@@ -552,31 +569,29 @@ impl<'a> PathFormulas<'a> {
                     distance: t,
                     cos: -at.outward(at.geometric_normal).dot(direction),
                 },
-                shape: self
-                    .hit_surface(kind, &mut DataReader(data), place)
-                    .parameters,
+                shape: parameters(),
             };
             emitted = emitted * weight(lights, emitter, index, &arrival);
         }
         radiance + emitted
     }
 
-    /// Returns the light of light sample `i` at a point. The numbers of its pixel, its sample and its
-    /// first dimension choose it.
+    /// Returns the light of light sample `i` at a point, not yet weakened by media, and the index of
+    /// the light. The numbers of its pixel, its sample and its first dimension choose it.
     pub fn light<R: Real>(
         &self,
         i: usize,
         at: &ShadingPoint<R>,
         [pixel, sample, dimension]: [R::Integer; 3],
-    ) -> Illumination<R> {
+    ) -> (Illumination<R>, R) {
         let lights = &self.scene.lights;
         match lights.plain(i) {
-            Some(light) => light.illuminate(at.position),
+            Some(light) => (light.illuminate(at.position), at.side.splat(i as f32)),
             None => {
                 let id = SampleId { pixel, sample };
                 let numbers = PointNumbers::from_dimension(self.sampler, id, dimension);
                 let numbers: LightNumbers<R> = numbers.light(lights, i);
-                lights.illuminate(i, &at.lit(), &numbers).0
+                lights.illuminate(i, &at.lit(), &numbers)
             }
         }
     }
@@ -584,13 +599,12 @@ impl<'a> PathFormulas<'a> {
     /// Returns the shadow ray of a light sample.
     pub fn shadow<R: Real>(
         &self,
-        kind: SurfaceKind,
+        material: &Material,
         at: &ShadingPoint<R>,
         light: &Illumination<R>,
     ) -> ShadowFormula<R> {
-        let material = self.material(kind);
         by_model!(self.scene, |model| ShadowFormula {
-            may_arrive: model.may_arrive(material, at, light) & self.scatters(kind, at),
+            may_arrive: model.may_arrive(material, at, light) & self.scatters(material, at),
             origin: model.origin(at, light.direction),
             end: model.end(light),
         })
@@ -600,13 +614,12 @@ impl<'a> PathFormulas<'a> {
     /// `direction`, of a path from `eye`.
     pub fn reflected<R: Real>(
         &self,
-        kind: SurfaceKind,
+        material: &Material,
         at: &ShadingPoint<R>,
         light: &Illumination<R>,
         [eye, direction]: [Vector<R>; 2],
         crossing: &Crossing<R>,
     ) -> Vector<R> {
-        let material = self.material(kind);
         let boundary = self.boundary(material, crossing);
         by_model!(self.scene, |model| {
             let to_viewer = model.to_viewer(at, eye, direction);
@@ -618,15 +631,14 @@ impl<'a> PathFormulas<'a> {
     /// point; late, after [`PathRules::late_depth`], rays of little weight may end.
     pub fn next<R: Real>(
         &self,
-        kind: SurfaceKind,
+        material: &Material,
         at: &ShadingPoint<R>,
         [direction, weight]: [Vector<R>; 2],
         [pixel, sample, dimension]: [R::Integer; 3],
         crossing: &Crossing<R>,
         is_late: bool,
     ) -> NextRay<R> {
-        let material = self.material(kind);
-        let scatters = self.scatters(kind, at);
+        let scatters = self.scatters(material, at);
         let one = at.side.splat(1.0);
         if self.scene.scatters_paths() {
             let id = SampleId { pixel, sample };
@@ -670,13 +682,12 @@ impl<'a> PathFormulas<'a> {
     /// opacity: the reflected ray, then the ray on the other side of the surface.
     pub fn split<R: Real>(
         &self,
-        kind: SurfaceKind,
+        material: &Material,
         at: &ShadingPoint<R>,
         [direction, weight]: [Vector<R>; 2],
         opacity: R,
         crossing: &Crossing<R>,
     ) -> [NextRay<R>; 2] {
-        let material = self.material(kind);
         let one = opacity.splat(1.0);
         let no = one.splat_mask(false);
         let ray = |is_alive, direction, weight| NextRay {
@@ -688,7 +699,7 @@ impl<'a> PathFormulas<'a> {
             is_refracted: no,
             is_diffuse: no,
         };
-        let (scatters, mirrored) = (self.scatters(kind, at), at.mirrored(direction));
+        let (scatters, mirrored) = (self.scatters(material, at), at.mirrored(direction));
         if material.kind.medium().is_some() {
             let split = split_at(at, direction, crossing.eta, crossing.is_visible);
             let worth = |share: R| is_worth_tracing(weight * share) & scatters;
@@ -708,7 +719,7 @@ impl<'a> PathFormulas<'a> {
             no
         };
         let passing = one - opacity;
-        let passes = if self.surface(kind).is_veil {
+        let passes = if self.is_veil(material) {
             is_worth_tracing(weight * passing)
         } else {
             no

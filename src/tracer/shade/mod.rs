@@ -37,20 +37,13 @@ mod formulas;
 use glam::Vec3;
 
 use crate::accel::ShadowRay;
-use crate::cost::RayKind;
-use crate::trace::{ShadingPoint, SurfacePoint};
-use bsdf::{Boundary, Bsdf, by_kind};
-use emission::{Arrival, emitted};
-use fresnel::{mirrored_share, split_at};
-use math::sampling::Sampler;
+use crate::trace::SurfacePoint;
+use math::sampling::{Dimension, Sampler};
 use math::simd::{Simd, Vector};
-use media::Interface;
-use model::{Bounce, Model};
-use models::by_model;
-use numbers::PointNumbers;
-use scatter::{Continuation, scattered_kind};
+use media::{Interface, Media};
+use scatter::scattered_kind;
 use world::camera::RayCone;
-use world::geometry::{Ray, Seen};
+use world::geometry::Ray;
 use world::light::Illumination;
 use world::material::Material;
 use world::scene::Scene;
@@ -71,7 +64,8 @@ pub use wave::{PathStarts, WaveShader};
 #[derive(Debug, Clone, Copy)]
 pub struct Shader<'a> {
     scene: &'a Scene,
-    sampler: Sampler,
+    formulas: PathFormulas<'a>,
+    rules: PathRules,
 }
 
 /// Light from one source that may reach a point.
@@ -88,18 +82,23 @@ pub struct LightSample {
 impl<'a> Shader<'a> {
     /// Creates a shader of the scene, whose samples have these numbers.
     pub fn new(scene: &'a Scene, sampler: Sampler) -> Self {
-        Self { scene, sampler }
+        let formulas = PathFormulas::new(scene, sampler);
+        Self {
+            scene,
+            rules: formulas.rules(),
+            formulas,
+        }
     }
 
     /// Returns the formulas that follow the paths of this shader, whose camera rays have this
     /// footprint.
     pub fn formulas(&self, cone: Option<RayCone>) -> PathFormulas<'a> {
-        PathFormulas::new(self.scene, self.sampler, cone)
+        self.formulas.with_cone(cone)
     }
 
     /// Creates a shader of waves for this instruction set.
     pub fn wave_shader(&self, simd: Simd) -> WaveShader<'a> {
-        WaveShader::new(self.scene, self.sampler, simd)
+        WaveShader::new(self.scene, self.formulas.sampler, simd)
     }
 
     /// Returns true if shadow rays decide which lights reach a point.
@@ -114,59 +113,45 @@ impl<'a> Shader<'a> {
         path: &PathRay,
         point: &SurfacePoint,
     ) -> impl Iterator<Item = LightSample> {
-        (0..self.n_light_samples(path, point)).filter_map(move |i| {
-            by_model!(self.scene, |model| self.light_sample(model, i, path, point))
-        })
+        (0..self.n_light_samples(path, point))
+            .filter_map(move |i| self.light_sample(i, path, point))
     }
 
     /// Returns the number of light samples at a point.
     fn n_light_samples(&self, path: &PathRay, point: &SurfacePoint) -> usize {
-        let material = self.scene.material(point.material);
-        if !scatters_light(material, point) {
-            return 0;
-        }
-        let max_depth = self.scene.shading.max_depth.into();
-        let lights = &self.scene.lights;
-        by_model!(self.scene, |model| if model.is_lit(material) {
-            model.n_light_samples(lights, path.depth, max_depth)
+        let rules = &self.rules;
+        let is_lit = self.formulas.surface(self.material(point)).is_lit;
+        if is_lit && (rules.lights_last_points || path.depth < rules.max_depth) {
+            rules.n_lights
         } else {
             0
-        })
+        }
     }
 
     /// Returns light sample `i` at a point, or `None` if it cannot arrive.
-    fn light_sample<M: Model>(
-        &self,
-        model: M,
-        i: usize,
-        path: &PathRay,
-        point: &SurfacePoint,
-    ) -> Option<LightSample> {
+    fn light_sample(&self, i: usize, path: &PathRay, point: &SurfacePoint) -> Option<LightSample> {
         let at = point.shading();
-        let material = self.scene.material(point.material);
         // Sample the light, and weaken it by the media on the way.
-        let lights = &self.scene.lights;
-        let (light, index) = match lights.plain(i) {
-            Some(light) => (light.illuminate(at.position), i as f32),
-            None => {
-                let numbers = self.numbers(path).light(lights, i);
-                let (light, index) = lights.illuminate(i, &at.lit(), &numbers);
-                (self.weakened_by_media(light, path, point), index)
-            }
-        };
+        let (light, index) = self.formulas.light(i, &at, self.numbers(path));
+        let light = self.weakened_by_media(light, path, point);
         // Cast a shadow ray if the light may arrive.
-        let direction = light.direction;
-        model
-            .may_arrive(material, &at, &light)
-            .then(|| LightSample {
-                light,
-                index: index as u32,
-                shadow: ShadowRay {
-                    ray: departing(model, &at, direction),
-                    t_max: model.end(&light),
-                    ignored: M::IGNORES_OWN_OBJECT.then_some(point.object),
+        let shadow = self.formulas.shadow(self.material(point), &at, &light);
+        shadow.may_arrive.then(|| LightSample {
+            light,
+            index: index as u32,
+            shadow: ShadowRay {
+                ray: Ray {
+                    origin: shadow.origin.into(),
+                    direction: light.direction.into(),
                 },
-            })
+                t_max: shadow.end,
+                ignored: (self.rules.ignores_own_object).then_some(point.object),
+            },
+        })
+    }
+
+    fn material(&self, point: &SurfacePoint) -> &'a Material {
+        self.scene.material(point.material)
     }
 
     /// Returns the light of a sample weakened by the media between it and the point that a ray
@@ -190,9 +175,11 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the random numbers of the point that a ray hits.
-    fn numbers(&self, path: &PathRay) -> PointNumbers<u32> {
-        PointNumbers::new(self.sampler, path.id, path.depth)
+    /// Returns the numbers of a path's pixel and sample, and of the first dimension of the point that
+    /// its ray hits.
+    fn numbers(&self, path: &PathRay) -> [u32; 3] {
+        let Dimension(dimension) = Dimension::after_bounces(path.depth, 0);
+        [path.id.pixel, path.id.sample, dimension]
     }
 
     /// Returns the radiance that `point`, hit by a ray of a path from `eye`, adds to the path;
@@ -206,83 +193,72 @@ impl<'a> Shader<'a> {
         lights: impl Iterator<Item = Illumination<f32>>,
         next: &mut Vec<PathRay>,
     ) -> Vec3 {
-        by_model!(self.scene, |model| self
-            .shade_by(model, eye, path, point, lights, next))
-    }
-
-    /// Shades a point, as [`shade`](Self::shade) does, by a model.
-    fn shade_by<M: Model>(
-        &self,
-        model: M,
-        eye: Vec3,
-        path: &PathRay,
-        point: &SurfacePoint,
-        lights: impl Iterator<Item = Illumination<f32>>,
-        next: &mut Vec<PathRay>,
-    ) -> Vec3 {
-        let material = self.scene.material(point.material);
         let (at, direction) = (point.shading(), path.ray.direction.into());
-        let to_viewer = model.to_viewer(&at, eye.into(), direction);
-        let scatters = scatters_light(material, point);
         // Ambient and emitted light.
-        let mut color = Vector::from(Vec3::ZERO);
-        if scatters {
-            color = model.ambient(material, self.scene.shading.ambient, at.color);
-        }
-        if material.emits() {
-            color = color + self.emission(path, point);
-        }
+        let class = self.scene.class(point.primitive);
+        let ray = [path.ray.origin.into(), direction];
+        let hit = [point.distance, path.density];
+        let parameters = || self.scene.parameters(point.placed());
+        let mut color = self.formulas.own_light(class, &at, ray, hit, parameters);
         // The light samples that arrive.
-        let boundary = scattering_boundary(self.interface(path, point).as_ref());
-        let mut is_lit = !M::NEEDS_LIGHT;
+        let (crossing, behind) = self.crossing(path, point);
+        let (material, rays) = (self.material(point), [eye.into(), direction]);
+        let mut is_lit = !self.rules.needs_light;
         for light in lights {
             is_lit = true;
-            color = color + model.reflected(material, &boundary, &at, &light, to_viewer);
+            let reflected = &self.formulas;
+            color = color + reflected.reflected(material, &at, &light, rays, &crossing);
         }
         if !is_lit {
             return Vec3::ZERO;
         }
-        // The light that is left at the viewer, of the surface and of what is behind it.
+        // The light that is left at the viewer, and the rays that continue the path.
         let (arriving, gained) = self.weakened(path, point.distance);
-        let met = arriving.weakened_by(point.opacity);
-        // The rays that continue the path.
-        if scatters && path.depth < u32::from(self.scene.shading.max_depth) {
-            match M::BOUNCE {
-                Bounce::None => {}
-                Bounce::Mirrored => self.continue_path(model, &met, point, next),
-                Bounce::Scattered => next.extend(self.scattered(&met, point)),
-            }
-        }
-        if point.opacity < 1.0 {
-            let ray = departing(model, &point.shading(), direction);
-            let share = Vec3::splat(1.0 - point.opacity);
-            let passing = arriving.continued(RayKind::Refraction, ray, share);
-            next.extend(Some(passing).filter(PathRay::has_weight));
-        }
-        met.weight * Vec3::from(color) + gained
+        let rays = self.next_rays(&arriving, point, &crossing);
+        next.extend(rays.into_iter().flatten().map(|ray| PathRay {
+            ray: Ray {
+                origin: ray.origin.into(),
+                direction: ray.direction.into(),
+            },
+            kind: scattered_kind(ray.is_refracted, ray.is_diffuse),
+            depth: path.depth + 1,
+            weight: ray.weight.into(),
+            media: if ray.is_refracted { behind } else { path.media },
+            density: ray.density,
+            ..arriving
+        }));
+        let weight = Vector::from(arriving.weight) * point.opacity;
+        Vec3::from(color.times(weight)) + gained
     }
 
-    /// Returns the light that the point emits toward the ray, weighted.
-    fn emission(&self, path: &PathRay, point: &SurfacePoint) -> Vector<f32> {
-        let at = point.shading();
-        let emitted = emitted(self.scene.material(point.material), &at);
-        let primitive = &self.scene.primitives[point.primitive as usize];
-        let emitter = self.scene.lights.emitter(point.material, primitive.kind());
-        let Some((emitter, index)) = emitter.filter(|_| self.scene.scatters_paths()) else {
-            return emitted;
-        };
-        let direction = Vector::from(path.ray.direction);
-        let arrival = Arrival {
-            from: path.ray.origin.into(),
-            density: path.density,
-            seen: Seen {
-                direction,
-                distance: point.distance,
-                cos: -at.outward(at.geometric_normal).dot(direction),
-            },
-            shape: self.scene.parameters(point.placed()),
-        };
-        emitted * emission::weight(&self.scene.lights, emitter, index, &arrival)
+    /// Returns the rays that continue a path from a point.
+    fn next_rays(
+        &self,
+        path: &PathRay,
+        point: &SurfacePoint,
+        crossing: &Crossing<f32>,
+    ) -> [Option<NextRay<f32>>; 2] {
+        let (material, at) = (self.material(point), point.shading());
+        let of_path = [path.ray.direction, path.weight].map(Vector::from);
+        let surface = self.formulas.surface(material);
+        let may_bounce = surface.continues && path.depth < self.rules.max_depth;
+        let alive = |ray: NextRay<f32>| ray.is_alive.then_some(ray);
+        if self.rules.splits {
+            let opacity = point.opacity;
+            let [reflected, other] = self
+                .formulas
+                .split(material, &at, of_path, opacity, crossing);
+            let reflected = Some(reflected).filter(|_| may_bounce);
+            let other = Some(other).filter(|_| may_bounce || surface.is_veil);
+            return [reflected, other].map(|ray| ray.and_then(alive));
+        }
+        if !may_bounce {
+            return [None, None];
+        }
+        let is_late = path.depth >= self.rules.late_depth;
+        let numbers = self.numbers(path);
+        let ray = (self.formulas).next(material, &at, of_path, numbers, crossing, is_late);
+        [alive(ray), None]
     }
 
     /// Returns the surface of a medium that a ray has met at a point, or `None` for other surfaces.
@@ -293,44 +269,25 @@ impl<'a> Shader<'a> {
         is_medium.then(|| path.media.cross(point.material, enters, all))
     }
 
-    /// Returns the ray that continues a path in a direction chosen at random, if any.
-    fn scattered(&self, path: &PathRay, point: &SurfacePoint) -> Option<PathRay> {
-        let material = self.scene.material(point.material);
-        if !material.scatters() {
-            return None;
-        }
-        // Sample a direction.
-        let interface = self.interface(path, point);
-        let boundary = scattering_boundary(interface.as_ref());
-        let arriving = Vector::from(path.ray.direction);
-        let continuation = by_kind!(Bsdf::new(material), |of| Continuation::sample(
-            of,
-            &point.shading(),
-            arriving,
-            &boundary,
-            &self.numbers(path),
-            path.weight.into()
-        ));
-        // Enter the medium behind the surface if the ray is refracted.
-        let media = match interface {
-            Some(interface) if continuation.is_refracted => interface.behind,
-            _ => path.media,
+    /// Returns the surface that a ray has met at a point, as the media on both sides make it, and the
+    /// media behind it.
+    fn crossing(&self, path: &PathRay, point: &SurfacePoint) -> (Crossing<f32>, Media) {
+        let index = |media: &Media| media.index(&self.scene.materials);
+        let here = index(&path.media);
+        let Some(interface) = self.interface(path, point) else {
+            let crossing = Crossing {
+                eta: 1.0,
+                is_visible: false,
+                indices: [here; 2],
+            };
+            return (crossing, path.media);
         };
-        // Russian roulette: end a path of little weight, and raise the weight of one that survives.
-        let index = media.index(&self.scene.materials);
-        let (is_alive, weight) = continuation.survive(index, path.depth);
-        is_alive.then(|| PathRay {
-            ray: Ray {
-                origin: continuation.origin.into(),
-                direction: continuation.direction.into(),
-            },
-            kind: scattered_kind(continuation.is_refracted, continuation.is_diffuse),
-            depth: path.depth + 1,
-            weight: weight.into(),
-            media,
-            density: continuation.density,
-            ..*path
-        })
+        let crossing = Crossing {
+            eta: interface.eta,
+            is_visible: interface.is_visible,
+            indices: [here, index(&interface.behind)],
+        };
+        (crossing, interface.behind)
     }
 
     /// Attenuates `path` over `distance` and adds `distance` to its length. Returns it with the
@@ -352,67 +309,11 @@ impl<'a> Shader<'a> {
         (arriving, gained)
     }
 
-    /// Appends the rays that continue a path from a point.
-    fn continue_path(
-        &self,
-        model: impl Model,
-        path: &PathRay,
-        point: &SurfacePoint,
-        next: &mut Vec<PathRay>,
-    ) {
-        let material = self.scene.material(point.material);
-        let (at, direction) = (point.shading(), Vector::from(path.ray.direction));
-        // A mirror reflects the ray.
-        let reflected = |share: Vec3| {
-            let ray = departing(model, &at, at.mirrored(direction));
-            path.continued(RayKind::Reflection, ray, share)
-        };
-        let Some(interface) = self.interface(path, point) else {
-            if material.kind.mirrors() {
-                next.push(reflected(mirrored_share(material, &at, direction).into()));
-            }
-            return;
-        };
-        // The surface of a medium splits it.
-        let split = split_at(&at, direction, interface.eta, interface.is_visible);
-        let refracted = PathRay {
-            media: interface.behind,
-            ..path.continued(
-                RayKind::Refraction,
-                departing(model, &at, split.refracted),
-                Vec3::splat(1.0 - split.reflectance),
-            )
-        };
-        let both = [reflected(Vec3::splat(split.reflectance)), refracted];
-        next.extend(both.into_iter().filter(PathRay::has_weight));
-    }
-
     /// Returns the radiance of the background that a ray that hit nothing adds to its path.
     pub fn miss(&self, path: &PathRay) -> Vec3 {
         let ray = [path.ray.origin, path.ray.direction].map(Vector::from);
-        let color = emission::weighted_background(self.scene, ray, path.density);
+        let color = self.formulas.background(ray, path.density);
         let (arriving, gained) = self.weakened(path, f32::INFINITY);
         arriving.weight * Vec3::from(color) + gained
     }
-}
-
-/// Returns the ray that leaves a point in this direction.
-fn departing(model: impl Model, at: &ShadingPoint<f32>, direction: Vector<f32>) -> Ray {
-    Ray {
-        origin: model.origin(at, direction).into(),
-        direction: direction.into(),
-    }
-}
-
-/// Returns the boundary that scattering needs: the surface of a medium, or any other surface.
-fn scattering_boundary(interface: Option<&Interface>) -> Boundary<f32> {
-    interface.map_or(Boundary::without_medium(1.0), |of| Boundary {
-        eta: of.eta,
-        is_visible: of.is_visible,
-    })
-}
-
-/// Returns true if a point is on a side of its surface that reflects or refracts light.
-fn scatters_light(material: &Material, point: &SurfacePoint) -> bool {
-    material.two_sided || !point.is_flipped
 }

@@ -45,31 +45,6 @@ impl PathRay {
             id,
         }
     }
-
-    /// Returns the ray of the path after a bounce that leaves this share of the light.
-    pub(super) fn continued(&self, kind: RayKind, ray: Ray, share: Vec3) -> Self {
-        Self {
-            ray,
-            kind,
-            depth: self.depth + 1,
-            length: self.length,
-            weight: self.weight * share,
-            ..*self
-        }
-    }
-
-    /// Returns the path with this share of its light.
-    pub(super) fn weakened_by(&self, share: f32) -> Self {
-        Self {
-            weight: self.weight * share,
-            ..*self
-        }
-    }
-
-    /// Returns true if the ray is worth tracing.
-    pub(super) fn has_weight(&self) -> bool {
-        is_worth_tracing(self.weight.into())
-    }
 }
 
 /// Least weight of a ray that is split off at a surface, in its greatest channel: without a limit,
