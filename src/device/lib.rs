@@ -13,7 +13,9 @@
 
 mod tape;
 mod print;
+mod shared;
 mod formulas;
+mod results;
 mod paths;
 mod program;
 mod scene;

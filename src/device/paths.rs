@@ -4,56 +4,17 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use math::simd::{Arithmetic, Vector};
 use tracer::cost::N_BOUNCES;
-use tracer::shade::{Crossing, PathFormulas, PathRules, SurfaceKind, SurfaceRules};
-use tracer::trace::ShadingPoint;
-use world::light::Illumination;
-use world::material::PictureFactors;
+use tracer::shade::{PathFormulas, PathRules, SurfaceKind};
 
-use crate::formulas::{coordinates, number, vector};
-use crate::print::body;
-use crate::tape::{Operation, Register, Tables, Tape};
+use crate::results::{
+    N_SLOTS, background_results, fade_results, flight_results, light_results, next_results,
+    own_light_results, passage_results, point_results, reflected_results, shadow_results, slot,
+    split_results,
+};
+use crate::shared::share;
+use crate::tape::{Register, Tables, Tape};
 
-/// Defines the slots of a path's state, which the recorded functions read, with the list of their
-/// names in `path.cl`.
-macro_rules! slots {
-    ($($(#[$doc:meta])* $name:ident = $number:literal,)*) => {
-        mod slot {
-            $($(#[$doc])* pub(super) const $name: usize = $number;)*
-            pub(super) const ALL: &[(&str, usize)] = &[$((stringify!($name), $number)),*];
-        }
-    };
-}
-
-slots! {
-    ORIGIN = 0,
-    DIRECTION = 3,
-    /// The parameter of the hit.
-    T = 6,
-    /// The density with which the direction was chosen.
-    DENSITY = 7,
-    EYE = 8,
-    WEIGHT = 11,
-    PIXEL = 14,
-    SAMPLE = 15,
-    DIMENSION = 16,
-    /// Position, normal, geometric normal, color and error; then the side.
-    POINT = 17,
-    SIDE = 30,
-    /// The opacity, then the factors of emission, roughness and metallicness.
-    OPACITY = 31,
-    FACTORS = 32,
-    /// Direction, distance, radiance and density; 1 if it is behind the surface.
-    LIGHT = 37,
-    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
-    CROSSING = 46,
-    /// The length of the path before the ray.
-    LENGTH = 50,
-}
-
-/// Number of slots.
-const N_SLOTS: usize = slot::LENGTH + 1;
 /// Words of a followed path.
 pub(crate) const N_RESULTS: usize = 13 + N_BOUNCES;
 /// Words of a path at its start: its ray, pixel, sample and media.
@@ -62,8 +23,6 @@ pub(crate) const N_START: usize = 8 + N_MEDIA;
 const N_MEDIA: usize = 4;
 /// Numbers of an instance.
 const N_PLACE: usize = 23;
-/// Greatest number of kinds of surfaces: the program has bits for them.
-const MAX_KINDS: usize = 64;
 
 /// What a device needs to follow the paths of a scene. No array is empty: a device has no empty
 /// arrays.
@@ -102,79 +61,59 @@ impl RecordedPaths {
             surfaces.extend([number, data.len() as u32]);
             formulas.push_data(kind, primitive, &mut data);
         }
-        if kinds.len() > MAX_KINDS {
-            return Err(format!("{} kinds of surfaces", kinds.len()));
-        }
         formulas.push_instances(&mut places);
-        let tables = Tables::default();
-        let text = PathRecorder::new(formulas, &tables).record(&kinds)?;
-        let mut tables = tables.into_words();
-        let media = formulas.media();
-        let first_medium = format!("#define FIRST_MEDIUM {}ul\n", tables.len());
-        tables.extend(media.as_flattened().iter().map(|number| number.to_bits()));
+        let recorded = PathRecorder::new(formulas).record(&kinds)?;
         surfaces.push(0);
         data.push(0.0);
         places.push(0.0);
-        tables.push(0);
         Ok(Self {
-            text: first_medium + &text,
+            text: recorded.0,
             surfaces,
             data,
             places,
-            tables,
+            tables: recorded.1,
         })
     }
 }
 
-/// Records formulas; equal ones once.
+/// Records formulas.
 struct PathRecorder<'f> {
     formulas: &'f PathFormulas<'f>,
-    tables: &'f Tables,
+    tables: Tables,
     text: String,
     /// The names of the functions, by their statements.
     names: HashMap<String, String>,
+    /// For each formula and number the function and the start of its constants; and the constants.
+    constants: Vec<u32>,
 }
 
-/// The parameters of all recorded functions.
-const PARAMETERS: &str = "const float *in, GLOBAL const uint *data, GLOBAL const uint *place, \
-                          GLOBAL const uint *tables, float *out";
+/// The parameters of the functions that the loop calls, and of those that they choose from.
+const STATE: &str = "const float *in, GLOBAL const uint *data, GLOBAL const uint *place, \
+                     GLOBAL const uint *tables, float *out";
+const STATE_AND_CONSTANTS: &str = "const float *in, GLOBAL const uint *data, \
+                                   GLOBAL const uint *place, GLOBAL const uint *tables, \
+                                   GLOBAL const uint *constants, float *out";
 
 impl<'f> PathRecorder<'f> {
-    fn new(formulas: &'f PathFormulas<'f>, tables: &'f Tables) -> Self {
+    fn new(formulas: &'f PathFormulas<'f>) -> Self {
         Self {
             formulas,
-            tables,
+            tables: Tables::default(),
             text: String::new(),
             names: HashMap::new(),
+            constants: Vec::new(),
         }
     }
 
-    /// Returns the text of all functions and rules, for surfaces of these kinds.
-    fn record(mut self, kinds: &[SurfaceKind]) -> Result<String, String> {
+    /// Returns the text of all functions and rules for surfaces of these kinds, and the tables that
+    /// they read.
+    fn record(mut self, kinds: &[SurfaceKind]) -> Result<(String, Vec<u32>), String> {
         let formulas = *self.formulas;
         let rules = formulas.rules();
         let lights: Vec<usize> = (0..rules.n_lights).collect();
         self.by_number("point", kinds, |tape, kind| {
             point_results(&formulas, tape, kind)
         })?;
-        let media: Vec<String> = (kinds.iter())
-            .map(|&kind| {
-                let is_medium = formulas.surface(formulas.material(kind)).is_medium;
-                format!(
-                    "{}u",
-                    if is_medium {
-                        kind.class.material().0 + 1
-                    } else {
-                        0
-                    }
-                )
-            })
-            .collect();
-        let _ = writeln!(
-            self.text,
-            "CONSTANT uint media_of_kinds[] = {{{}}};",
-            media.join(", ")
-        );
         self.by_number("own_light", kinds, |tape, kind| {
             own_light_results(&formulas, tape, kind)
         })?;
@@ -201,237 +140,115 @@ impl<'f> PathRecorder<'f> {
                 })?;
             }
         }
-        let background =
-            self.function("background_0", |tape| background_results(&formulas, tape))?;
-        let flight = self.function("flight_0", |tape| flight_results(&formulas, tape))?;
-        let fade = self.function("fade_0", |tape| fade_results(&formulas, tape))?;
-        let _ = writeln!(
-            self.text,
-            "#define background {background}\n#define flight {flight}\n#define fade {fade}"
-        );
-        Ok(self.text + &defines(&formulas, &rules, kinds))
+        let once = &[()];
+        self.by_number("background", once, |tape, ()| {
+            background_results(&formulas, tape)
+        })?;
+        self.by_number("flight", once, |tape, ()| flight_results(&formulas, tape))?;
+        self.by_number("fade", once, |tape, ()| fade_results(&formulas, tape))?;
+        Ok(self.finish(&rules, kinds))
     }
 
-    /// Records a formula for each of these kinds or lights, and a function that chooses one by its
-    /// number.
+    /// Returns the text with the rules of the loop, and the tables: of look-ups, the media, the
+    /// constants, and the rules of the kinds of surfaces.
+    fn finish(self, rules: &PathRules, kinds: &[SurfaceKind]) -> (String, Vec<u32>) {
+        let formulas = self.formulas;
+        let mut tables = self.tables.into_words();
+        let mut text = String::new();
+        let mut append = |name: &str, words: Vec<u32>| {
+            let _ = writeln!(text, "#define {name} {}ul", tables.len());
+            tables.extend(words);
+        };
+        let media = formulas.media();
+        let media = media.as_flattened().iter().map(|number| number.to_bits());
+        append("FIRST_MEDIUM", media.collect());
+        append("FIRST_CONSTANT", self.constants);
+        append(
+            "FIRST_KIND",
+            kinds
+                .iter()
+                .map(|kind| kind_rules(formulas, *kind))
+                .collect(),
+        );
+        tables.push(0);
+        (text + &self.text + &defines(rules), tables)
+    }
+
+    /// Records a formula for each of these kinds or lights: as one function where only constants
+    /// differ, and a function that chooses one by its number.
     fn by_number<K: Copy>(
         &mut self,
         stem: &str,
         of: &[K],
         formula: impl for<'t> Fn(&'t Tape<'t>, K) -> Vec<Register<'t>>,
     ) -> Result<(), String> {
+        let mut programs = Vec::new();
+        for &kind in of {
+            let tape = Tape::with_tables(&self.tables);
+            programs.push({
+                let results = formula(&tape, kind);
+                tape.program(stem, &results)
+            });
+            if let Some(reason) = tape.refusal() {
+                return Err(part_of(reason));
+            }
+        }
+        let places = self.tables.all();
+        let (shared, constants) = share(programs, &places);
         let mut cases = String::new();
-        for (i, &kind) in of.iter().enumerate() {
-            let name = self.function(&format!("{stem}_{i}"), |tape| formula(tape, kind))?;
-            let call = format!("{name}(in, data, place, tables, out); break;");
+        for (i, program) in shared.iter().enumerate() {
+            let name = self.function(&format!("{stem}_{i}"), program.statements(&places));
+            let call = format!("{name}(in, data, place, tables, constants, out); break;");
             let _ = writeln!(cases, "    case {i}u: {call}");
+        }
+        let first = self.constants.len();
+        self.constants.resize(first + 2 * of.len(), 0);
+        for (number, (function, constants)) in constants.into_iter().enumerate() {
+            let start = self.constants.len() as u32;
+            self.constants[first + 2 * number..][..2].copy_from_slice(&[function as u32, start]);
+            self.constants.extend(constants);
         }
         let _ = writeln!(
             self.text,
-            "FUNCTION void {stem}(uint number, {PARAMETERS}) {{\n  switch (number) {{\n{cases}  }}\n}}"
+            "FUNCTION void {stem}(uint number, {STATE}) {{
+  GLOBAL const uint *chosen = tables + FIRST_CONSTANT + {first}ul + 2ul * number;
+  GLOBAL const uint *constants = tables + FIRST_CONSTANT + chosen[1];
+  switch (chosen[0]) {{
+{cases}  }}
+}}"
         );
         Ok(())
     }
 
-    /// Records a formula as a function; returns its name, or the name of an equal one.
-    fn function(
-        &mut self,
-        name: &str,
-        formula: impl for<'t> FnOnce(&'t Tape<'t>) -> Vec<Register<'t>>,
-    ) -> Result<String, String> {
-        let tape = Tape::with_tables(self.tables);
-        let program = {
-            let results = formula(&tape);
-            tape.program(name, &results)
-        };
-        if let Some(reason) = tape.refusal() {
-            return Err(part_of(reason));
-        }
-        let statements = body(&program, &self.tables.all());
+    /// Appends a function; returns its name, or the name of an equal one.
+    fn function(&mut self, name: &str, statements: String) -> String {
         if let Some(name) = self.names.get(&statements) {
-            return Ok(name.clone());
+            return name.clone();
         }
         let _ = write!(
             self.text,
-            "FUNCTION void {name}({PARAMETERS}) {{\n{statements}}}\n"
+            "FUNCTION void {name}({STATE_AND_CONSTANTS}) {{\n{statements}}}\n"
         );
         self.names.insert(statements, name.to_owned());
-        Ok(name.to_owned())
+        name.to_owned()
     }
 }
 
-/// Records the point that the ray hits.
-fn point_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
-    let [[t], [length]] = [slot::T, slot::LENGTH].map(|slot| tape.inputs(slot));
-    let (point, opacity) = formulas.point(kind, ray, [t, length], &mut data, &mut place);
-    let vectors = [
-        point.position,
-        point.normal,
-        point.geometric_normal,
-        point.color,
-    ];
-    let vectors = vectors.into_iter().flat_map(coordinates);
-    let mut results: Vec<_> = vectors.chain([point.error, point.side, opacity]).collect();
-    if formulas.has_factors() {
-        results.extend(coordinates(point.factors.emission));
-        results.extend([point.factors.roughness, point.factors.metallic]);
-    }
-    results
-}
-
-/// Records the light of the point without light samples.
-fn own_light_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
-    let hit = tape.inputs(slot::T);
-    let at = point(formulas, tape);
-    let light = formulas.own_light(kind.class, &at, ray, hit, || {
-        formulas.parameters(kind, &mut data, &mut place)
-    });
-    coordinates(light).into()
-}
-
-/// Records light sample `i`.
-fn light_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>, i: usize) -> Vec<Register<'t>> {
-    let at = point(formulas, tape);
-    let (light, _) = formulas.light(i, &at, sample(tape));
-    let [x, y, z] = coordinates(light.direction);
-    let [red, green, blue] = coordinates(light.radiance);
-    let is_behind = number(light.distance, at.is_backed_by(light.direction));
-    vec![
-        x,
-        y,
-        z,
-        light.distance,
-        red,
-        green,
-        blue,
-        light.density,
-        is_behind,
-    ]
-}
-
-/// Records if the light sample may arrive, and its shadow ray.
-fn shadow_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let shadow = formulas.shadow(
-        formulas.material(kind),
-        &point(formulas, tape),
-        &light(tape),
-    );
-    let [x, y, z] = coordinates(shadow.origin);
-    vec![number(shadow.end, shadow.may_arrive), x, y, z, shadow.end]
-}
-
-/// Records the light of the light sample that the point reflects.
-fn reflected_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let rays = [slot::EYE, slot::DIRECTION].map(|slot| at(tape, slot));
-    let (of, at) = (formulas.material(kind), point(formulas, tape));
-    let light = formulas.reflected(of, &at, &light(tape), rays, &crossing(tape));
-    coordinates(light).into()
-}
-
-/// Records if there is a next ray; then its kind, 0 if reflected, 1 if refracted, 2 if diffuse; its
-/// origin, direction, weight and density.
-fn next_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-    is_late: bool,
-) -> Vec<Register<'t>> {
-    if !formulas.surface(formulas.material(kind)).continues {
-        return vec![tape.zero(); 12];
-    }
-    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
-    let at = point(formulas, tape);
-    let of = formulas.material(kind);
-    let ray = formulas.next(of, &at, path, sample(tape), &crossing(tape), is_late);
-    let density = ray.density;
-    let [zero, one, two] = [0.0, 1.0, 2.0].map(|number| density.splat(number));
-    let of_kind = Register::select(ray.is_diffuse, two, zero);
-    let of_kind = Register::select(ray.is_refracted, one, of_kind);
-    let head = [number(density, ray.is_alive), of_kind].into_iter();
-    let vectors = [ray.origin, ray.direction, ray.weight];
-    let vectors = vectors.into_iter().flat_map(coordinates);
-    head.chain(vectors).chain([density]).collect()
-}
-
-/// Records the two rays that continue a path that splits: of each, if there is one, its origin,
-/// direction and weight.
-fn split_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| at(tape, slot));
-    let [opacity] = tape.inputs(slot::OPACITY);
-    let at = point(formulas, tape);
-    let rays = formulas.split(formulas.material(kind), &at, path, opacity, &crossing(tape));
-    let results = rays.map(|ray| {
-        let vectors = [ray.origin, ray.direction, ray.weight];
-        let vectors = vectors.into_iter().flat_map(coordinates);
-        std::iter::once(number(opacity, ray.is_alive)).chain(vectors)
-    });
-    results.into_iter().flatten().collect()
-}
-
-/// Records the rest of the ray past its hit: the share of light of a shadow ray; 1 if another ray
-/// passes; the origin, and its distance from the old one.
-fn passage_results<'t>(
-    formulas: &PathFormulas,
-    tape: &'t Tape<'t>,
-    kind: SurfaceKind,
-) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
-    let [t] = tape.inputs(slot::T);
-    let past = formulas.passage(kind, ray, t, &mut data, &mut place);
-    let [x, y, z] = coordinates(past.origin);
-    let is_passed = number(t, past.is_passed);
-    vec![past.share, is_passed, x, y, z, past.advance]
-}
-
-/// Records the share of light that fog leaves on the way to the hit, and the light that it adds.
-fn fade_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let [t] = tape.inputs(slot::T);
-    let (share, light) = formulas.fade(ray, t);
-    std::iter::once(share).chain(coordinates(light)).collect()
-}
-
-/// Records if the ray meets a particle of fog before its hit, and where.
-fn flight_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let [t] = tape.inputs(slot::T);
-    let (is_met, t) = formulas.flight(ray, t, sample(tape));
-    vec![number(t, is_met), t]
-}
-
-/// Records the background that the ray sees.
-fn background_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let [density] = tape.inputs(slot::DENSITY);
-    coordinates(formulas.background(ray, density)).into()
+/// Returns the rules of the loop at a kind of surfaces: bits that `path.cl` names; above these the
+/// material plus 1 if a medium is behind the surface.
+fn kind_rules(formulas: &PathFormulas, kind: SurfaceKind) -> u32 {
+    let rules = formulas.surface(formulas.material(kind));
+    let medium = if rules.is_medium {
+        kind.class.material().0 + 1
+    } else {
+        0
+    };
+    let flags = [rules.is_lit, rules.continues, rules.is_open, rules.is_veil];
+    let bits = flags
+        .into_iter()
+        .zip(0..)
+        .map(|(flag, i)| u32::from(flag) << i);
+    bits.sum::<u32>() | medium << flags.len()
 }
 
 /// Returns the part of a scene that a reason of a [`Tape`] comes from.
@@ -443,15 +260,9 @@ fn part_of(reason: &str) -> String {
 }
 
 /// Returns the slots and the rules of the loop as macros.
-fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) -> String {
-    let bits = |is: fn(SurfaceRules) -> bool| {
-        let bits = kinds
-            .iter()
-            .zip(0..)
-            .map(|(&kind, i)| u64::from(is(formulas.surface(formulas.material(kind)))) << i);
-        format!("{}ul", bits.sum::<u64>())
-    };
+fn defines(rules: &PathRules) -> String {
     let [first, step] = rules.dimensions;
+    let max_pending = if rules.splits { rules.max_depth + 1 } else { 1 };
     let sizes = [
         ("N_SLOTS", N_SLOTS),
         ("N_MEDIA", N_MEDIA),
@@ -459,26 +270,16 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
         ("N_BOUNCES", N_BOUNCES),
         ("N_PLACE", N_PLACE),
         ("N_LIGHTS", rules.n_lights),
-        (
-            "MAX_PENDING",
-            if rules.splits {
-                rules.max_depth as usize + 1
-            } else {
-                1
-            },
-        ),
     ];
-    let (has_fog, particles) = match rules.particles {
-        None => (0, 0),
-        Some(particles) => (1, particles),
-    };
     let numbers = [
+        ("MAX_PENDING", max_pending),
         ("SPLITS", rules.splits.into()),
         ("HAS_MEDIA", rules.has_media.into()),
+        ("HAS_OPENINGS", rules.has_openings.into()),
         ("WEAKENS_LIGHTS", rules.weakens_lights.into()),
         ("HAS_FADING_FOG", rules.has_fading_fog.into()),
-        ("HAS_FOG", has_fog),
-        ("PARTICLES", particles),
+        ("HAS_FOG", rules.particles.is_some().into()),
+        ("PARTICLES", rules.particles.unwrap_or(0)),
         ("MAX_DEPTH", rules.max_depth),
         ("LATE_DEPTH", rules.late_depth),
         ("FIRST_DIMENSION", first),
@@ -490,248 +291,39 @@ fn defines(formulas: &PathFormulas, rules: &PathRules, kinds: &[SurfaceKind]) ->
     ];
     let sizes = slot::ALL.iter().copied().chain(sizes);
     let sizes = sizes.map(|(name, size)| (name, size as u32));
-    let numbers = sizes.chain(numbers);
-    let numbers = numbers.map(|(name, number)| (name, format!("{number}u")));
-    let kinds = [
-        ("LIT_KINDS", bits(|surface| surface.is_lit)),
-        ("CONTINUING_KINDS", bits(|surface| surface.continues)),
-        ("OPEN_KINDS", bits(|surface| surface.is_open)),
-        ("VEIL_KINDS", bits(|surface| surface.is_veil)),
-    ];
-    numbers
-        .chain(kinds)
-        .map(|(name, value)| format!("#define {name} {value}\n"))
+    sizes
+        .chain(numbers)
+        .map(|(name, number)| format!("#define {name} {number}u\n"))
         .collect()
-}
-
-/// Returns the vector in a slot and the next two.
-fn at<'t>(tape: &'t Tape<'t>, slot: usize) -> Vector<Register<'t>> {
-    vector(tape.inputs(slot))
-}
-
-/// Returns the numbers of pixel, sample and first dimension.
-fn sample<'t>(tape: &'t Tape<'t>) -> [Register<'t>; 3] {
-    [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].map(|slot| tape.integer(slot))
-}
-
-/// Returns the point that was hit.
-fn point<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> ShadingPoint<Register<'t>> {
-    let [position, normal, geometric_normal, color] =
-        [0, 3, 6, 9].map(|first| at(tape, slot::POINT + first));
-    let ([error], [side]) = (tape.inputs(slot::POINT + 12), tape.inputs(slot::SIDE));
-    let [roughness, metallic] = tape.inputs(slot::FACTORS + 3);
-    ShadingPoint {
-        position,
-        normal,
-        geometric_normal,
-        color,
-        error,
-        side,
-        factors: if formulas.has_factors() {
-            PictureFactors {
-                emission: at(tape, slot::FACTORS),
-                roughness,
-                metallic,
-            }
-        } else {
-            PictureFactors::ones(side)
-        },
-    }
-}
-
-/// Returns the crossing of the surface.
-fn crossing<'t>(tape: &'t Tape<'t>) -> Crossing<Register<'t>> {
-    let [eta, visible, here, behind] = tape.inputs(slot::CROSSING);
-    Crossing {
-        eta,
-        is_visible: visible.splat(0.0).lt(visible),
-        indices: [here, behind],
-    }
-}
-
-/// Returns the light of the light sample.
-fn light<'t>(tape: &'t Tape<'t>) -> Illumination<Register<'t>> {
-    let [direction, radiance] = [0, 4].map(|first| at(tape, slot::LIGHT + first));
-    let ([distance], [density]) = (tape.inputs(slot::LIGHT + 3), tape.inputs(slot::LIGHT + 7));
-    Illumination {
-        direction,
-        distance,
-        radiance,
-        density,
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use math::sampling::{PixelPattern, Sampler};
-    use proptest::prelude::*;
-    use scene::build::Geometries;
-    use scene::config::Config;
-    use tracer::shade::{NextRay, Shader, ShadowFormula};
-    use world::scene::Scene;
+    use tracer::shade::Shader;
 
     use super::*;
-    use crate::tape::Program;
+    use crate::results::tests::built;
 
-    /// Returns a scene of surfaces whose formulas look nothing up.
-    fn scene(model: &str) -> Scene {
-        let roughness = if model == "path" { 0.4 } else { 0.0 };
-        let of_card = if model == "seed" {
-            ""
-        } else {
-            ", two_sided: false, emission: 2"
-        };
-        let text = format!(
-            "image: {{ width: 4, height: 4 }}
+    #[test]
+    fn materials_of_other_numbers_share_their_functions() {
+        let text = |material: &str| {
+            let scene = built(&format!(
+                "image: {{ width: 4, height: 4 }}
 camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
-shading: {{ model: {model} }}
-materials:
-  checker: {{ color: {{ checker: {{ even: 1, odd: 0.2, size: 0.4 }} }} }}
-  glossy: {{ color: [0.2, 0.5, 0.3], diffuse: 0.5, specular: 0.3, exponent: 40, reflection: 0.2, multiple_scattering: false }}
-  mirror: {{ conductor: gold }}
-  metal: {{ conductor: copper, roughness: {roughness}, multiple_scattering: false }}
-  card: {{ color: 0.6{of_card} }}
-lights:
-  - point: {{ position: [2, 3, 4], intensity: 9, falloff: inverse_square }}
+lights: []
+materials: {{ a: {{ color: [0.1, 1, 0.3], specular: 0.5 }}, b: {{ {material} }} }}
 objects:
-  - {{ plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}, material: checker }}
-  - {{ sphere: {{ center: [0, 0, 0], radius: 0.5 }}, material: glossy }}
-  - {{ sphere: {{ center: [1, 0, 0], radius: 0.5 }}, transform: [{{ scale: [1, 2, 1] }}, {{ rotate: {{ axis: [1, 2, 0], angle_deg: 20 }} }}], material: metal }}
-  - {{ box: {{ min: [1, 1, 1], max: [2, 2, 2] }}, material: mirror }}
-  - {{ disk: {{ center: [-1, 0, 0], normal: [1, 2, 3], radius: 0.6 }}, material: card }}
+  - {{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: a }}
+  - {{ sphere: {{ center: [3, 0, 0], radius: 1 }}, material: b }}
 "
-        );
-        built(&text)
-    }
-
-    fn built(text: &str) -> Scene {
-        let mut config: Config = scene::yaml::from_str(text).unwrap();
-        let geometries = Geometries::read(&mut config, Path::new("."), u64::MAX).unwrap();
-        scene::build::scene(&config, geometries).unwrap()
-    }
-
-    /// Records a formula.
-    fn program(formula: impl for<'t> FnOnce(&'t Tape<'t>) -> Vec<Register<'t>>) -> Program {
-        let tape = Tape::default();
-        let program = {
-            let results = formula(&tape);
-            tape.program("tested", &results)
+            ));
+            let shader = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7));
+            RecordedPaths::new(&shader.formulas(None)).unwrap().text
         };
-        assert_eq!(tape.refusal(), None);
-        program
-    }
-
-    fn number_at(state: &[f32], slot: usize) -> Vector<f32> {
-        Vector {
-            x: state[slot],
-            y: state[slot + 1],
-            z: state[slot + 2],
-        }
-    }
-
-    /// Returns a point on a surface, seen from outside.
-    fn point_of(state: &[f32]) -> ShadingPoint<f32> {
-        let at = |first| number_at(state, slot::POINT + first);
-        let side = state[slot::SIDE];
-        ShadingPoint {
-            position: at(0),
-            normal: at(3),
-            geometric_normal: at(6),
-            color: at(9),
-            error: state[slot::POINT + 12],
-            side,
-            factors: PictureFactors::ones(side),
-        }
-    }
-
-    fn is_same(found: &[f32], expected: &[f32]) -> bool {
-        let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
-        found.len() == expected.len() && found.iter().zip(expected).all(is_same)
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
-
-        /// The slow twin of recorded programs are their formulas for single numbers.
-        #[test]
-        fn programs_of_paths_compute_what_their_formulas_compute(
-            numbers in prop::collection::vec(-1.0_f32..1.0, N_SLOTS),
-            words in prop::array::uniform3(0_u32..1000),
-            model in prop::sample::select(&["path", "blinn_phong", "seed", "ambient_occlusion"][..]),
-        ) {
-            let mut state = numbers;
-            // Unit vectors, and a side.
-            for slot in [slot::DIRECTION, slot::POINT + 3, slot::POINT + 6, slot::LIGHT] {
-                let unit = coordinates_of(number_at(&state, slot).normalize());
-                state[slot..slot + 3].copy_from_slice(&unit);
-            }
-            state[slot::SIDE] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
-            for (slot, word) in [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].into_iter().zip(words) {
-                state[slot] = f32::from_bits(word);
-            }
-            let scene = scene(model);
-            let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas(None);
-            let at = point_of(&state);
-            let arriving = Illumination {
-                direction: number_at(&state, slot::LIGHT),
-                distance: state[slot::LIGHT + 3],
-                radiance: number_at(&state, slot::LIGHT + 4),
-                density: state[slot::LIGHT + 7],
-            };
-            for primitive in 0..formulas.n_primitives() {
-                let kind = formulas.kind(primitive).unwrap();
-                let of = formulas.material(kind);
-                let mut data = Vec::new();
-                formulas.push_data(kind, primitive, &mut data);
-                let evaluate = |program: &Program| program.evaluate([&state, &data, &[]]);
-
-                let recorded = program(|tape| point_results(&formulas, tape, kind));
-                let mut numbers = data.iter().copied();
-                let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| number_at(&state, slot));
-                let (found, opacity) = formulas.point(kind, ray, [slot::T, slot::LENGTH].map(|slot| state[slot]), &mut || numbers.next().unwrap(), &mut || 0.0);
-                let vectors = [found.position, found.normal, found.geometric_normal, found.color];
-                let mut expected: Vec<f32> = vectors.into_iter().flat_map(coordinates_of).collect();
-                expected.extend([found.error, found.side, opacity]);
-                prop_assert!(is_same(&evaluate(&recorded), &expected), "point of {kind:?}");
-
-                let recorded = program(|tape| shadow_results(&formulas, tape, kind));
-                let ShadowFormula { may_arrive, origin, end } = formulas.shadow(of, &at, &arriving);
-                let [x, y, z] = coordinates_of(origin);
-                let expected = [f32::from(u8::from(may_arrive)), x, y, z, end];
-                prop_assert!(is_same(&evaluate(&recorded), &expected), "shadow of {kind:?}");
-
-                let crossing = Crossing {
-                    eta: state[slot::CROSSING],
-                    is_visible: state[slot::CROSSING + 1] > 0.0,
-                    indices: [state[slot::CROSSING + 2], state[slot::CROSSING + 3]],
-                };
-                let recorded = program(|tape| reflected_results(&formulas, tape, kind));
-                let rays = [slot::EYE, slot::DIRECTION].map(|slot| number_at(&state, slot));
-                let expected = coordinates_of(formulas.reflected(of, &at, &arriving, rays, &crossing));
-                prop_assert!(is_same(&evaluate(&recorded), &expected), "reflected by {kind:?}");
-
-                if !formulas.surface(formulas.material(kind)).continues {
-                    continue;
-                }
-                for is_late in [false, true] {
-                    let recorded = program(|tape| next_results(&formulas, tape, kind, is_late));
-                    let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| number_at(&state, slot));
-                    let ray: NextRay<f32> = formulas.next(of, &at, path, words, &crossing, is_late);
-                    let of_kind = if ray.is_refracted { 1.0 } else if ray.is_diffuse { 2.0 } else { 0.0 };
-                    let mut expected = vec![f32::from(u8::from(ray.is_alive)), of_kind];
-                    let vectors = [ray.origin, ray.direction, ray.weight];
-                    expected.extend(vectors.into_iter().flat_map(coordinates_of));
-                    expected.push(ray.density);
-                    prop_assert!(is_same(&evaluate(&recorded), &expected), "next ray of {kind:?}");
-                }
-            }
-        }
-    }
-
-    fn coordinates_of(Vector { x, y, z }: Vector<f32>) -> [f32; 3] {
-        [x, y, z]
+        let same = text("color: 0.5, specular: 0.1");
+        assert!(!same.contains("point_1("), "{same}");
+        assert!(text("color: { checker: { even: 1, odd: 0, size: 1 } }").contains("point_1("));
     }
 
     #[test]
@@ -740,6 +332,7 @@ objects:
         let scene = built(&format!(
             "image: {{ width: 4, height: 4 }}
 camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
+shading: {{ model: path }}
 lights: [{}]
 ",
             [light; 33].join(", ")
@@ -747,7 +340,7 @@ lights: [{}]
         let formulas = Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas(None);
         assert_eq!(
             RecordedPaths::new(&formulas).err().as_deref(),
-            Some("more than 32 lights")
+            Some("a choice among more than 32 lights")
         );
     }
 }

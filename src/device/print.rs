@@ -1,38 +1,52 @@
 //! A straight program → a function of the device's language.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
-use crate::tape::{Instruction, Operation, Program, Type};
+use crate::tape::{Instruction, Operation, Program, TablePlaces, Type};
 
 /// Returns the text of a program as a function, which reads its numbers from `in` and writes its
 /// results to `out`.
 pub(crate) fn function(program: &Program) -> String {
-    let body = body(program, &[]);
+    let body = body(program, &[], &HashMap::new());
     format!(
         "FUNCTION void {}(const float *in, float *out) {{\n{body}}}\n",
         program.name
     )
 }
 
-/// Returns the statements of a program's function. The tables have these functions and first words.
-pub(crate) fn body(program: &Program, tables: &[(&str, u64)]) -> String {
+/// Returns the statements of a program's function. The tables have these functions and first words;
+/// instructions that are `varying` read their constant from `constants`, from this word on.
+pub(crate) fn body(
+    program: &Program,
+    tables: &TablePlaces,
+    varying: &HashMap<usize, usize>,
+) -> String {
     let Program {
         instructions,
         results,
         ..
     } = program;
     let mut text = String::new();
-    let is_used = used(program);
     for (number, instruction) in instructions.iter().enumerate() {
-        if is_used[number] {
-            if let Operation::LookUp { table, sizes } = instruction.operation {
-                let (function, first) = tables[table as usize];
-                text += &look_up(number, &instruction.operands, (function, first), sizes);
-            }
-            let value = expression(instructions, number);
-            let ty = name_of(instruction.result);
-            let _ = writeln!(text, "  {ty} r{number} = {value};");
+        let word = varying.get(&number);
+        if let Operation::LookUp { table, sizes } = instruction.operation {
+            let (function, first) = tables[table as usize];
+            let first = word.map_or_else(|| format!("{first}ul"), |word| wide(*word));
+            text += &look_up(number, &instruction.operands, (function, &first), sizes);
         }
+        let value = match (instruction.operation, instruction.result, word) {
+            (Operation::Constant(_), Type::Float, Some(word)) => {
+                format!("FLOAT_OF(constants[{word}])")
+            }
+            (Operation::Constant(_), Type::Double, Some(word)) => {
+                format!("DOUBLE_OF({})", wide(*word))
+            }
+            (Operation::Constant(_), _, Some(word)) => format!("constants[{word}]"),
+            _ => expression(instructions, number),
+        };
+        let ty = name_of(instruction.result);
+        let _ = writeln!(text, "  {ty} r{number} = {value};");
     }
     for (i, result) in results.iter().enumerate() {
         let _ = writeln!(text, "  out[{i}] = r{result};");
@@ -40,11 +54,17 @@ pub(crate) fn body(program: &Program, tables: &[(&str, u64)]) -> String {
     text
 }
 
+/// Returns two words of the constants as one number.
+fn wide(word: usize) -> String {
+    let upper = word + 1;
+    format!("((ulong)constants[{upper}] << 32 | constants[{word}])")
+}
+
 /// Returns the statements that call the function of a table for instruction `number`.
 fn look_up(
     number: usize,
     operands: &[u32; 3],
-    (function, first): (&str, u64),
+    (function, first): (&str, &str),
     [n_at, n_values]: [u32; 2],
 ) -> String {
     let mut text = format!("  float at{number}[{n_at}], found{number}[{n_values}];\n");
@@ -53,46 +73,9 @@ fn look_up(
     }
     let _ = writeln!(
         text,
-        "  {function}(tables + {first}ul, {n_values}, at{number}, found{number});"
+        "  {function}(tables + {first}, {n_values}, at{number}, found{number});"
     );
     text
-}
-
-/// Returns for each instruction if a result depends on it.
-fn used(program: &Program) -> Vec<bool> {
-    let mut is_used = vec![false; program.instructions.len()];
-    for &result in &program.results {
-        is_used[result as usize] = true;
-    }
-    for (number, instruction) in program.instructions.iter().enumerate().rev() {
-        if is_used[number] {
-            for &operand in &instruction.operands[..n_operands(instruction.operation)] {
-                is_used[operand as usize] = true;
-            }
-        }
-    }
-    is_used
-}
-
-fn n_operands(operation: Operation) -> usize {
-    match operation {
-        Operation::Input(_) | Operation::Data(_) | Operation::Place(_) | Operation::Constant(_) => {
-            0
-        }
-        Operation::LookUp { sizes: [n, _], .. } => n as usize,
-        Operation::Negate
-        | Operation::Sqrt
-        | Operation::Floor
-        | Operation::Truncate
-        | Operation::Not
-        | Operation::ShiftLeft(_)
-        | Operation::ShiftRight(_)
-        | Operation::Bits
-        | Operation::Convert
-        | Operation::Value(_) => 1,
-        Operation::Select => 3,
-        _ => 2,
-    }
 }
 
 fn name_of(ty: Type) -> &'static str {

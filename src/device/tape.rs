@@ -79,7 +79,7 @@ pub(crate) struct Instruction {
     pub(crate) operands: [u32; 3],
 }
 
-/// Records the instructions of a formula; equal ones once.
+/// Records the instructions of a formula; equal ones once, but for constants.
 #[derive(Default)]
 pub(crate) struct Tape<'t> {
     instructions: RefCell<Vec<Instruction>>,
@@ -88,6 +88,9 @@ pub(crate) struct Tape<'t> {
     tables: Option<&'t Tables>,
     refusal: OnceCell<String>,
 }
+
+/// The tables of all formulas: for each its function, and the index of its first word.
+pub(crate) type TablePlaces = [(&'static str, u64)];
 
 /// The tables in which formulas look values up; equal ones once.
 #[derive(Default)]
@@ -124,11 +127,49 @@ impl Tables {
 }
 
 /// A formula without loops and branches.
+#[derive(Default)]
 pub(crate) struct Program {
     pub(crate) name: String,
     pub(crate) instructions: Vec<Instruction>,
     /// The registers of its results.
     pub(crate) results: Vec<u32>,
+}
+
+/// Returns for each instruction if a result depends on it.
+fn used(instructions: &[Instruction], results: &[u32]) -> Vec<bool> {
+    let mut is_used = vec![false; instructions.len()];
+    for &result in results {
+        is_used[result as usize] = true;
+    }
+    for (number, instruction) in instructions.iter().enumerate().rev() {
+        if is_used[number] {
+            for &operand in &instruction.operands[..n_operands(instruction.operation)] {
+                is_used[operand as usize] = true;
+            }
+        }
+    }
+    is_used
+}
+
+fn n_operands(operation: Operation) -> usize {
+    match operation {
+        Operation::Input(_) | Operation::Data(_) | Operation::Place(_) | Operation::Constant(_) => {
+            0
+        }
+        Operation::LookUp { sizes: [n, _], .. } => n as usize,
+        Operation::Negate
+        | Operation::Sqrt
+        | Operation::Floor
+        | Operation::Truncate
+        | Operation::Not
+        | Operation::ShiftLeft(_)
+        | Operation::ShiftRight(_)
+        | Operation::Bits
+        | Operation::Convert
+        | Operation::Value(_) => 1,
+        Operation::Select => 3,
+        _ => 2,
+    }
 }
 
 /// The result of an instruction.
@@ -184,10 +225,31 @@ impl<'t> Tape<'t> {
 
     /// Returns the program of this name that computes these results.
     pub(crate) fn program(&self, name: impl Into<String>, results: &[Register]) -> Program {
+        let instructions = self.instructions.borrow();
+        let results: Vec<u32> = results.iter().map(|result| result.number).collect();
+        // Keep the instructions that results depend on, and number these anew.
+        let is_used = used(&instructions, &results);
+        let mut numbers = vec![0; instructions.len()];
+        let mut kept = Vec::new();
+        for (i, instruction) in instructions.iter().enumerate().filter(|(i, _)| is_used[*i]) {
+            let n = n_operands(instruction.operation);
+            let mut operands = [0; 3];
+            for (operand, before) in operands.iter_mut().zip(&instruction.operands[..n]) {
+                *operand = numbers[*before as usize];
+            }
+            numbers[i] = kept.len() as u32;
+            kept.push(Instruction {
+                operands,
+                ..*instruction
+            });
+        }
         Program {
             name: name.into(),
-            instructions: self.instructions.borrow().clone(),
-            results: results.iter().map(|result| result.number).collect(),
+            instructions: kept,
+            results: results
+                .iter()
+                .map(|&result| numbers[result as usize])
+                .collect(),
         }
     }
 
@@ -197,23 +259,34 @@ impl<'t> Tape<'t> {
             result,
             operands,
         };
-        let mut instructions = self.instructions.borrow_mut();
         let mut numbers = self.numbers.borrow_mut();
-        let number = *numbers.entry(instruction).or_insert_with(|| {
-            instructions.push(instruction);
-            instructions.len() as u32 - 1
-        });
+        let number = numbers.entry(instruction);
         Register {
             tape: self,
             ty: result,
-            number,
+            number: *number.or_insert_with(|| self.append(instruction).number),
+        }
+    }
+
+    fn append(&'t self, instruction: Instruction) -> Register<'t> {
+        let mut instructions = self.instructions.borrow_mut();
+        instructions.push(instruction);
+        Register {
+            tape: self,
+            ty: instruction.result,
+            number: instructions.len() as u32 - 1,
         }
     }
 }
 
 impl Register<'_> {
+    /// Records a constant: each anew, so that other constants do not change the structure.
     fn constant(self, ty: Type, bits: u64) -> Self {
-        self.tape.push(Operation::Constant(bits), ty, [0; 3])
+        self.tape.append(Instruction {
+            operation: Operation::Constant(bits),
+            result: ty,
+            operands: [0; 3],
+        })
     }
 
     fn unary(self, operation: Operation, result: Type) -> Self {

@@ -3,8 +3,12 @@
    own_light, light, shadow, reflected, next_ray, late_ray, split, passage, background, flight and fade are recorded
    (paths.rs). They read the state of a path by its slots: ORIGIN, DIRECTION, and so on. */
 
-/* 1 if a kind of surfaces is one of these. */
-#define IS_OF(kinds, kind) (((kinds) >> (kind) & 1ul) != 0ul)
+/* The rules at a kind of surfaces; above their bits, the material of its medium plus 1. */
+#define IS_LIT 1u
+#define CONTINUES 2u
+#define IS_OPEN 4u
+#define IS_VEIL 8u
+#define MEDIUM_SHIFT 4u
 
 /* All arrays of a scene. */
 typedef struct {
@@ -56,8 +60,9 @@ FUNCTION Search search_path(const Scene *scene, const float *origin, const float
   return search;
 }
 
-/* The kind of the surface that was hit, its numbers, and the numbers of its instance. */
+/* The kind of the surface that was hit, its rules, its numbers, and the numbers of its instance. */
 FUNCTION uint kind_of(const Scene *scene, const Search *hit) { return scene->surfaces[2ul * hit->primitive]; }
+FUNCTION uint rules_of(const Scene *scene, uint kind) { return scene->tables[FIRST_KIND + kind]; }
 FUNCTION GLOBAL const uint *data_of(const Scene *scene, const Search *hit) {
   return scene->data + scene->surfaces[2ul * hit->primitive + 1];
 }
@@ -81,7 +86,7 @@ FUNCTION Search search_past(const Scene *scene, const float *origin, const float
     rest[T] = search.t;
     search.t = length + search.t;
     uint kind = kind_of(scene, &search);
-    if (!IS_OF(OPEN_KINDS, kind) || search.t >= limit) return search;
+    if (!(rules_of(scene, kind) & IS_OPEN) || search.t >= limit) return search;
     float past[6];
     passage(kind, rest, data_of(scene, &search), place_of(scene, &search), scene->tables, past);
     float left = *share * (is_shadow ? past[0] : past[1]), next = length + past[5];
@@ -104,7 +109,7 @@ FUNCTION int add_lights(const Scene *scene, Path *path, const Search *hit, const
     float cast[5], arriving[3], share = 1.0f;
     light(i, s, data, place, tables, s + LIGHT);
     if (WEAKENS_LIGHTS) {
-      const Media *way = media_of_kinds[kind] && s[LIGHT + 8u] != 0.0f ? &met->behind : &path->media;
+      const Media *way = rules_of(scene, kind) >> MEDIUM_SHIFT && s[LIGHT + 8u] != 0.0f ? &met->behind : &path->media;
       weaken(tables, way, s[LIGHT + 3u], s + LIGHT + 4);
     }
     shadow(kind, s, data, place, tables, cast);
@@ -112,7 +117,7 @@ FUNCTION int add_lights(const Scene *scene, Path *path, const Search *hit, const
     if (CASTS_SHADOWS) {
       cost->n_shadows++;
       count_ray(cost, path->depth);
-      if (OPEN_KINDS) {
+      if (HAS_OPENINGS) {
         Search way = search_past(scene, cast + 1, s + LIGHT, cast[4], 1, cost, &share);
         if (way.t < cast[4] || share <= 0.0f) continue;
       } else {
@@ -146,7 +151,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   float *s = path->state, light_of_ray[3], gained[4];
   GLOBAL const uint *tables = scene->tables;
   Search hit;
-  if (OPEN_KINDS) {
+  if (HAS_OPENINGS) {
     float share;
     hit = search_past(scene, s + ORIGIN, s + DIRECTION, INFINITY, 0, cost, &share);
   } else {
@@ -159,7 +164,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   if (HAS_FOG && path->media.ids[0] == 0u) {
     /* A particle of fog may lie before the hit. */
     float met[2];
-    flight(s, scene->data, scene->places, tables, met);
+    flight(0u, s, scene->data, scene->places, tables, met);
     if (met[0] != 0.0f) {
       is_hit = 1;
       hit.primitive = PARTICLES;
@@ -171,14 +176,14 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   if (HAS_MEDIA) weaken(tables, &path->media, s[T], s + WEIGHT);
   for (int i = 0; i < 4; i++) gained[i] = 0.0f;
   if (HAS_FADING_FOG && path->media.ids[0] == 0u) {
-    fade(s, scene->data, scene->places, tables, gained);
+    fade(0u, s, scene->data, scene->places, tables, gained);
     for (int i = 0; i < 3; i++) {
       gained[1 + i] *= s[WEIGHT + i];
       s[WEIGHT + i] *= gained[0];
     }
   }
   if (!is_hit) {
-    background(s, scene->data, scene->places, tables, light_of_ray);
+    background(0u, s, scene->data, scene->places, tables, light_of_ray);
     if (counts)
       for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * s[WEIGHT + i] + gained[1 + i];
     return 0u;
@@ -188,7 +193,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   point(kind, s, data, place, tables, s + POINT);
   /* The media on both sides. */
   Interface met;
-  uint medium = HAS_MEDIA ? media_of_kinds[kind] : 0u;
+  uint rules = rules_of(scene, kind), medium = HAS_MEDIA ? rules >> MEDIUM_SHIFT : 0u;
   if (HAS_MEDIA) s[CROSSING + 2u] = s[CROSSING + 3u] = index_in(tables, &path->media);
   if (medium) {
     met = cross_surface(tables, &path->media, medium, s[SIDE] > 0.0f);
@@ -202,17 +207,17 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   int is_lit = !NEEDS_LIGHT, needs_lights = counts || NEEDS_LIGHT;
   int has_lights = LIGHTS_LAST_POINTS || path->depth < MAX_DEPTH;
   own_light(kind, s, data, place, tables, light_of_ray);
-  if (needs_lights && has_lights && IS_OF(LIT_KINDS, kind))
+  if (needs_lights && has_lights && (rules & IS_LIT) != 0u)
     is_lit |= add_lights(scene, path, &hit, &met, cost, light_of_ray);
   if (!is_lit) return 0u;
   float opacity = SPLITS ? s[OPACITY] : 1.0f;
   if (counts)
     for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * (s[WEIGHT + i] * opacity) + gained[1 + i];
   /* The next rays. */
-  int may_bounce = path->depth < MAX_DEPTH && IS_OF(CONTINUING_KINDS, kind);
+  int may_bounce = path->depth < MAX_DEPTH && (rules & CONTINUES) != 0u;
 #if SPLITS
   float rays[20];
-  if (!may_bounce && !IS_OF(VEIL_KINDS, kind)) return 0u;
+  if (!may_bounce && !(rules & IS_VEIL)) return 0u;
   split(kind, s, data, place, tables, rays);
   int is_reflected = may_bounce && rays[0] != 0.0f, passes = rays[10] != 0.0f;
   if (is_reflected && passes) {

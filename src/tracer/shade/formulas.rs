@@ -59,6 +59,8 @@ pub struct PathRules {
     pub splits: bool,
     /// True if rays enter and leave media, which weaken light.
     pub has_media: bool,
+    /// True if light passes any surface, in part or at holes.
+    pub has_openings: bool,
     /// True if media weaken light samples, too.
     pub weakens_lights: bool,
     /// True if fog fades light without scattering it.
@@ -152,8 +154,8 @@ pub struct NextRay<R: Real> {
     pub is_diffuse: R::Mask,
 }
 
-/// Most light samples at a point, and lights in a choice: each becomes a part of the program.
-const MAX_LIGHTS: usize = 32;
+/// Most lights in a choice: each becomes a part of the program.
+const MAX_CHOICE: usize = 32;
 
 impl<'a> PathFormulas<'a> {
     pub(super) fn new(scene: &'a Scene, sampler: Sampler) -> Self {
@@ -171,16 +173,10 @@ impl<'a> PathFormulas<'a> {
 
     /// Returns the part of the scene for which there are no formulas, if there is one.
     pub fn refusal(&self) -> Option<&'static str> {
-        let scene = self.scene;
-        let lights = &scene.lights;
-        let most_lights = lights.n_samples().max(if lights.are_random() {
-            lights.n_sources()
-        } else {
-            0
-        });
-        [(most_lights > MAX_LIGHTS, "more than 32 lights")]
-            .into_iter()
-            .find_map(|(has, part)| has.then_some(part))
+        let lights = &self.scene.lights;
+        let chooses = lights.n_samples() < lights.n_sources();
+        let is_long = chooses && lights.n_sources() > MAX_CHOICE;
+        is_long.then_some("a choice among more than 32 lights")
     }
 
     /// Returns the rules of the loop.
@@ -202,6 +198,7 @@ impl<'a> PathFormulas<'a> {
                 dimensions: [first.0, second.0 - first.0],
                 splits: self.scene.splits_paths(),
                 has_media: self.scene.has_media(),
+                has_openings: self.scene.has_openings(),
                 weakens_lights: self.scene.weakens_lights(),
                 has_fading_fog: self.scene.fading_fog().is_some(),
                 particles: self.particles(),

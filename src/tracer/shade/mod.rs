@@ -206,8 +206,8 @@ impl<'a> Shader<'a> {
         let mut is_lit = !self.rules.needs_light;
         for light in lights {
             is_lit = true;
-            let reflected = &self.formulas;
-            color = color + reflected.reflected(material, &at, &light, rays, &crossing);
+            let formulas = &self.formulas;
+            color = color + formulas.reflected(material, &at, &light, rays, &crossing);
         }
         if !is_lit {
             return Vec3::ZERO;
