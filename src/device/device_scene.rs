@@ -254,6 +254,8 @@ fn no_work(kernel: Kernel, queue: &mut dyn LaunchQueue) -> Result<KernelWork, De
         group_size: GROUP,
         warp_size: facts.warp_size,
         private_bytes: facts.private_bytes,
+        registers: facts.registers,
+        occupancy: facts.occupancy,
         steps: 0,
         lane_steps: 0,
     })

@@ -106,6 +106,10 @@ pub(crate) struct KernelFacts {
     pub(crate) warp_size: Option<usize>,
     /// Bytes of memory of an item beyond registers.
     pub(crate) private_bytes: Option<u64>,
+    /// Registers of an item.
+    pub(crate) registers: Option<usize>,
+    /// Share of a compute unit's warps that the kernel can fill, 0 to 1.
+    pub(crate) occupancy: Option<f64>,
 }
 
 /// Waits until a launch is done, without trust in the driver.

@@ -250,6 +250,8 @@ impl LaunchQueue for OpenClQueue {
         Ok(KernelFacts {
             warp_size: warp.filter(|&n| n > 0),
             private_bytes: created.get_private_mem_size(device).ok(),
+            registers: None,
+            occupancy: None,
         })
     }
 }

@@ -114,7 +114,9 @@ int cuModuleGetFunction(void **kernel, void *module, const char *name) {
   return *kernel = dlsym(module, name), *kernel ? 0 : NOT_FOUND;
 }
 
-int cuFuncGetAttribute(int *value, int, void *) { return *value = 0, 0; }
+/* CU_FUNC_ATTRIBUTE_NUM_REGS is 4. */
+int cuFuncGetAttribute(int *value, int attribute, void *) { return *value = attribute == 4 ? 40 : 0, 0; }
+int cuOccupancyMaxActiveBlocksPerMultiprocessor(int *n, void *, int, size_t) { return *n = 16, 0; }
 
 int cuMemAlloc_v2(uint64_t *address, size_t size) {
   if (!current) return INVALID_CONTEXT;

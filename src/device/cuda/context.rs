@@ -16,8 +16,10 @@ const NON_BLOCKING: c_uint = 1;
 const ERROR_LOG: [c_int; 2] = [5, 6];
 /// Bytes of the log of the driver's compiler.
 const MAX_LOG: usize = 4096;
-/// `CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES`.
-const LOCAL_BYTES: c_int = 3;
+/// `CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES`: bytes of memory of an item beyond registers.
+pub(super) const LOCAL_BYTES: c_int = 3;
+/// `CU_FUNC_ATTRIBUTE_NUM_REGS`: registers of an item.
+pub(super) const REGISTERS: c_int = 4;
 
 /// The primary context of a device.
 pub(super) struct Context {
@@ -104,12 +106,20 @@ impl Module {
         driver.get(|kernel| unsafe { (driver.kernel)(kernel, self.handle, name.as_ptr()) })
     }
 
-    /// Returns the bytes of memory of an item of a kernel beyond registers.
-    pub(super) fn local_bytes(&self, kernel: &str) -> Result<u64, DeviceFault> {
+    /// Returns an attribute of a kernel.
+    pub(super) fn attribute(&self, attribute: c_int, kernel: &str) -> Result<usize, DeviceFault> {
         let (driver, kernel) = (&self.context.driver, self.kernel(kernel)?);
         // SAFETY: the call writes one number.
-        let n = driver.get(|n| unsafe { (driver.kernel_attribute)(n, LOCAL_BYTES, kernel) })?;
-        Ok(n as u64)
+        let n = driver.get(|n| unsafe { (driver.kernel_attribute)(n, attribute, kernel) })?;
+        Ok(n as usize)
+    }
+
+    /// Returns the number of items of a kernel that a multiprocessor can hold at a time.
+    pub(super) fn max_items(&self, kernel: &str) -> Result<usize, DeviceFault> {
+        let (driver, kernel) = (&self.context.driver, self.kernel(kernel)?);
+        // SAFETY: the call writes one number.
+        let n = driver.get(|n| unsafe { (driver.max_groups)(n, kernel, GROUP as c_int, 0) })?;
+        Ok(n as usize * GROUP)
     }
 }
 

@@ -15,6 +15,8 @@ pub(super) type Address = u64;
 
 /// `CU_DEVICE_ATTRIBUTE_WARP_SIZE`.
 pub(super) const WARP_SIZE: c_int = 10;
+/// `CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR`.
+pub(super) const MAX_THREADS: c_int = 39;
 /// `CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR` and `_MINOR`.
 pub(super) const CAPABILITY: [c_int; 2] = [75, 76];
 
@@ -38,6 +40,7 @@ functions! {
         unload_module: b"cuModuleUnload"(Handle);
         kernel: b"cuModuleGetFunction"(*mut Handle, Handle, *const c_char);
         kernel_attribute: b"cuFuncGetAttribute"(*mut c_int, c_int, Handle);
+        max_groups: b"cuOccupancyMaxActiveBlocksPerMultiprocessor"(*mut c_int, Handle, c_int, usize);
         allocate: b"cuMemAlloc_v2"(*mut Address, usize);
         free: b"cuMemFree_v2"(Address);
         copy_to_device: b"cuMemcpyHtoDAsync_v2"(Address, *const u32, usize, Handle);

@@ -19,8 +19,8 @@ use crate::library::{
 };
 use crate::program::Kernel;
 use compiler::Compiler;
-use context::{Context, CudaMemory, Module, Stream};
-use driver::{CAPABILITY, Driver, WARP_SIZE};
+use context::{Context, CudaMemory, LOCAL_BYTES, Module, REGISTERS, Stream};
+use driver::{CAPABILITY, Driver, MAX_THREADS, WARP_SIZE};
 
 /// The names of what differs between the languages of devices.
 const PRELUDE: &str = include_str!("../program/cuda.cu");
@@ -76,6 +76,7 @@ impl LibraryDevice for CudaDevice {
         Ok(Arc::new(CudaProgram {
             module: Module::new(&context, &ptx)?,
             warp_size: self.attribute(WARP_SIZE)? as usize,
+            max_items: self.attribute(MAX_THREADS)? as usize,
         }))
     }
 }
@@ -83,6 +84,8 @@ impl LibraryDevice for CudaDevice {
 struct CudaProgram {
     module: Module,
     warp_size: usize,
+    /// Number of items that a multiprocessor can hold at a time.
+    max_items: usize,
 }
 
 impl DeviceProgram for CudaProgram {
@@ -148,10 +151,13 @@ impl LaunchQueue for CudaQueue {
     }
 
     fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
-        let CudaProgram { module, warp_size } = &*self.scene.program;
+        let program = &self.scene.program;
+        let (module, max_items) = (&program.module, program.max_items as f64);
         Ok(KernelFacts {
-            warp_size: Some(*warp_size),
-            private_bytes: Some(module.local_bytes(kernel.name)?),
+            warp_size: Some(program.warp_size),
+            private_bytes: Some(module.attribute(LOCAL_BYTES, kernel.name)? as u64),
+            registers: Some(module.attribute(REGISTERS, kernel.name)?),
+            occupancy: Some(module.max_items(kernel.name)? as f64 / max_items),
         })
     }
 }

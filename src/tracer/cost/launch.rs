@@ -59,6 +59,13 @@ pub struct KernelWork {
     /// not say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub private_bytes: Option<u64>,
+    /// Registers of 32 bits that each ray has; left out if the device does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registers: Option<usize>,
+    /// The share of a compute unit's warps that the kernel can fill, 0 to 1, by its registers and
+    /// memory; left out if the device does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub occupancy: Option<f64>,
     /// Node visits and primitive tests of all rays.
     #[serde(default)]
     pub steps: u64,
@@ -114,6 +121,8 @@ mod tests {
             group_size: 64,
             warp_size: Some(4),
             private_bytes: None,
+            registers: None,
+            occupancy: None,
             steps: 0,
             lane_steps: 0,
         };
