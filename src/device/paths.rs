@@ -328,12 +328,14 @@ objects:
 
     #[test]
     fn scenes_without_formulas_are_refused_by_name() {
-        let light = "{ directional: { direction: [0, -1, 0], radiance: 1 } }";
+        let light = "{ directional: { direction: [0, -1, 0], intensity: 1 } }";
         let scene = built(&format!(
             "image: {{ width: 4, height: 4 }}
 camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
 shading: {{ model: path }}
+materials: {{ a: {{ color: 1 }} }}
 lights: [{}]
+objects: [{{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: a }}]
 ",
             [light; 33].join(", ")
         ));
