@@ -9,18 +9,18 @@ use crate::simd::{Integer, Real};
 #[inline]
 pub fn uniform(key: [u64; 3]) -> [f32; 4] {
     let [low, high] = [0, 32].map(|shift| key.map(|word| (word >> shift) as u32));
-    // An f32 in [0, 1) has 24 bits of uniform resolution.
-    hash(low, mixed(high)).map(unit::<f32>)
+    uniform_of_halves(high, low)
 }
 
-/// Returns a uniformly distributed number in [0, 1) for a key of three integers of 64 bits, given
-/// their upper and their lower halves: the first of [`uniform`].
-pub fn uniform_of_halves<R: Real>(upper: [R::Integer; 3], lower: [R::Integer; 3]) -> R {
+/// Returns the numbers of [`uniform`] for keys of any kind of integer, given their upper and their
+/// lower halves.
+#[inline]
+pub fn uniform_of_halves<R: Real>(upper: [R::Integer; 3], lower: [R::Integer; 3]) -> [R; 4] {
     let zero = upper[0].splat(0);
     let [a, b, c, d] = pcg4d([upper[0], upper[1], upper[2], zero]);
     let [x, y, z] = lower;
-    let [word, ..] = pcg4d([a.xor(x), b.xor(y), c.xor(z), d]);
-    unit(word)
+    // An f32 in [0, 1) has 24 bits of uniform resolution.
+    pcg4d([a.xor(x), b.xor(y), c.xor(z), d]).map(unit)
 }
 
 /// Hashes the upper halves of a key.
@@ -82,11 +82,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_number_of_halves_is_the_first_of_their_key() {
+    fn numbers_of_halves_are_the_hash_of_their_key() {
         for i in 0..1000 {
-            let key = [i << 32 | 7, i * i, !i];
+            let key: [u64; 3] = [i << 32 | 7, i * i, !i];
             let [upper, lower] = [32, 0].map(|shift| key.map(|word| (word >> shift) as u32));
-            assert_eq!(uniform_of_halves::<f32>(upper, lower), uniform(key)[0]);
+            let expected = hash(lower, mixed(upper)).map(unit::<f32>);
+            assert_eq!(uniform_of_halves::<f32>(upper, lower), expected);
+            assert_eq!(uniform(key), expected);
         }
     }
 

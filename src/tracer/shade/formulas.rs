@@ -16,7 +16,7 @@ use super::path::is_worth_tracing;
 use super::path_tracing::ROULETTE_DEPTH;
 use super::scatter::Continuation;
 use super::surface_data::{DataReader, surface_data};
-use crate::trace::{HitAttributes, HitPlace, ShadingPoint, chance, shading_point};
+use crate::trace::{HitAttributes, HitPlace, ShadingPoint, passed_opacity, shading_point};
 use math::sampling::{Dimension, Sampler};
 use math::simd::{Real, Vector};
 use world::camera::RayCone;
@@ -432,16 +432,10 @@ impl<'a> PathFormulas<'a> {
         let (at, error) = surface.project(kind.shape, origin + direction * t);
         let uvs = (kind.class.attributes().has_uvs()).then(|| [(); 3].map(|()| data.numbers()));
         let opacity = self.opacity(kind, &surface, at, uvs);
-        // Decide if the whole ray passes.
-        let threshold = if self.scene.scatters_paths() {
-            chance(ray)
-        } else {
-            t.splat(0.0)
-        };
         let next = leaving(at, error, direction);
         PassageFormula {
             share: t.splat(1.0) - opacity,
-            is_passed: opacity.le(threshold),
+            is_passed: opacity.le(passed_opacity(self.scene, ray)),
             origin: next,
             advance: (next - origin).dot(direction),
         }

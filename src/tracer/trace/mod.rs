@@ -16,7 +16,7 @@ use crate::cost::{ByPixel, PixelProbe, Probe, RayKind};
 use find_points::FindPoints;
 pub(crate) use hit_attributes::{HitAttributes, HitPlace, shading_point};
 use math::simd::{Simd, Vector};
-pub(crate) use openings::chance;
+pub(crate) use openings::passed_opacity;
 pub use points::{PointGroup, PointLanes, Points};
 pub use surface_point::{ShadingPoint, SurfacePoint};
 use surface_point::{on_side_of, side, width};

@@ -13,6 +13,7 @@ use crate::cost::{ByPixel, PixelProbe};
 use math::sampling::uniform_of_halves;
 use math::simd::{N_LANES, Real, Vector};
 use world::geometry::{Ray, RayStream};
+use world::scene::Scene;
 
 /// The rest of a ray past some surfaces.
 #[derive(Clone, Copy)]
@@ -52,21 +53,22 @@ fn light_share(_: &Tracer, _: &Ray, opacity: f32) -> f32 {
 
 /// Returns 1 if the whole ray passes, or else 0.
 fn all_or_nothing(tracer: &Tracer, ray: &Ray, opacity: f32) -> f32 {
-    let threshold = if tracer.scene.scatters_paths() {
-        chance([ray.origin, ray.direction].map(Vector::from))
-    } else {
-        0.0
-    };
-    f32::from(u8::from(opacity <= threshold))
+    let ray = [ray.origin, ray.direction].map(Vector::from);
+    f32::from(u8::from(opacity <= passed_opacity(tracer.scene, ray)))
 }
 
-/// Returns a uniform number in [0, 1) for a ray, given its origin and direction, the same in any
-/// order and on any thread.
-pub(crate) fn chance<R: Real>([origin, direction]: [Vector<R>; 2]) -> R {
-    uniform_of_halves(
+/// Returns the greatest opacity that a whole ray, with this origin and direction, passes: in path
+/// tracing a uniform number in [0, 1), the same in any order and on any thread.
+pub(crate) fn passed_opacity<R: Real>(scene: &Scene, ray: [Vector<R>; 2]) -> R {
+    let [origin, direction] = ray;
+    if !scene.scatters_paths() {
+        return origin.x.splat(0.0);
+    }
+    let [number, ..] = uniform_of_halves(
         [origin.x, origin.z, direction.y].map(R::to_integer_bits),
         [origin.y, direction.x, direction.z].map(R::to_integer_bits),
-    )
+    );
+    number
 }
 
 impl Tracer<'_> {
