@@ -509,7 +509,7 @@ impl<'a> PathFormulas<'a> {
     }
 
     /// Returns true where a point is on a side of its surface that scatters light.
-    fn scatters<R: Real>(&self, material: &Material, at: &ShadingPoint<R>) -> R::Mask {
+    pub(super) fn scatters<R: Real>(&self, material: &Material, at: &ShadingPoint<R>) -> R::Mask {
         if material.two_sided {
             return at.side.splat_mask(true);
         }

@@ -119,9 +119,10 @@ impl<'a> Shader<'a> {
 
     /// Returns the number of light samples at a point.
     fn n_light_samples(&self, path: &PathRay, point: &SurfacePoint) -> usize {
-        let rules = &self.rules;
-        let is_lit = self.formulas.surface(self.material(point)).is_lit;
-        if is_lit && (rules.lights_last_points || path.depth < rules.max_depth) {
+        let (rules, material) = (&self.rules, self.material(point));
+        let is_lit = self.formulas.surface(material).is_lit;
+        let scatters = self.formulas.scatters(material, &point.shading());
+        if is_lit && scatters && (rules.lights_last_points || path.depth < rules.max_depth) {
             rules.n_lights
         } else {
             0
