@@ -98,8 +98,8 @@ fn all_arrays<'a>(arrays: &'a SceneArrays, paths: Option<&'a RecordedPaths>) -> 
 pub struct DeviceScene<'a> {
     device: &'a Device,
     loaded: Arc<dyn LoadedProgram>,
-    /// The numbers of the samples whose paths it follows, or the part of the scene because of which
-    /// it follows none.
+    /// The numbers of the samples whose paths it follows, or the part of the scene that keeps it
+    /// from following any.
     paths: Result<(Sampler, Option<RayCone>), String>,
     /// The workers that no thread uses at the moment.
     workers: Mutex<Vec<Worker>>,

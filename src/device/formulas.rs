@@ -36,7 +36,7 @@ pub(crate) fn vector([x, y, z]: [Register; 3]) -> Vector<Register> {
     Vector { x, y, z }
 }
 
-pub(crate) fn coordinates(Vector { x, y, z }: Vector<Register>) -> [Register; 3] {
+pub(crate) fn coordinates<R>(Vector { x, y, z }: Vector<R>) -> [R; 3] {
     [x, y, z]
 }
 

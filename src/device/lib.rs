@@ -6,7 +6,7 @@
 //! first ray; [`Device::load`] copies a scene to its memory, and gives a
 //! [`RayDevice`](tracer::accel::RayDevice).
 //!
-//! The program is one text, of which a prelude makes OpenCL C or CUDA C++: the loops are written there
+//! The program is one text; a prelude turns it into OpenCL C or CUDA C++. The loops are written there
 //! (`traversal.cl`, `level.cl`, `path.cl`), and the formulas of boxes and shapes (`formulas`), of
 //! surfaces and lights (`paths`) are recorded from the Rust code (`tape`), so that none is written
 //! twice.

@@ -71,8 +71,8 @@ pub(crate) trait LibraryDevice: Send + Sync {
 
 /// A compiled program.
 pub(crate) trait DeviceProgram: Send + Sync {
-    /// Copies the arrays of a scene, none of which is empty, to the device's memory. A kernel has
-    /// as many of them as first arguments as it reads: [`Kernel::n_arrays`].
+    /// Copies the arrays of a scene to the device's memory; none is empty. A kernel has as many of
+    /// them as first arguments as it reads: [`Kernel::n_arrays`].
     fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault>;
 }
 

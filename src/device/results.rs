@@ -1,8 +1,8 @@
 //! The formulas of a path's steps, recorded: they read the path's state by its slots, and write their
 //! results one after the other.
 
-use math::simd::{Arithmetic, Vector};
-use tracer::shade::{Crossing, PathFormulas, SurfaceKind};
+use math::simd::{Arithmetic, Real, Vector};
+use tracer::shade::{Crossing, NextRay, PathFormulas, SurfaceKind};
 use tracer::trace::ShadingPoint;
 use world::light::Illumination;
 use world::material::PictureFactors;
@@ -49,17 +49,16 @@ slots! {
 
 /// Number of slots.
 pub(crate) const N_SLOTS: usize = slot::LENGTH + 1;
+
 /// Records the point that the ray hits.
 pub(crate) fn point_results<'t>(
     formulas: &PathFormulas,
     tape: &'t Tape<'t>,
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
+    let [mut data, mut place] = hit(tape);
     let [[t], [length]] = [slot::T, slot::LENGTH].map(|slot| tape.inputs(slot));
-    let (point, opacity) = formulas.point(kind, ray, [t, length], &mut data, &mut place);
+    let (point, opacity) = formulas.point(kind, ray(tape), [t, length], &mut data, &mut place);
     let vectors = [
         point.position,
         point.normal,
@@ -81,12 +80,10 @@ pub(crate) fn own_light_results<'t>(
     tape: &'t Tape<'t>,
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
-    let hit = tape.inputs(slot::T);
+    let [mut data, mut place] = hit(tape);
     let at = point(formulas, tape);
-    let light = formulas.own_light(kind.class, &at, ray, hit, || {
+    let t = tape.inputs(slot::T);
+    let light = formulas.own_light(kind.class, &at, ray(tape), t, || {
         formulas.parameters(kind, &mut data, &mut place)
     });
     coordinates(light).into()
@@ -163,9 +160,7 @@ pub(crate) fn next_results<'t>(
     let of_kind = Register::select(ray.is_diffuse, two, zero);
     let of_kind = Register::select(ray.is_refracted, one, of_kind);
     let head = [number(density, ray.is_alive), of_kind].into_iter();
-    let vectors = [ray.origin, ray.direction, ray.weight];
-    let vectors = vectors.into_iter().flat_map(coordinates);
-    head.chain(vectors).chain([density]).collect()
+    head.chain(numbers(&ray)).chain([density]).collect()
 }
 
 /// Records the two rays that continue a path that splits: of each, if there is one, its origin,
@@ -179,11 +174,8 @@ pub(crate) fn split_results<'t>(
     let [opacity] = tape.inputs(slot::OPACITY);
     let at = point(formulas, tape);
     let rays = formulas.split(formulas.material(kind), &at, path, opacity, &crossing(tape));
-    let results = rays.map(|ray| {
-        let vectors = [ray.origin, ray.direction, ray.weight];
-        let vectors = vectors.into_iter().flat_map(coordinates);
-        std::iter::once(number(opacity, ray.is_alive)).chain(vectors)
-    });
+    let results =
+        rays.map(|ray| std::iter::once(number(opacity, ray.is_alive)).chain(numbers(&ray)));
     results.into_iter().flatten().collect()
 }
 
@@ -194,11 +186,9 @@ pub(crate) fn passage_results<'t>(
     tape: &'t Tape<'t>,
     kind: SurfaceKind,
 ) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
-    let mut data = tape.numbers(Operation::Data);
-    let mut place = tape.numbers(Operation::Place);
+    let [mut data, mut place] = hit(tape);
     let [t] = tape.inputs(slot::T);
-    let past = formulas.passage(kind, ray, t, &mut data, &mut place);
+    let past = formulas.passage(kind, ray(tape), t, &mut data, &mut place);
     let [x, y, z] = coordinates(past.origin);
     let is_passed = number(t, past.is_passed);
     vec![past.share, is_passed, x, y, z, past.advance]
@@ -206,17 +196,15 @@ pub(crate) fn passage_results<'t>(
 
 /// Records the share of light that fog leaves on the way to the hit, and the light that it adds.
 pub(crate) fn fade_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
     let [t] = tape.inputs(slot::T);
-    let (share, light) = formulas.fade(ray, t);
+    let (share, light) = formulas.fade(ray(tape), t);
     std::iter::once(share).chain(coordinates(light)).collect()
 }
 
 /// Records if the ray meets a particle of fog before its hit, and where.
 pub(crate) fn flight_results<'t>(formulas: &PathFormulas, tape: &'t Tape<'t>) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
     let [t] = tape.inputs(slot::T);
-    let (is_met, t) = formulas.flight(ray, t, sample(tape));
+    let (is_met, t) = formulas.flight(ray(tape), t, sample(tape));
     vec![number(t, is_met), t]
 }
 
@@ -225,9 +213,24 @@ pub(crate) fn background_results<'t>(
     formulas: &PathFormulas,
     tape: &'t Tape<'t>,
 ) -> Vec<Register<'t>> {
-    let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot));
     let [density] = tape.inputs(slot::DENSITY);
-    coordinates(formulas.background(ray, density)).into()
+    coordinates(formulas.background(ray(tape), density)).into()
+}
+
+/// Returns origin, direction and weight of a ray, one number after the other.
+fn numbers<R: Real>(ray: &NextRay<R>) -> impl Iterator<Item = R> + use<R> {
+    let vectors = [ray.origin, ray.direction, ray.weight];
+    vectors.into_iter().flat_map(coordinates)
+}
+
+/// Returns the ray: its origin and its direction.
+fn ray<'t>(tape: &'t Tape<'t>) -> [Vector<Register<'t>>; 2] {
+    [slot::ORIGIN, slot::DIRECTION].map(|slot| at(tape, slot))
+}
+
+/// Returns the numbers of the primitive and of the instance that were hit.
+fn hit<'t>(tape: &'t Tape<'t>) -> [impl FnMut() -> Register<'t>; 2] {
+    [Operation::Data, Operation::Place].map(|of: fn(u32) -> Operation| tape.numbers(of))
 }
 
 /// Returns the vector in a slot and the next two.
@@ -295,7 +298,7 @@ pub(crate) mod tests {
     use proptest::prelude::*;
     use scene::build::Geometries;
     use scene::config::Config;
-    use tracer::shade::{NextRay, Shader, ShadowFormula};
+    use tracer::shade::{Shader, ShadowFormula};
     use world::scene::Scene;
 
     use super::*;
@@ -391,7 +394,7 @@ objects:
             let mut state = numbers;
             // Unit vectors, and a side.
             for slot in [slot::DIRECTION, slot::POINT + 3, slot::POINT + 6, slot::LIGHT] {
-                let unit = coordinates_of(number_at(&state, slot).normalize());
+                let unit = coordinates(number_at(&state, slot).normalize());
                 state[slot..slot + 3].copy_from_slice(&unit);
             }
             state[slot::SIDE] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
@@ -419,13 +422,13 @@ objects:
                 let ray = [slot::ORIGIN, slot::DIRECTION].map(|slot| number_at(&state, slot));
                 let (found, opacity) = formulas.point(kind, ray, [slot::T, slot::LENGTH].map(|slot| state[slot]), &mut || numbers.next().unwrap(), &mut || 0.0);
                 let vectors = [found.position, found.normal, found.geometric_normal, found.color];
-                let mut expected: Vec<f32> = vectors.into_iter().flat_map(coordinates_of).collect();
+                let mut expected: Vec<f32> = vectors.into_iter().flat_map(coordinates).collect();
                 expected.extend([found.error, found.side, opacity]);
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "point of {kind:?}");
 
                 let recorded = program(|tape| shadow_results(&formulas, tape, kind));
                 let ShadowFormula { may_arrive, origin, end } = formulas.shadow(of, &at, &arriving);
-                let [x, y, z] = coordinates_of(origin);
+                let [x, y, z] = coordinates(origin);
                 let expected = [f32::from(u8::from(may_arrive)), x, y, z, end];
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "shadow of {kind:?}");
 
@@ -436,16 +439,14 @@ objects:
                 };
                 let recorded = program(|tape| reflected_results(&formulas, tape, kind));
                 let rays = [slot::EYE, slot::DIRECTION].map(|slot| number_at(&state, slot));
-                let expected = coordinates_of(formulas.reflected(of, &at, &arriving, rays, &crossing));
+                let expected = coordinates(formulas.reflected(of, &at, &arriving, rays, &crossing));
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "reflected by {kind:?}");
 
                 let recorded = program(|tape| split_results(&formulas, tape, kind));
                 let path = [slot::DIRECTION, slot::WEIGHT].map(|slot| number_at(&state, slot));
                 let rays = formulas.split(of, &at, path, state[slot::OPACITY], &crossing);
                 let expected = rays.iter().flat_map(|ray| {
-                    let vectors = [ray.origin, ray.direction, ray.weight];
-                    let vectors = vectors.into_iter().flat_map(coordinates_of);
-                    std::iter::once(f32::from(u8::from(ray.is_alive))).chain(vectors)
+                    std::iter::once(f32::from(u8::from(ray.is_alive))).chain(super::numbers(ray))
                 });
                 let expected: Vec<f32> = expected.collect();
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "split at {kind:?}");
@@ -453,7 +454,7 @@ objects:
                 let recorded = program(|tape| passage_results(&formulas, tape, kind));
                 let mut numbers = data.iter().copied();
                 let past = formulas.passage(kind, ray, state[slot::T], &mut || numbers.next().unwrap(), &mut || 0.0);
-                let [x, y, z] = coordinates_of(past.origin);
+                let [x, y, z] = coordinates(past.origin);
                 let expected = [past.share, f32::from(u8::from(past.is_passed)), x, y, z, past.advance];
                 prop_assert!(is_same(&evaluate(&recorded), &expected), "passage of {kind:?}");
 
@@ -466,16 +467,11 @@ objects:
                     let ray: NextRay<f32> = formulas.next(of, &at, path, words, &crossing, is_late);
                     let of_kind = if ray.is_refracted { 1.0 } else if ray.is_diffuse { 2.0 } else { 0.0 };
                     let mut expected = vec![f32::from(u8::from(ray.is_alive)), of_kind];
-                    let vectors = [ray.origin, ray.direction, ray.weight];
-                    expected.extend(vectors.into_iter().flat_map(coordinates_of));
+                    expected.extend(super::numbers(&ray));
                     expected.push(ray.density);
                     prop_assert!(is_same(&evaluate(&recorded), &expected), "next ray of {kind:?}");
                 }
             }
         }
-    }
-
-    fn coordinates_of(Vector { x, y, z }: Vector<f32>) -> [f32; 3] {
-        [x, y, z]
     }
 }

@@ -1,6 +1,6 @@
 /* A driver of CUDA without a card: libcuda.so.1 with the functions that raycost calls. The PTX that it gets becomes
    C++ (ptx.py), which it compiles, and whose kernels it runs, one item after the other. CARD names a folder for the
-   compiled programs, each of which is made once. FAULT names a fault:
+   compiled programs; each is made once. FAULT names a fault:
      none    there is no device
      fuses   products and sums are fused
      memory  has memory for arrays of up to 64 KiB

@@ -174,7 +174,7 @@ impl Drop for CudaMemory {
 pub(super) struct Stream {
     context: Arc<Context>,
     handle: Handle,
-    /// The events at the begin and the end of a launch.
+    /// The events at the start and the end of a launch.
     events: [Handle; 2],
 }
 

@@ -3,7 +3,6 @@ typedef unsigned int uint;
 typedef unsigned long ulong;
 #define KERNEL extern "C" __global__
 #define GLOBAL
-#define CONSTANT static __constant__
 #define FUNCTION static __device__ inline
 #define SEPARATE_FUNCTION static __device__ __noinline__
 #define ID (blockIdx.x * blockDim.x + threadIdx.x)

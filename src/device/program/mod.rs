@@ -12,7 +12,7 @@ const LEVEL_STEP: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Kernel {
     pub(crate) name: &'static str,
-    /// Number of arrays of the scene that it reads: so many of the first ones.
+    /// The number of the scene's arrays that it reads, from the first on.
     pub(crate) n_arrays: usize,
 }
 

@@ -2,7 +2,6 @@
 #pragma OPENCL FP_CONTRACT OFF
 #define KERNEL __kernel
 #define GLOBAL __global
-#define CONSTANT __constant
 #define FUNCTION static inline
 #define SEPARATE_FUNCTION static
 #define ID get_global_id(0)

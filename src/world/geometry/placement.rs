@@ -4,7 +4,8 @@ use math::simd::{Real, Vector};
 
 use super::surface::{N_PARAMETERS, vector};
 
-/// The maps of a [`Transform`](super::Transform), or of one per lane, with its results to the last bit.
+/// The maps of a [`Transform`](super::Transform), or of one per lane, with its results to the last
+/// bit.
 #[derive(Debug, Clone, Copy)]
 pub struct ShapePlacement<R> {
     /// The columns and the translation of the map from object space to world space.
@@ -43,8 +44,8 @@ impl<R: Real> ShapePlacement<R> {
     }
 }
 
-/// The placement of an instance as [`InstanceTransform`](super::InstanceTransform) has it, or of one per lane, with its
-/// results to the last bit.
+/// The placement of an instance as [`InstanceTransform`](super::InstanceTransform) has it, or of one
+/// per lane, with its results to the last bit.
 #[derive(Debug, Clone, Copy)]
 pub struct InstancePlacement<R> {
     /// The columns and the translation of the map from the mesh to world space.
