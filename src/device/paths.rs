@@ -262,7 +262,11 @@ fn part_of(reason: &str) -> String {
 /// Returns the slots and the rules of the loop as macros.
 fn defines(rules: &PathRules) -> String {
     let [first, step] = rules.dimensions;
-    let max_pending = if rules.splits { rules.max_depth + 1 } else { 1 };
+    let (max_pending, max_kept) = if rules.splits {
+        (rules.max_depth + 1, 32)
+    } else {
+        (1, 1)
+    };
     let sizes = [
         ("N_SLOTS", N_SLOTS),
         ("N_MEDIA", N_MEDIA),
@@ -273,6 +277,7 @@ fn defines(rules: &PathRules) -> String {
     ];
     let numbers = [
         ("MAX_PENDING", max_pending),
+        ("MAX_KEPT", max_kept),
         ("SPLITS", rules.splits.into()),
         ("HAS_MEDIA", rules.has_media.into()),
         ("HAS_OPENINGS", rules.has_openings.into()),

@@ -40,6 +40,12 @@ typedef struct {
   uint depth, kind;
 } Pending;
 
+/* Light that a path's ray adds to its color. */
+typedef struct {
+  float light[3];
+  uint depth;
+} Kept;
+
 FUNCTION PathCost no_cost(void) {
   PathCost cost;
   cost.n_visits = cost.n_tests = cost.n_shadows = cost.depth = 0u;
@@ -144,10 +150,9 @@ FUNCTION void continue_path(Path *path, const float *ray, uint kind, const Media
   path->kind = kind;
 }
 
-/* Follows the ray of a path to the point that it hits, and adds its light to `color` if it counts. Returns 1 if another
-   ray continues the path, which is its next ray; 3 if it splits, and `other` continues it, too. `first` is its hit. */
-FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *cost, float *color, Search *first,
-                         Pending *other) {
+/* Follows the ray of a path to the point that it hits; `added` is what it adds to the color. Returns 1 if another ray
+   continues the path, which is its next ray; 3 if it splits, and `other` continues it, too. `first` is its hit. */
+FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *added, Search *first, Pending *other) {
   float *s = path->state, light_of_ray[3], gained[4];
   GLOBAL const uint *tables = scene->tables;
   Search hit;
@@ -158,6 +163,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
     hit = search_path(scene, s + ORIGIN, s + DIRECTION, INFINITY, NONE, 1, cost);
   }
   *first = hit;
+  for (int i = 0; i < 3; i++) added[i] = 0.0f;
   int is_hit = hit.t < INFINITY;
   s[T] = hit.t;
   s[DIMENSION] = FLOAT_OF(FIRST_DIMENSION + path->depth * DIMENSION_STEP);
@@ -184,8 +190,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
   }
   if (!is_hit) {
     background(0u, s, scene->data, scene->places, tables, light_of_ray);
-    if (counts)
-      for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * s[WEIGHT + i] + gained[1 + i];
+    for (int i = 0; i < 3; i++) added[i] = light_of_ray[i] * s[WEIGHT + i] + gained[1 + i];
     return 0u;
   }
   uint kind = kind_of(scene, &hit);
@@ -204,15 +209,12 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, int counts, PathCost *c
     met.behind = path->media;
   }
   /* Its light: its own, then one light sample after the other. */
-  int is_lit = !NEEDS_LIGHT, needs_lights = counts || NEEDS_LIGHT;
-  int has_lights = LIGHTS_LAST_POINTS || path->depth < MAX_DEPTH;
+  int is_lit = !NEEDS_LIGHT, has_lights = LIGHTS_LAST_POINTS || path->depth < MAX_DEPTH;
   own_light(kind, s, data, place, tables, light_of_ray);
-  if (needs_lights && has_lights && (rules & IS_LIT) != 0u)
-    is_lit |= add_lights(scene, path, &hit, &met, cost, light_of_ray);
+  if (has_lights && (rules & IS_LIT) != 0u) is_lit |= add_lights(scene, path, &hit, &met, cost, light_of_ray);
   if (!is_lit) return 0u;
   float opacity = SPLITS ? s[OPACITY] : 1.0f;
-  if (counts)
-    for (int i = 0; i < 3; i++) color[i] += light_of_ray[i] * (s[WEIGHT + i] * opacity) + gained[1 + i];
+  for (int i = 0; i < 3; i++) added[i] = light_of_ray[i] * (s[WEIGHT + i] * opacity) + gained[1 + i];
   /* The next rays. */
   int may_bounce = path->depth < MAX_DEPTH && (rules & CONTINUES) != 0u;
 #if SPLITS
@@ -257,6 +259,23 @@ FUNCTION void resume(Path *path, const Pending *ray) {
   path->kind = ray->kind;
 }
 
+/* Keeps what a ray adds. If there are too many, the deepest go, and `last` is the depth above them. */
+FUNCTION void keep(Kept *kept, uint *n_kept, const float *added, uint depth, uint *last) {
+  if (depth > *last || (added[0] == 0.0f && added[1] == 0.0f && added[2] == 0.0f)) return;
+  if (*n_kept == MAX_KEPT) {
+    uint deepest = depth, n = 0u;
+    for (uint i = 0; i < MAX_KEPT; i++)
+      if (kept[i].depth > deepest) deepest = kept[i].depth;
+    *last = deepest - 1u;
+    for (uint i = 0; i < MAX_KEPT; i++)
+      if (kept[i].depth < deepest) kept[n++] = kept[i];
+    *n_kept = n;
+    if (depth == deepest) return;
+  }
+  for (uint i = 0; i < 3u; i++) kept[*n_kept].light[i] = added[i];
+  kept[(*n_kept)++].depth = depth;
+}
+
 /* Starts a path with its camera ray. */
 FUNCTION void start(Path *path, GLOBAL const uint *in) {
   float *s = path->state;
@@ -286,40 +305,52 @@ KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL co
   scene.places = places;
   scene.tables = tables;
   GLOBAL uint *result = out + (ulong)N_RESULTS * id;
-  PathCost cost = no_cost(), ignored = no_cost();
+  PathCost cost;
   float color[3];
   for (uint i = 0; i < 3u; i++) color[i] = 0.0f;
 
-  /* The rays of a path that splits add to its color in the order of their bounces. Each pass follows all rays up to a
-     level anew, and only that level counts: this takes no memory for all rays. A path that does not split takes one pass. */
-  for (uint level = 0u;; level++) {
+  /* The rays of a path add to its color in the order of their bounces. One that splits is followed depth first, and keeps
+     what rays below `level` add. Where it does not fit, the rays below `last` follow in another pass. */
+  for (uint level = 0u, last;; level = last + 1u) {
     Path path;
     Pending pending[MAX_PENDING];
-    uint n_pending = 0u;
-    int is_reached = 0;
+    Kept kept[MAX_KEPT];
+    uint n_pending = 0u, n_kept = 0u;
+    last = NONE;
+    cost = no_cost();
     start(&path, in + 12ul * id);
     for (;;) {
-      int is_camera_ray = path.depth == 0u, counts = !SPLITS || path.depth == level;
-      is_reached |= counts;
-      if (counts && !is_camera_ray) {
+      uint depth = path.depth;
+      if (depth != 0u) {
         cost.n_rays[path.kind]++;
-        count_ray(&cost, path.depth);
-        cost.depth = path.depth;
+        count_ray(&cost, depth);
+        if (depth > cost.depth) cost.depth = depth;
       }
       Search first;
-      uint next = follow_ray(&scene, &path, counts, counts ? &cost : &ignored, color, &first, pending + n_pending);
-      if (is_camera_ray && level == 0u) {
+      float added[3];
+      uint next = follow_ray(&scene, &path, &cost, added, &first, pending + n_pending);
+      if (depth == 0u) {
         result[3] = first.t < INFINITY ? BITS_OF(first.t) : NONE;
         result[4] = first.primitive;
         result[5] = first.instance;
       }
-      if (SPLITS && counts) next = 0u;
+      if (!SPLITS || depth == level)
+        for (uint i = 0; i < 3u; i++) color[i] += added[i];
+      else if (depth > level)
+        keep(kept, &n_kept, added, depth, &last);
+      if (SPLITS && depth >= last) next = 0u;
       if (next == 3u) n_pending++;
       if (next) continue;
       if (n_pending == 0u) break;
       resume(&path, pending + --n_pending);
     }
-    if (!SPLITS || !is_reached) break;
+    for (uint depth = level + 1u, n = 0u; n < n_kept; depth++)
+      for (uint i = 0; i < n_kept; i++)
+        if (kept[i].depth == depth) {
+          for (uint k = 0; k < 3u; k++) color[k] += kept[i].light[k];
+          n++;
+        }
+    if (last == NONE) break;
   }
   for (uint i = 0; i < 3u; i++) result[i] = BITS_OF(color[i]);
   result[6] = cost.n_visits;
