@@ -336,6 +336,8 @@ fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
         n_diffuse,
         depth,
         bounces @ ..,
+        cycles,
+        sm,
     ] = rest;
     let path = FollowedPath {
         color: Vec3::from([red, green, blue].map(f32::from_bits)),
@@ -346,6 +348,8 @@ fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
             depth: depth.into(),
         },
         bounces,
+        cycles: (cycles > 0).then_some(cycles),
+        sm: (sm != NONE).then_some(sm),
     };
     (path, hit([t, primitive, instance]))
 }

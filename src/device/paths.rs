@@ -16,7 +16,7 @@ use crate::shared::share;
 use crate::tape::{Register, Tables, Tape};
 
 /// Words of a followed path.
-pub(crate) const N_RESULTS: usize = 13 + N_BOUNCES;
+pub(crate) const N_RESULTS: usize = 15 + N_BOUNCES;
 /// Words of a path at its start: its ray, pixel, sample and media.
 pub(crate) const N_START: usize = 8 + N_MEDIA;
 /// Places for the media of a path.

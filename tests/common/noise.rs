@@ -12,6 +12,8 @@ pub fn noise(width: u32, height: u32, cost: CostMode, seed: u32) -> Film {
         groups: false,
         tests: false,
         lanes: None,
+        cycles: false,
+        sm: false,
         metrics: RatioMetrics::default(),
         radiance: true,
         radiance_in_vtk: true,

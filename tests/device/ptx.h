@@ -1,5 +1,6 @@
 /* The operations of PTX as C++ (PTX ISA, "Instruction Set"). Numbers that are NaN become the one that NVIDIA's cards
    make, whose bits differ from the processor's. */
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -9,7 +10,9 @@
 #define OPERATION template <typename T> static inline
 
 typedef uint64_t Address;
-static thread_local uint32_t _tid_x, _ctaid_x, _ntid_x;
+static thread_local uint32_t _tid_x, _ctaid_x, _ntid_x, _smid;
+
+static inline uint64_t clock64() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
 
 /* The low bytes of a register as a number of another type; further bytes are 0. */
 template <typename To, typename From> static inline To as(From x) {
@@ -96,6 +99,8 @@ template <typename T, typename From> static inline T converted(From x) {
 
 /* Runs a kernel for all items of the groups. */
 static void launch(void (*item)(void **), void **arguments, unsigned n_groups, unsigned group) {
-  for (_ntid_x = group, _ctaid_x = 0; _ctaid_x < n_groups; _ctaid_x++)
+  for (_ntid_x = group, _ctaid_x = 0; _ctaid_x < n_groups; _ctaid_x++) {
+    _smid = _ctaid_x % 4;
     for (_tid_x = 0; _tid_x < group; _tid_x++) item(arguments);
+  }
 }

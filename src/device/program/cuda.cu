@@ -11,8 +11,16 @@ typedef unsigned long ulong;
 #define DOUBLE_OF(x) __longlong_as_double((long long)(x))
 #define BITS_OF_DOUBLE(x) ((ulong)__double_as_longlong(x))
 #define SQRT(x) sqrt(x)
+#define CYCLES ((ulong)clock64())
+#define SM number_of_sm()
 #define INFINITY FLOAT_OF(0x7f800000u)
 #define round(x) rounded_half_away(x)
+
+FUNCTION uint number_of_sm(void) {
+  uint number;
+  asm volatile("mov.u32 %0, %%smid;" : "=r"(number));
+  return number;
+}
 
 /* CUDA's own function adds in another mode of rounding. */
 FUNCTION double rounded_half_away(double x) {

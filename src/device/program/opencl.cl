@@ -10,3 +10,6 @@
 #define DOUBLE_OF(x) as_double(x)
 #define BITS_OF_DOUBLE(x) as_ulong(x)
 #define SQRT(x) sqrt(x)
+#ifdef cl_khr_kernel_clock
+#define CYCLES clock_read_device()
+#endif

@@ -3,6 +3,14 @@
    own_light, light, shadow, reflected, next_ray, late_ray, split, passage, background, flight and fade are recorded
    (paths.rs). They read the state of a path by its slots: ORIGIN, DIRECTION, and so on. */
 
+/* The clock of the device's cycles, and the multiprocessor; 0 and NONE where the language has none. */
+#ifndef CYCLES
+#define CYCLES 0ul
+#endif
+#ifndef SM
+#define SM NONE
+#endif
+
 /* The rules at a kind of surfaces; above their bits, the material of its medium plus 1. */
 #define IS_LIT 1u
 #define CONTINUES 2u
@@ -305,6 +313,7 @@ KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL co
   scene.places = places;
   scene.tables = tables;
   GLOBAL uint *result = out + (ulong)N_RESULTS * id;
+  ulong begin = CYCLES;
   PathCost cost;
   float color[3];
   for (uint i = 0; i < 3u; i++) color[i] = 0.0f;
@@ -359,4 +368,7 @@ KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL co
   for (uint i = 0; i < 3u; i++) result[9u + i] = cost.n_rays[i];
   result[12] = cost.depth;
   for (uint i = 0; i < N_BOUNCES; i++) result[13u + i] = cost.bounces[i];
+  ulong cycles = CYCLES - begin;
+  result[N_RESULTS - 2u] = cycles < NONE ? (uint)cycles : NONE;
+  result[N_RESULTS - 1u] = SM;
 }

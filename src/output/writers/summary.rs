@@ -133,6 +133,11 @@ fn cost(rendering: &RenderingView) -> CostSection {
                 let share = Number::from_f64(idle.share(warps));
                 (Metric::IDLE_LANES.name.to_owned(), share)
             }));
+            let cycles = film.extra.cycles.then(|| film.metric(Metric::CYCLES));
+            totals.extend(cycles.map(|cycles| {
+                let sum = cycles.into_iter().map(f64::from).sum();
+                (Metric::CYCLES.name.to_owned(), Number::from_f64(sum))
+            }));
             totals
         }),
         metrics: (film.extra.metrics.list().iter())

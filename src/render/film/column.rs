@@ -40,6 +40,8 @@ enum Origin {
     Thread,
     /// The groups of pixels that are timed together.
     Group,
+    /// The multiprocessors of a device.
+    Sm,
 }
 
 /// A [`Column`] from a field of [`Strip`].
@@ -134,6 +136,7 @@ pub(super) fn kept_columns(
     let instance = extra.instance.then_some(Column::INSTANCE);
     let groups = extra.groups.then_some(Column::GROUP);
     let idle_lanes = extra.lanes.map(|_| Column::computed(Metric::IDLE_LANES));
+    let cycles = extra.cycles.then(|| Column::computed(Metric::CYCLES));
     let tests = extra.tests.then(|| Metric::observed().map(Column::counted));
     all_columns(cost, repeats, counts_samples)
         .chain(radiance)
@@ -144,6 +147,8 @@ pub(super) fn kept_columns(
         .chain(groups)
         .chain(tests.into_iter().flatten())
         .chain(idle_lanes)
+        .chain(cycles)
+        .chain(extra.sm.then_some(Column::SM))
         .chain(Metric::ratios(extra.metrics).map(Column::computed))
 }
 
@@ -212,6 +217,9 @@ impl Column {
     /// The first pixel of the group that is timed together; on request.
     pub const GROUP: Self = computed("group", ScalarType::I32, Origin::Group);
 
+    /// The multiprocessor of the device that followed the pixel's paths; -1 without one; on request.
+    pub const SM: Self = computed("sm", ScalarType::I32, Origin::Sm);
+
     /// The color of the surface; not in VTK files.
     pub const ALBEDO: Self = column!("albedo", albedo, F32 x 3);
 
@@ -232,7 +240,7 @@ impl Column {
             Origin::Stored(_) => true,
             Origin::Counted(metric) => metric.source != MetricSource::AllRays,
             Origin::Coordinate(_) | Origin::Position | Origin::Computed(_) => false,
-            Origin::Tile | Origin::Thread | Origin::Group => false,
+            Origin::Tile | Origin::Thread | Origin::Group | Origin::Sm => false,
         }
     }
 
@@ -252,6 +260,10 @@ impl Column {
             Origin::Tile => film.tile_numbers(strip, buffer),
             Origin::Thread => film.threads(strip, buffer),
             Origin::Group => film.groups(strip, buffer),
+            Origin::Sm => {
+                buffer.clear();
+                buffer.extend(strip.sm.iter().map(|&sm| sm as u32));
+            }
             Origin::Computed(metric) => {
                 let mut values = Vec::new();
                 film.costs(strip, metric, &mut values);
@@ -310,6 +322,8 @@ mod tests {
             groups: true,
             tests: true,
             lanes: Some(Warps::default()),
+            cycles: true,
+            sm: true,
             written: WrittenArrays::only(&[]),
             ..ExtraArrays::default()
         };

@@ -1,6 +1,7 @@
 //! The cost metrics of a film.
 
 use super::{Film, Strip};
+use crate::lanes::IdleLanes;
 use base::Keyword;
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
@@ -10,9 +11,8 @@ impl Film {
         counts.clear();
         match metric.source {
             MetricSource::Clock | MetricSource::Ratio(_) => counts.resize(strip.rgb.len(), 0),
-            MetricSource::Noise | MetricSource::Efficiency | MetricSource::Lanes => {
-                counts.resize(strip.rgb.len(), 0);
-            }
+            MetricSource::Noise | MetricSource::Efficiency => counts.resize(strip.rgb.len(), 0),
+            MetricSource::Lanes | MetricSource::DeviceClock => counts.resize(strip.rgb.len(), 0),
             MetricSource::Counter(counter) => self.counter(strip, counter, counts),
             MetricSource::Observed(counter) => {
                 let observed = strip.step_counts.iter();
@@ -37,12 +37,17 @@ impl Film {
         }
     }
 
-    /// Keeps the share of idle lanes of all pixels, row-major, row 0 on top.
-    pub fn keep_idle_lanes(&mut self, all: &[f32]) {
-        let mut rest = all;
+    /// Keeps the share of idle lanes of all pixels, and the cycles and the multiprocessors of a
+    /// device that has them.
+    pub fn keep_idle_lanes(&mut self, idle: &IdleLanes) {
+        (self.extra.cycles, self.extra.sm) = (!idle.cycles.is_empty(), !idle.sms.is_empty());
+        let mut first = 0;
         for strip in &mut self.strips {
-            let (of_strip, below) = rest.split_at(strip.rgb.len());
-            (strip.idle_lanes, rest) = (of_strip.to_vec(), below);
+            let pixels = first..first + strip.rgb.len();
+            first = pixels.end;
+            strip.idle_lanes = idle.of_pixels[pixels.clone()].to_vec();
+            strip.cycles = idle.cycles.get(pixels.clone()).unwrap_or_default().to_vec();
+            strip.sm = idle.sms.get(pixels).unwrap_or_default().to_vec();
         }
     }
 
@@ -100,6 +105,10 @@ impl Film {
             MetricSource::Efficiency => return self.efficiency(strip, values),
             MetricSource::Lanes => {
                 values.extend_from_slice(&strip.idle_lanes);
+                return values.resize(strip.rgb.len(), f32::NAN);
+            }
+            MetricSource::DeviceClock => {
+                values.extend_from_slice(&strip.cycles);
                 return values.resize(strip.rgb.len(), f32::NAN);
             }
             _ => {}
@@ -186,6 +195,7 @@ impl Film {
             MetricSource::Counter(_) | MetricSource::AllRays => metric.value(&self.totals) > 0,
             MetricSource::Noise | MetricSource::Efficiency => self.extra.noise.is_some(),
             MetricSource::Lanes => self.extra.lanes.is_some(),
+            MetricSource::DeviceClock => self.extra.cycles,
             MetricSource::Ratio(_) => (metric.parts())
                 .is_some_and(|parts| parts.into_iter().all(|part| self.has_any(part))),
         }

@@ -31,6 +31,11 @@ pub struct Strip {
     pub step_counts: Vec<StepCounts>,
     /// The share of idle lanes; empty before the lanes are counted, and if they are not.
     pub idle_lanes: Vec<f32>,
+    /// The cycles of a device's clock; empty before they are measured, and without such a clock.
+    pub cycles: Vec<f32>,
+    /// The multiprocessor that followed the pixel's paths, or the last of several; -1 for a pixel
+    /// without; empty before they are found, and without a device that says it.
+    pub sm: Vec<i32>,
     /// The instance at the pixel's hit; empty if the film does not keep it.
     pub instance: Vec<i32>,
     /// The point of the pixel's hit in world space; NaN without a hit.
@@ -66,6 +71,8 @@ impl Strip {
             bounces: Vec::with_capacity(n_if(extra.bounces)),
             step_counts: Vec::new(),
             idle_lanes: Vec::new(),
+            cycles: Vec::new(),
+            sm: Vec::new(),
             instance: Vec::with_capacity(n_if(extra.instance)),
             position: Vec::with_capacity(n),
             normal: Vec::with_capacity(n),

@@ -1,15 +1,15 @@
 //! The warps in which a device traces the rays of a picture: the warps of its launches.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::WarpSums;
+use super::{IdleLanes, WarpSums};
 use crate::film::Film;
 use crate::schedule::Tile;
 use crate::tiles::{OnProgress, View, recount};
 use math::sampling::Sampler;
 use scene::build::Sensor;
 use tracer::accel::{CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
-use tracer::cost::{Counter, Counters, DeviceLaunch, FollowedPath};
+use tracer::cost::{Counter, Counters, DeviceLaunch, FollowedPath, RayKind};
 use tracer::trace::Tracer;
 use world::camera::RayCone;
 use world::geometry::RayStream;
@@ -26,47 +26,67 @@ pub struct LaunchedWarps {
 }
 
 /// Lets the device of a tracer trace all rays of a film once more. Returns the warps of its
-/// launches, and the share of idle lanes of each pixel, as [`IdleLanes`](super::IdleLanes) has
-/// them; `None` without a device, and if it does not say how large its warps are.
+/// launches, and of each pixel the share of idle lanes, the cycles and the multiprocessor; `None`
+/// without a device, and if it does not say how large its warps are.
 pub(super) fn measure(
     tracer: Tracer,
     sensor: &Sensor,
     film: &Film,
     report: OnProgress,
-) -> Option<(Vec<LaunchedWarps>, Vec<f32>)> {
+) -> Option<IdleLanes> {
     let device = WarpCounter {
         device: tracer.accel.device()?,
         warps: Mutex::default(),
+        has: Mutex::default(),
     };
     let accel = tracer.accel.clone().with_device(Some(&device));
     let view = View::new(Tracer::new(tracer.scene, &accel), sensor);
     let width = film.grid.width as usize;
-    let of_pixels = Mutex::new(vec![f32::NAN; film.samples().len()]);
+    let n_pixels = film.samples().len();
+    let found = Mutex::new(IdleLanes {
+        sums: Default::default(),
+        launched: Vec::new(),
+        of_pixels: vec![f32::NAN; n_pixels],
+        cycles: vec![0.0; n_pixels],
+        sms: vec![-1; n_pixels],
+    });
     let keep = |part: &Tile, counters: &Counters| {
-        let [steps, lane_steps] = [Counter::NodeVisits, Counter::PrimitiveTests];
-        let (steps, lane_steps) = (counters.get(steps), counters.get(lane_steps));
-        let mut of_pixels = of_pixels.lock().unwrap_or_else(PoisonError::into_inner);
+        let [steps, lane_steps, cycles, sms] =
+            [STEPS, LANE_STEPS, CYCLES, NEXT_SM].map(|counter| counters.get(counter));
+        let mut found = locked(&found);
         for (x, y) in part.pixels() {
-            let i = part.index(x, y) as usize;
-            let share = 1.0 - steps[i] as f64 / lane_steps[i] as f64;
-            of_pixels[y as usize * width + x as usize] = share as f32;
+            let (i, pixel) = (part.index(x, y) as usize, y as usize * width + x as usize);
+            let at = |counts: &[u64]| counts.get(i).copied().unwrap_or(0);
+            found.of_pixels[pixel] = (1.0 - at(steps) as f64 / at(lane_steps) as f64) as f32;
+            found.cycles[pixel] = at(cycles) as f32;
+            found.sms[pixel] = at(sms) as i32 - 1;
         }
     };
     recount(view, film, keep, report);
-    let of_pixels = of_pixels.into_inner();
-    let warps = device.warps.into_inner();
-    let mut warps = warps.unwrap_or_else(PoisonError::into_inner);
-    warps.sort_by_key(|warps| warps.query);
-    let of_pixels = of_pixels.unwrap_or_else(PoisonError::into_inner);
-    (!warps.is_empty()).then_some((warps, of_pixels))
+    let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let [has_cycles, has_sms] = *locked(&device.has);
+    found.cycles.truncate(if has_cycles { n_pixels } else { 0 });
+    found.sms.truncate(if has_sms { n_pixels } else { 0 });
+    found.launched = std::mem::take(&mut *locked(&device.warps));
+    found.launched.sort_by_key(|warps| warps.query);
+    (!found.launched.is_empty()).then_some(found)
 }
 
-/// A device that reports, in place of the counters of each ray, the steps of its warp: as node visits
-/// the steps of the warp's rays, as primitive tests the steps of all of its lanes.
+/// The counters in whose place a [`WarpCounter`] reports the steps of a warp's rays and of all of its
+/// lanes, the cycles of a path, and the number of its multiprocessor plus 1.
+const STEPS: Counter = Counter::NodeVisits;
+const LANE_STEPS: Counter = Counter::PrimitiveTests;
+const CYCLES: Counter = Counter::ReflectionRays;
+const NEXT_SM: Counter = Counter::Depth;
+
+/// A device that reports, in place of the counters of each ray, the steps of its warp, and for a path
+/// its cycles and its multiprocessor.
 #[derive(Debug)]
 struct WarpCounter<'a> {
     device: &'a dyn RayDevice,
     warps: Mutex<Vec<LaunchedWarps>>,
+    /// True if it says the cycles of paths, and their multiprocessors.
+    has: Mutex<[bool; 2]>,
 }
 
 impl WarpCounter<'_> {
@@ -85,7 +105,7 @@ impl WarpCounter<'_> {
             }
             all = all.with(sums);
         }
-        let mut warps = self.warps.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut warps = locked(&self.warps);
         let warp = warp as u32;
         let same = |one: &&mut LaunchedWarps| (one.query, one.warp) == (query, warp);
         match warps.iter_mut().find(same) {
@@ -139,6 +159,9 @@ impl RayDevice for WarpCounter<'_> {
         let launch = self.device.follow(paths, &mut |i, path, hit| {
             followed[i] = (*path, hit);
         });
+        if let Some((first, _)) = followed.first() {
+            *locked(&self.has) = [first.cycles.is_some(), first.sm.is_some()];
+        }
         let steps = followed.iter().map(|(path, _)| path.cost);
         let steps: Vec<u64> = steps
             .map(|cost| cost.node_visits + cost.primitive_tests)
@@ -147,8 +170,15 @@ impl RayDevice for WarpCounter<'_> {
             let (mut path, hit) = followed[i];
             path.cost.node_visits = steps.into();
             path.cost.primitive_tests = lane_steps.into();
+            path.cost.rays[RayKind::Reflection as usize] = path.cycles.unwrap_or(0).into();
+            path.cost.depth = path.sm.map_or(0, |sm| u64::from(sm) + 1);
             take(i, &path, hit);
         });
         launch
     }
+}
+
+/// Locks a value that a thread cannot leave half-written.
+fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -46,6 +46,12 @@ pub struct IdleLanes {
     /// device's if there are any: a warp counts once for each ray. Row-major, row 0 on top; NaN for
     /// a pixel whose warps take no steps.
     pub of_pixels: Vec<f32>,
+    /// The cycles of the device's clock for the paths of each pixel; empty if the device has no clock
+    /// or does not follow whole paths.
+    pub cycles: Vec<f32>,
+    /// The multiprocessor that followed the paths of each pixel, or the last of several, -1 without
+    /// samples; empty if the device does not say.
+    pub sms: Vec<i32>,
 }
 
 const N_WARPS: usize = Warps::SIZES.len();
@@ -110,6 +116,8 @@ impl IdleLanes {
             sums: Default::default(),
             launched: Vec::new(),
             of_pixels: vec![f32::NAN; n_samples.len()],
+            cycles: Vec::new(),
+            sms: Vec::new(),
         };
         for block in PixelBlock::all(film.grid.width, film.grid.height) {
             if stop::is_requested() {
@@ -117,10 +125,13 @@ impl IdleLanes {
             }
             found.add_block(&view, &film.grid, &block, &n_samples, warps, report);
         }
-        if let Some((launched, of_pixels)) = launched::measure(tracer, sensor, film, report) {
-            (found.launched, found.of_pixels) = (launched, of_pixels);
+        match launched::measure(tracer, sensor, film, report) {
+            Some(on_device) => Self {
+                sums: found.sums,
+                ..on_device
+            },
+            None => found,
         }
-        found
     }
 
     /// Adds the rays of a block.

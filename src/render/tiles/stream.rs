@@ -27,7 +27,7 @@ use tracer::trace::{Points, ShadowLight};
 /// kernel busy, few enough to stay in the cache between two steps.
 const WAVE_LEN: usize = 2048;
 /// The same for a device, which needs many rays at a time.
-const DEVICE_WAVE_LEN: usize = 32_768;
+const DEVICE_WAVE_LEN: usize = 262_144;
 
 /// The starts of the wave's paths.
 macro_rules! starts {

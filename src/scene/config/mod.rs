@@ -170,6 +170,8 @@ impl Config {
             groups: self.output.has(OptionalOutput::Groups),
             tests: self.output.has(OptionalOutput::Tests),
             lanes: (self.output.has(OptionalOutput::Lanes)).then_some(self.output.warps),
+            cycles: false,
+            sm: false,
             instance: self.has_instances(),
             metrics: self.metrics,
             written: self.output.written_arrays(),

@@ -94,6 +94,10 @@ pub struct ExtraArrays {
     pub tests: bool,
     /// The warps that the array of idle lanes is for, if it is kept.
     pub lanes: Option<Warps>,
+    /// True if a device's cycles are kept, which is known after a rendering.
+    pub cycles: bool,
+    /// True if the multiprocessors of a device are kept, which is known after a rendering.
+    pub sm: bool,
     /// True to keep the instance that the center sample hit.
     pub instance: bool,
     /// The metrics that the scene defines; cloud and frame have an array of each.

@@ -80,6 +80,10 @@ keywords! {
         InstanceVisits = "instance_visits",
         /// The share of idle lanes in the warps of the rays
         IdleLanes = "idle_lanes",
+        /// The cycles of the device's clock
+        Cycles = "cycles",
+        /// The multiprocessor of the device
+        Sm = "sm",
     }
 }
 
@@ -123,7 +127,7 @@ impl PixelArray {
             | PrimitiveHits | InstanceVisits => true,
             PixelX | PixelY | Rgb | Normals | Distance | Footprint | Object | Material
             | Instance | Pixel | Horizon | TimeMadNs | Tile | Thread | Radiance | Noise
-            | Efficiency | RaysByBounce | Group | IdleLanes => false,
+            | Efficiency | RaysByBounce | Group | IdleLanes | Cycles | Sm => false,
         }
     }
 

@@ -73,6 +73,8 @@ pub enum MetricSource {
     Efficiency,
     /// The steps of rays that are traced in lockstep, on request.
     Lanes,
+    /// The clock of a device, on request.
+    DeviceClock,
 }
 
 const fn counter(name: &'static str, label: &'static str, counter: Counter) -> Metric {
@@ -177,6 +179,15 @@ impl Metric {
         ..Self::NOISE
     };
 
+    /// Cycles of a device's clock, on request.
+    pub const CYCLES: Self = Self {
+        title: "cycles of the device per pixel",
+        about: "cycles of the device's clock, each path from its begin to its end",
+        spans_decades: true,
+        source: MetricSource::DeviceClock,
+        ..counter("cycles", "cycles", Counter::NodeVisits)
+    };
+
     /// All metrics: in files, tables and menus they have this order, and heatmaps show the first
     /// two that are not zero.
     pub const ALL: [Self; 14] = [
@@ -269,12 +280,14 @@ impl Metric {
     }
 
     /// Returns every metric that a film of this scene may have: the scene's own metrics, then
-    /// [`ALL`](Self::ALL), then those of the spread of samples and of idle lanes.
+    /// [`ALL`](Self::ALL), then those of the spread of samples, of idle lanes and of a
+    /// device's clock.
     pub fn with_own(metrics: RatioMetrics) -> impl Iterator<Item = Self> + Clone {
         Self::ratios(metrics).chain(Self::ALL).chain([
             Self::NOISE,
             Self::EFFICIENCY,
             Self::IDLE_LANES,
+            Self::CYCLES,
         ])
     }
 
@@ -315,7 +328,8 @@ impl Metric {
     pub fn value(self, cost: &Cost) -> u64 {
         match self.source {
             MetricSource::Clock | MetricSource::Observed(_) | MetricSource::Ratio(_) => 0,
-            MetricSource::Noise | MetricSource::Efficiency | MetricSource::Lanes => 0,
+            MetricSource::Noise | MetricSource::Efficiency => 0,
+            MetricSource::Lanes | MetricSource::DeviceClock => 0,
             MetricSource::Counter(counter) => cost.get(counter),
             MetricSource::AllRays => cost.n_rays(),
         }
