@@ -119,7 +119,9 @@ pub(super) fn lacks(array: PixelArray, config: &Config) -> Option<[String; 2]> {
         PixelArray::Radiance => asks_for(OptionalOutput::Radiance),
         PixelArray::Noise => asks_for(OptionalOutput::Noise),
         PixelArray::Efficiency if cost.has_counters() => asks_for(OptionalOutput::Noise),
-        PixelArray::IdleLanes | PixelArray::Cycles | PixelArray::Sm if cost.has_counters() => asks_for(OptionalOutput::Lanes),
+        PixelArray::IdleLanes | PixelArray::Cycles | PixelArray::Sm if cost.has_counters() => {
+            asks_for(OptionalOutput::Lanes)
+        }
         PixelArray::RaysByBounce => asks_for(OptionalOutput::Bounces),
         PixelArray::Group => asks_for(OptionalOutput::Groups),
         PixelArray::BoxTests

@@ -130,23 +130,29 @@ impl FindPoints<'_> {
         let colors = |lane| self.scene.vertex_colors(hits.primitives[lane]);
         let attributes = HitAttributes {
             parameters,
-            normals: kind.has_normals().then(|| vertex_lanes(set, normals)),
-            uvs: kind
-                .has_uvs()
-                .then(|| self.vertex_uvs(set, &hits.primitives)),
-            colors: (kind.has_corner_colors()).then(|| vertex_lanes(set, colors)),
+            normals: if kind.has_normals() {
+                Some(vertex_lanes(set, normals))
+            } else {
+                None
+            },
+            uvs: if kind.has_uvs() {
+                Some(self.vertex_uvs(set, &hits.primitives))
+            } else {
+                None
+            },
+            colors: if kind.has_corner_colors() {
+                Some(vertex_lanes(set, colors))
+            } else {
+                None
+            },
             scalar: self.scalars(set, group, &hits, &parameters, position),
             color: match kind {
                 AttributeKind::Colors => Some(self.own_colors(set, &hits.primitives)),
                 _ => None,
             },
         };
-        let cone = self.cone.map(|cone| {
-            let length = set.load(&self.lengths(at)) + set.load(&hits.t);
-            (cone, length)
-        });
         let material = self.scene.material(group.material);
-        let point = shading_point(material, &place, &attributes, cone);
+        let point = shading_point(material, &place, &attributes, self.cones(set, &hits, at));
         // Store the points.
         let points = &mut *self.points;
         *lanes_mut(&mut points.materials, at.first) = [group.material; N_LANES];
@@ -229,14 +235,20 @@ impl FindPoints<'_> {
         }
     }
 
-    /// Returns the lengths of the paths before eight rays.
+    /// Returns the cone of the camera's rays with the lengths of eight paths; `None` without one.
     #[inline(always)]
-    fn lengths(&self, at: PointLanes) -> [f32; N_LANES] {
-        let mut lengths = [0.0; N_LANES];
+    fn cones<I: InstructionSet>(
+        &self,
+        set: I,
+        hits: &LaneHits,
+        at: PointLanes,
+    ) -> Option<(RayCone, I::Lanes)> {
+        let cone = self.cone?;
+        let mut lengths = hits.t;
         for (length, &ray) in lengths.iter_mut().zip(self.points.rays(at)) {
-            *length = self.lengths[ray as usize];
+            *length += self.lengths[ray as usize];
         }
-        lengths
+        Some((cone, set.load(&lengths)))
     }
 
     /// Returns the nearest points and normals of primitives under a transform, one by one.

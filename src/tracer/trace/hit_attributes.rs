@@ -77,14 +77,16 @@ pub(crate) fn shading_point<R: Real>(
     if let Some((cone, distance)) = cone {
         at.width = width(cone, distance, geometric_normal, direction);
     }
-    // Evaluate the textures.
+    // Evaluate the textures. A closure may not be inlined into the function with the instructions.
+    let color = match attributes.color {
+        Some(color) => color,
+        None => material.color.color_at(&at),
+    };
     ShadingPoint {
         position,
         normal: material.normal_at(&at, geometric_normal),
         geometric_normal,
-        color: attributes
-            .color
-            .unwrap_or_else(|| material.color.color_at(&at)),
+        color,
         error,
         side,
         factors: material.factors.at(&at),

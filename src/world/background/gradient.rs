@@ -34,7 +34,8 @@ impl Gradient {
     pub(super) fn color<R: Real>(&self, direction: Vector<R>) -> Vector<R> {
         let (half, one) = (direction.y.splat(0.5), direction.y.splat(1.0));
         let height = half * (direction.y + one);
-        let [bottom, top] = [self.bottom, self.top].map(|color| Vector::splat(half, color));
+        let bottom = Vector::splat(half, self.bottom);
+        let top = Vector::splat(half, self.top);
         bottom * (one - height) + top * height
     }
 }

@@ -45,7 +45,7 @@ impl Opacity {
 
     /// Returns the opacity at a point, from 0 to 1; `of_vertices` is that of the vertices.
     pub fn at<R: Real>(&self, point: &TexturePoint<R>, of_vertices: R) -> R {
-        let [zero, one] = [0.0, 1.0].map(|number| of_vertices.splat(number));
+        let (zero, one) = (of_vertices.splat(0.0), of_vertices.splat(1.0));
         let of_image = self.image.as_ref().map_or(one, |image| {
             let [red, green, blue, opacity] = image.values_at(point);
             if image.picture.is_opaque() {

@@ -133,7 +133,8 @@ impl ImageTexture {
             }
             Mapping::Uv => {
                 let [right, up] = point.uv_axes;
-                let [across, along] = self.size.map(|side| point.width.splat(side.signum()));
+                let [width, height] = self.size.map(f32::signum);
+                let (across, along) = (point.width.splat(width), point.width.splat(height));
                 let axes = [right * across, up * along];
                 from_tangent_space(self.values_at(point), axes, normal, strength)
             }
