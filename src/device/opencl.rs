@@ -84,13 +84,16 @@ impl LibraryDevice for OpenClDevice {
         let context = Context::from_device(&device)?;
         // Without the option, a device that could round correctly may not.
         let config = device.single_fp_config().unwrap_or(0);
-        let options = if config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT == 0 {
-            ""
-        } else {
-            "-cl-fp32-correctly-rounded-divide-sqrt"
-        };
+        let mut options = String::new();
+        if config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0 {
+            options += "-cl-fp32-correctly-rounded-divide-sqrt";
+        }
+        // The clock of kernels is a part of newer versions of OpenCL C than the default.
+        if device.extensions()?.contains("cl_khr_kernel_clock") {
+            options += " -cl-std=CL3.0";
+        }
         let text = PRELUDE.to_owned() + text;
-        let program = Program::create_and_build_from_source(&context, &text, options);
+        let program = Program::create_and_build_from_source(&context, &text, &options);
         Ok(Arc::new(OpenClProgram {
             program: program.map_err(|log| DeviceFault::of_build(&log))?,
             context,

@@ -1,8 +1,9 @@
 //! PTX in which each operation on floats is rounded by itself, as IEEE 754 says.
 
 /// The version of PTX that the driver is asked for, of CUDA 11.0: so it may be older than the
-/// compiler. Programs use nothing that is newer.
+/// compiler. Programs use nothing that is newer but hints of this name, which may be left out.
 const VERSION: &str = ".version 7.0";
+const NEW_HINT: &str = ".pragma \"used_bytes_mask";
 
 /// Returns PTX for the driver. It may fuse products and sums that have no mode of rounding (PTX ISA,
 /// "Floating Point Instructions: add"), so they get the default one, `.rn`.
@@ -11,7 +12,8 @@ const VERSION: &str = ".version 7.0";
 /// The text has an operation on floats that is neither exact nor rounded to the nearest number.
 pub(super) fn exact(ptx: &str) -> Result<String, String> {
     let mut exact = String::with_capacity(ptx.len());
-    for line in ptx.lines() {
+    let is_hint = |line: &&str| line.trim_start().starts_with(NEW_HINT);
+    for line in ptx.lines().filter(|line| !is_hint(line)) {
         if line.starts_with(".version ") {
             exact += VERSION;
         } else {
@@ -62,6 +64,8 @@ mod tests {
             \t@!%p1 add.f32 %f4, %f3, 0f3F800000;\n\tsub.rn.f64 %fd1, %fd2, %fd3;\n\tadd.s32 %r1, %r2, %r3;\n\
             \tdiv.rn.f32 %f5, %f4, %f3;\n\tld.global.v4.f32 {%f6, %f7, %f8, %f9}, [%rd1];\n\
             \tcvt.rzi.u32.f32 %r1, %f5;\n\tsetp.lt.f32 %p1, %f1, %f2;\n}\n";
+        let hint = "\t.pragma \"used_bytes_mask 4095\";\n\tld.global.v4";
+        assert_eq!(exact(&ptx.replace("\tld.global.v4", hint)), exact(ptx));
         let expected = ptx
             .replace("9.5", "7.0")
             .replace("\tmul.f32", "\tmul.rn.f32")
