@@ -115,7 +115,8 @@ mod built {
         // Hundreds of samples each; the faster the machine, the fewer.
         let mut found = Vec::new();
         for _ in 0..MAX_PROFILES {
-            assert!(render(folder.path(), &flags).status.success());
+            let output = render(folder.path(), &flags);
+            assert!(output.status.success(), "{output:?}");
             let svg = fs::read_to_string(folder.path().join("out/profile.svg")).unwrap();
             found.extend(boxes(&svg));
             let is_found = |function| found.iter().any(|text: &String| text.contains(function));

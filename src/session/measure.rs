@@ -91,7 +91,7 @@ impl Session {
             let idle = options.reported("lanes", n_traced, |report: OnProgress| {
                 IdleLanes::measure(tracer, &plan.sensor, &film, warps, report)
             });
-            film.keep_idle_lanes(&idle);
+            film.keep_idle_lanes(&idle.of_pixels, &idle.cycles, &idle.sms);
             stages.end("lanes");
             idle
         });

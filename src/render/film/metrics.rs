@@ -1,7 +1,6 @@
 //! The cost metrics of a film.
 
 use super::{Film, Strip};
-use crate::lanes::IdleLanes;
 use base::Keyword;
 use tracer::cost::{Counter, Metric, MetricSource, RayKind, StepCounter, StepCounts};
 
@@ -37,17 +36,17 @@ impl Film {
         }
     }
 
-    /// Keeps the share of idle lanes of all pixels, and the cycles and the multiprocessors of a
-    /// device that has them.
-    pub fn keep_idle_lanes(&mut self, idle: &IdleLanes) {
-        (self.extra.cycles, self.extra.sm) = (!idle.cycles.is_empty(), !idle.sms.is_empty());
+    /// Keeps the share of idle lanes of all pixels, row-major, row 0 on top, and the cycles and the
+    /// multiprocessors of a device; none of those that it does not have.
+    pub fn keep_idle_lanes(&mut self, idle_lanes: &[f32], cycles: &[f32], sms: &[i32]) {
+        (self.extra.cycles, self.extra.sm) = (!cycles.is_empty(), !sms.is_empty());
         let mut first = 0;
         for strip in &mut self.strips {
             let pixels = first..first + strip.rgb.len();
             first = pixels.end;
-            strip.idle_lanes = idle.of_pixels[pixels.clone()].to_vec();
-            strip.cycles = idle.cycles.get(pixels.clone()).unwrap_or_default().to_vec();
-            strip.sm = idle.sms.get(pixels).unwrap_or_default().to_vec();
+            strip.idle_lanes = idle_lanes[pixels.clone()].to_vec();
+            strip.cycles = cycles.get(pixels.clone()).unwrap_or_default().to_vec();
+            strip.sm = sms.get(pixels).unwrap_or_default().to_vec();
         }
     }
 
