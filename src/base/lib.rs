@@ -5,10 +5,12 @@
 //! long work polls.
 
 pub mod keyword;
+mod lock;
 pub mod numbers;
 pub mod stop;
 
 pub use keyword::Keyword;
+pub use lock::locked;
 #[cfg(feature = "schema")]
 #[doc(hidden)]
 pub use schemars;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::mem;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::Vec3;
 
@@ -11,6 +11,7 @@ use crate::opened::{Device, DeviceError};
 use crate::paths::{N_RESULTS, N_START, RecordedPaths};
 use crate::program::{self, Kernel};
 use crate::scene::SceneArrays;
+use base::locked;
 use base::stop::Cancellation;
 use host::text::Diagnostic;
 use math::sampling::Sampler;
@@ -368,9 +369,4 @@ impl fmt::Debug for DeviceScene<'_> {
             .field(&self.device.name())
             .finish()
     }
-}
-
-/// Locks a value that a thread cannot leave half-written.
-fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
-    value.lock().unwrap_or_else(PoisonError::into_inner)
 }

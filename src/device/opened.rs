@@ -1,13 +1,14 @@
 //! A device that is ready for scenes.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use crate::cuda;
 use crate::library::{DeviceFault, DeviceProgram, LibraryDevice};
 use crate::opencl;
 use crate::program::{self, Depths};
 use crate::proof;
+use base::locked;
 use host::text::Diagnostic;
 
 /// Help where a device cannot be used.
@@ -116,7 +117,7 @@ impl Device {
 
     /// Returns the program with this text.
     pub(crate) fn program(&self, text: String) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
-        let mut last = self.program.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = locked(&self.program);
         if last.0 != text {
             let program = self.machine.compile(&text)?;
             *last = (text, program);

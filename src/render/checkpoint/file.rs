@@ -4,11 +4,12 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use super::block::{self, BlockKind, PREFIX};
 use super::record::{Bytes, MAX_THREADS, TileRecord};
 use super::{Header, RecordLayout};
+use base::locked;
 use host::files;
 
 /// The first bytes of a file; the number is the version of the format.
@@ -80,7 +81,7 @@ impl TileReader {
     pub(super) fn read(&self, stored: &StoredTile) -> io::Result<Option<TileRecord<'static>>> {
         let mut block = vec![0; PREFIX + stored.n_bytes as usize];
         {
-            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut file = locked(&self.file);
             file.seek(SeekFrom::Start(stored.position))?;
             file.read_exact(&mut block)?;
         }
@@ -93,7 +94,7 @@ impl TileReader {
     }
 
     fn n_bytes(&self) -> io::Result<u64> {
-        let file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = locked(&self.file);
         Ok(file.metadata()?.len())
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -12,6 +12,7 @@ use cpu_time::ProcessTime;
 use super::file::{StoredTile, TileReader};
 use super::writer::TileWriter;
 use super::{CheckpointFile, Header, RunSpan, TileRecord};
+use base::locked;
 use host::folder::WriteError;
 
 /// Interval at which finished tiles are flushed to the system.
@@ -117,7 +118,10 @@ impl Checkpoint {
 
     /// Returns the number of tiles that another run can start from, of all renderings.
     pub fn n_kept(&self) -> usize {
-        let here = self.sink.as_ref().map_or(0, |sink| lock(&sink.kept).len());
+        let here = self
+            .sink
+            .as_ref()
+            .map_or(0, |sink| locked(&sink.kept).len());
         self.n_restored() + here
     }
 
@@ -141,7 +145,7 @@ impl Checkpoint {
     /// the system, or `None` if it is missing or cannot be read.
     pub fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let kept = self.sink.as_ref().and_then(|sink| {
-            let stored = *lock(&sink.kept).get(&(rendering, tile))?;
+            let stored = *locked(&sink.kept).get(&(rendering, tile))?;
             Some((sink, stored))
         });
         let Some((sink, stored)) = kept else {
@@ -203,7 +207,7 @@ impl Checkpoint {
     pub fn keep(&self, record: &TileRecord) {
         self.write(|sink, writer| {
             let stored = writer.tile(record)?;
-            lock(&sink.kept).insert((stored.rendering, stored.tile), stored);
+            locked(&sink.kept).insert((stored.rendering, stored.tile), stored);
             let rendered_in = Duration::from_nanos(record.run.duration_ns());
             if rendered_in.max(writer.flushed.elapsed()) < FLUSH_EVERY {
                 return Ok(());
@@ -246,7 +250,7 @@ impl Checkpoint {
         let Some(sink) = self.sink else {
             return Ok(());
         };
-        let done = lock(&sink.writer).finish(sync);
+        let done = locked(&sink.writer).finish(sync);
         done.and_then(|()| fs::rename(&sink.path, path))
             .map_err(|error| WriteError::new(path, error))
     }
@@ -264,7 +268,7 @@ impl Checkpoint {
         let Some(sink) = self.sink.as_ref().filter(|_| !self.has_failed()) else {
             return;
         };
-        if let Err(error) = write(sink, &mut lock(&sink.writer)) {
+        if let Err(error) = write(sink, &mut locked(&sink.writer)) {
             let _ = self
                 .failure
                 .set(CheckpointFailure::Write(WriteError::new(&sink.path, error)));
@@ -328,8 +332,4 @@ impl Sink {
             cpu_ns: cpu.elapsed().as_nanos() as u64,
         })
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

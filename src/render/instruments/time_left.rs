@@ -1,7 +1,9 @@
 //! Estimate of the time that a stage will still take.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
+
+use base::locked;
 
 /// Multiple of the first work that must be done before its time can be left out early.
 const MANY: f64 = 16.0;
@@ -38,7 +40,7 @@ impl TimeLeft {
     /// Records that some work is done; if `is_restored`, by an earlier run, which took no time.
     /// Returns the fraction of the work that is done, from 0 to 1.
     pub fn advance(&self, work: f64, is_restored: bool) -> f64 {
-        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut done = locked(&self.done);
         if is_restored {
             done.before += work;
         } else {
@@ -52,7 +54,7 @@ impl TimeLeft {
     /// far, without the first work, before which threads and memory were created; `None` before the
     /// first.
     pub fn left(&self) -> Option<Duration> {
-        let done = *self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        let done = *locked(&self.done);
         done.left(self.work, self.begin.elapsed())
     }
 }

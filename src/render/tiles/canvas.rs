@@ -1,11 +1,12 @@
 //! Concurrent writes to a film.
 
 use std::ops::{Range, RangeInclusive};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 
 use crate::checkpoint::TileRecord;
 use crate::film::{Film, PackedCounters, PixelColumns, Rendered, RenderedTile, STRIP_ROWS, Strip};
 use crate::schedule::{Tile, TileGrid, TileRun};
+use base::locked;
 use world::color::Development;
 
 /// A film whose strips and tiles each have a lock.
@@ -84,7 +85,7 @@ impl<'a> Canvas<'a> {
         if let Some(counters) = rendered.counters {
             let packed = PackedCounters::new(counters);
             if let Some(stored) = self.tiles.get(tile.number as usize) {
-                let mut stored = lock(stored);
+                let mut stored = locked(stored);
                 if tile.rows[0].is_multiple_of(self.tile_size) {
                     // Counters of an earlier rendering.
                     stored.counters.clear();
@@ -96,7 +97,7 @@ impl<'a> Canvas<'a> {
         let [top, bottom] = tile.rows;
         for number in self.strips_of(tile) {
             // One lock at a time, so that threads cannot deadlock.
-            let mut strip = lock(&self.strips[number]);
+            let mut strip = locked(&self.strips[number]);
             let first_row = strip.first_row;
             for y in top.max(first_row)..bottom.min(first_row + strip.n_rows) {
                 let first = (y - first_row) as usize * self.width + left as usize;
@@ -112,10 +113,10 @@ impl<'a> Canvas<'a> {
         let place = self.placed(tile);
         let mut pixels = vec![0; place.n_pixels() * self.bytes_per_pixel];
         for number in self.strips_of(&place) {
-            lock(&self.strips[number]).store_pixels(&place, &mut pixels);
+            locked(&self.strips[number]).store_pixels(&place, &mut pixels);
         }
         let counted = self.tiles.get(place.number as usize);
-        let counters = counted.map(|stored| lock(stored).counters.clone());
+        let counters = counted.map(|stored| locked(stored).counters.clone());
         TileRecord {
             rendering,
             tile: tile.number,
@@ -134,10 +135,10 @@ impl<'a> Canvas<'a> {
             return false;
         }
         if let Some(stored) = self.tiles.get(tile.number as usize) {
-            lock(stored).counters = record.counters;
+            locked(stored).counters = record.counters;
         }
         self.strips_of(tile).all(|number| {
-            let mut strip = lock(&self.strips[number]);
+            let mut strip = locked(&self.strips[number]);
             strip.restore_pixels(tile, &record.pixels);
             strip.has_only(tile, n_ids)
         })
@@ -157,8 +158,4 @@ impl<'a> Canvas<'a> {
             },
         );
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,9 +1,10 @@
 //! Batches of finished tiles: messages from a worker to rank 0.
 
+use std::sync::Mutex;
 use std::sync::mpsc::Receiver;
-use std::sync::{Mutex, PoisonError};
 
 use crate::checkpoint::TileRecord;
+use base::locked;
 
 /// Finished tiles of a worker.
 pub(super) struct TileBatch {
@@ -56,7 +57,7 @@ impl TileBatches {
 
     /// Waits for the next batch. Returns `None` if there will be no more.
     pub(super) fn wait(&self) -> Option<TileBatch> {
-        let batches = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let batches = locked(&self.0);
         batches.recv().ok()
     }
 }

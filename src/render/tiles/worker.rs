@@ -1,9 +1,9 @@
 //! A worker, which renders the tiles that rank 0 deals to it.
 
 use std::io;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::canvas::Canvas;
@@ -13,7 +13,7 @@ use crate::checkpoint::TileRecord;
 use crate::film::Film;
 use crate::ranks::{MessageKind, RankWork, Ranks};
 use crate::schedule::{TileRun, pause};
-use base::stop;
+use base::{locked, stop};
 use host::start_in_scope;
 use tracer::cost::Meter;
 use tracer::trace::Tracer;
@@ -93,7 +93,7 @@ struct DealtTiles {
 impl DealtTiles {
     /// Waits for the next tile. Returns `None` if there will be no more.
     fn next(&self) -> Option<DealtTile> {
-        let tiles = self.tiles.lock().unwrap_or_else(PoisonError::into_inner);
+        let tiles = locked(&self.tiles);
         let next = tiles.recv().ok()?;
         self.n.fetch_sub(1, Ordering::Relaxed);
         Some(next)

@@ -1,13 +1,13 @@
 //! Metrics that a scene defines: ratios of cost arrays.
 
 use std::fmt;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::PixelArray;
-use base::Keyword;
+use base::{Keyword, locked};
 
 /// The ratio of two cost arrays: a metric that a scene defines.
 #[derive(Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl RatioMetrics {
         if metrics.is_empty() {
             return Self::default();
         }
-        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = locked(&KNOWN);
         let list = known.iter().copied().find(|list| *list == metrics);
         Self(list.unwrap_or_else(|| {
             let list = Vec::leak(metrics);
