@@ -1,11 +1,12 @@
 //! The warps in which a device traces the rays of a picture: the warps of its launches.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use super::{IdleLanes, WarpSums};
 use crate::film::Film;
 use crate::schedule::Tile;
 use crate::tiles::{OnProgress, View, recount};
+use base::locked;
 use math::sampling::Sampler;
 use scene::build::Sensor;
 use tracer::accel::{CountRay, Hit, PathStream, RayDevice, ShadowStream, TakePath};
@@ -37,18 +38,16 @@ pub(super) fn measure(
     let device = WarpCounter {
         device: tracer.accel.device()?,
         warps: Mutex::default(),
-        has: Mutex::default(),
     };
     let accel = tracer.accel.clone().with_device(Some(&device));
     let view = View::new(Tracer::new(tracer.scene, &accel), sensor);
     let width = film.grid.width as usize;
     let n_pixels = film.samples().len();
     let found = Mutex::new(IdleLanes {
-        sums: Default::default(),
-        launched: Vec::new(),
         of_pixels: vec![f32::NAN; n_pixels],
         cycles: vec![0.0; n_pixels],
         sms: vec![-1; n_pixels],
+        ..IdleLanes::default()
     });
     let keep = |part: &Tile, counters: &Counters| {
         let [steps, lane_steps, cycles, sms] =
@@ -64,10 +63,15 @@ pub(super) fn measure(
     };
     recount(view, film, keep, report);
     let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let [has_cycles, has_sms] = *locked(&device.has);
-    found.cycles.truncate(if has_cycles { n_pixels } else { 0 });
-    found.sms.truncate(if has_sms { n_pixels } else { 0 });
     found.launched = std::mem::take(&mut *locked(&device.warps));
+    // Of other queries, the counters are of rays.
+    let follows = (found.launched.iter()).any(|warps| warps.query == "path");
+    if !follows || found.cycles.iter().all(|&cycles| cycles == 0.0) {
+        found.cycles.clear();
+    }
+    if !follows || found.sms.iter().all(|&sm| sm < 0) {
+        found.sms.clear();
+    }
     found.launched.sort_by_key(|warps| warps.query);
     (!found.launched.is_empty()).then_some(found)
 }
@@ -85,8 +89,6 @@ const NEXT_SM: Counter = Counter::Depth;
 struct WarpCounter<'a> {
     device: &'a dyn RayDevice,
     warps: Mutex<Vec<LaunchedWarps>>,
-    /// True if it says the cycles of paths, and their multiprocessors.
-    has: Mutex<[bool; 2]>,
 }
 
 impl WarpCounter<'_> {
@@ -159,9 +161,6 @@ impl RayDevice for WarpCounter<'_> {
         let launch = self.device.follow(paths, &mut |i, path, hit| {
             followed[i] = (*path, hit);
         });
-        if let Some((first, _)) = followed.first() {
-            *locked(&self.has) = [first.cycles.is_some(), first.sm.is_some()];
-        }
         let steps = followed.iter().map(|(path, _)| path.cost);
         let steps: Vec<u64> = steps
             .map(|cost| cost.node_visits + cost.primitive_tests)
@@ -176,9 +175,4 @@ impl RayDevice for WarpCounter<'_> {
         });
         launch
     }
-}
-
-/// Locks a value that a thread cannot leave half-written.
-fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
-    value.lock().unwrap_or_else(PoisonError::into_inner)
 }

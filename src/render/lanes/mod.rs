@@ -35,7 +35,7 @@ pub use launched::LaunchedWarps;
 pub use launches::{LAUNCH_SIDE, LaneKind};
 
 /// The idle lanes of a picture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct IdleLanes {
     /// By kind of ray, by order, and by size of warp.
     sums: [[[WarpSums; N_WARPS]; N_ORDERS]; LaneKind::ALL.len()],
@@ -113,11 +113,8 @@ impl IdleLanes {
         let view = View::new(tracer, sensor);
         let n_samples = film.samples();
         let mut found = Self {
-            sums: Default::default(),
-            launched: Vec::new(),
             of_pixels: vec![f32::NAN; n_samples.len()],
-            cycles: Vec::new(),
-            sms: Vec::new(),
+            ..Self::default()
         };
         for block in PixelBlock::all(film.grid.width, film.grid.height) {
             if stop::is_requested() {
