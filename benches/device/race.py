@@ -28,7 +28,9 @@ def render(program, scene, size, samples, device, folder):
     command = [program, "render", f"configs/{scene}.yaml", "--out", out, "--quiet", "--cost", "counters"]
     command += ["--width", str(width), "--height", str(height), "--spp", str(samples)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command + (["--device", device, "--set", "tiles.size=128"] if device else []), check=True, stdout=subprocess.DEVNULL)
+    # Large tiles make large launches.
+    command += ["--device", device, "--set", "tiles.size=128"] if device else []
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:

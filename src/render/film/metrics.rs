@@ -37,7 +37,7 @@ impl Film {
     }
 
     /// Keeps the share of idle lanes of all pixels, row-major, row 0 on top, and the cycles and the
-    /// multiprocessors of a device; none of those that it does not have.
+    /// multiprocessors of a device; empty where it does not say them.
     pub fn keep_idle_lanes(&mut self, idle_lanes: &[f32], cycles: &[f32], sms: &[i32]) {
         (self.extra.cycles, self.extra.sm) = (!cycles.is_empty(), !sms.is_empty());
         let mut first = 0;

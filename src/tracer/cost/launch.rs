@@ -24,7 +24,7 @@ pub struct FollowedPath {
     pub cost: Cost,
     /// Number of rays by bounce, without the camera ray.
     pub bounces: RaysByBounce,
-    /// Cycles of the device's clock from the begin of the path to its end, at most 2^32 - 1; `None`
+    /// Cycles of the device's clock from the start of the path to its end, at most 2^32 - 1; `None`
     /// if it does not have one.
     pub cycles: Option<u32>,
     /// Number of the multiprocessor that followed it; `None` if the device does not say.

@@ -182,7 +182,7 @@ impl Metric {
     /// Cycles of a device's clock, on request.
     pub const CYCLES: Self = Self {
         title: "cycles of the device per pixel",
-        about: "cycles of the device's clock, each path from its begin to its end",
+        about: "cycles of the device's clock, each path from its start to its end",
         spans_decades: true,
         source: MetricSource::DeviceClock,
         ..counter("cycles", "cycles", Counter::NodeVisits)
@@ -280,8 +280,8 @@ impl Metric {
     }
 
     /// Returns every metric that a film of this scene may have: the scene's own metrics, then
-    /// [`ALL`](Self::ALL), then those of the spread of samples, of idle lanes and of a
-    /// device's clock.
+    /// [`ALL`](Self::ALL), then the spread of samples, idle lanes and the clock of a
+    /// device.
     pub fn with_own(metrics: RatioMetrics) -> impl Iterator<Item = Self> + Clone {
         Self::ratios(metrics).chain(Self::ALL).chain([
             Self::NOISE,
