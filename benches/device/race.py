@@ -3,7 +3,7 @@
 race.py PROGRAM [DEVICE ...]: a device is `opencl`, the default, or another one of `raycost render --device`.
 Prints a table, and writes one JSON file for --json: for each scene and device the medians over all rounds of the render
 stage's time and of the whole process's CPU time, as ratios processor / device (above 1, the device is faster), with
-the totals of the counters. Ends with 1 if a byte of the picture or a counter differs.
+the totals of the counters. Ends with 1 if a pixel or a counter differs.
 """
 
 import argparse
@@ -18,6 +18,16 @@ import tempfile
 # A mesh, spheres, glass and a room of boxes; the first by direct light.
 SCENES = ["spot", "million_spheres", "trellis", "glass", "cornell_box", "hall_of_mirrors"]
 COUNTERS = ["node_visits", "primitive_tests", "rays"]
+
+
+def pixels(png):
+    """The compressed pixels of a PNG picture, without its texts, which name the settings."""
+    found, at = b"", 8
+    while at < len(png):
+        length, kind = int.from_bytes(png[at:at + 4], "big"), png[at + 4:at + 8]
+        found += png[at + 8:at + 8 + length] if kind == b"IDAT" else b""
+        at += 12 + length
+    return found
 
 
 def render(program, scene, size, samples, device, folder):
@@ -36,7 +46,7 @@ def render(program, scene, size, samples, device, folder):
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         summary = json.load(file)
     with open(os.path.join(out, "image.png"), "rb") as file:
-        picture = file.read()
+        picture = pixels(file.read())
     wall = next(stage["wall_ms"] for stage in summary["stages"] if stage["name"] == "render") / 1e3
     totals = summary["cost"]["totals"]
     return wall, cpu, {counter: totals[counter] for counter in COUNTERS}, picture, summary["acceleration"].get("device")
