@@ -29,7 +29,9 @@ def build(folder=ROOT):
     environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target")}
     built = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, check=True)
     messages = map(json.loads, built.stdout.splitlines())
-    return [m["executable"] for m in messages if m.get("executable")][-1]
+    # The program of the package is built, too, and may be finished last.
+    named = (message for message in messages if message.get("target", {}).get("name") == "instructions")
+    return next(message["executable"] for message in named if message.get("executable"))
 
 
 def run(tool, program, arguments):
