@@ -1,6 +1,7 @@
 //! The proof of a device's arithmetic: before the first ray, it computes what the processor
 //! computes, and every bit has to agree.
 
+use std::mem::ManuallyDrop;
 use std::sync::Arc;
 
 use crate::library::{DeviceFault, DeviceProgram};
@@ -23,9 +24,12 @@ const RESULTS: [&str; 8] = [
 /// Returns the first result that the device computes differently, as text; `None` if all agree.
 pub(crate) fn refute(program: Arc<dyn DeviceProgram>) -> Result<Option<String>, DeviceFault> {
     let input: Vec<u32> = (0..3 * N_TRIPLES as u64).map(number).collect();
-    let mut output = vec![0; RESULTS.len() * N_TRIPLES];
-    let mut queue = program.load(&[])?.queue()?;
-    queue.launch(Kernel::ARITHMETIC, &input, &mut output, N_TRIPLES)?;
+    let output = vec![0; RESULTS.len() * N_TRIPLES];
+    // After an error, both stay.
+    let mut held = ManuallyDrop::new((program.load(&[])?.queue()?, output));
+    let (queue, output) = &mut *held;
+    queue.launch(Kernel::ARITHMETIC, &input, output, N_TRIPLES)?;
+    let (_, output) = ManuallyDrop::into_inner(held);
     let triples = input
         .as_chunks::<3>()
         .0
