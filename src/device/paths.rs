@@ -61,6 +61,9 @@ impl RecordedPaths {
             surfaces.extend([number, data.len() as u32]);
             formulas.push_data(kind, primitive, &mut data);
         }
+        if u32::try_from(data.len()).is_err() {
+            return Err("more than 2^32 numbers of surfaces".to_owned());
+        }
         formulas.push_instances(&mut places);
         let recorded = PathRecorder::new(formulas).record(&kinds)?;
         surfaces.push(0);

@@ -77,11 +77,11 @@ impl<'a> SceneArrays<'a> {
 
     fn push_level(&mut self, level: &LevelArrays<'a>) {
         self.levels.extend([
-            self.lines.len() as u32 / 16,
+            (self.lines.len() / 16) as u32,
             level.largest.to_bits(),
             self.unbounded.len() as u32,
             level.unbounded.len() as u32,
-            level.lines.len() as u32 / 16,
+            (level.lines.len() / 16) as u32,
         ]);
         if self.lines.is_empty() {
             self.lines = Cow::Borrowed(level.lines);
