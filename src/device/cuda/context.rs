@@ -205,11 +205,12 @@ impl Stream {
     pub(super) fn read(&self, from: &CudaMemory, words: &mut [u32]) -> Result<(), DeviceFault> {
         assert!(words.len() <= from.len);
         let (driver, n) = (self.context.enter()?, size_of_val(words));
-        // SAFETY: both sides are that long, and the call returns when all is copied, since the words'
-        // memory is not page-locked.
+        // SAFETY: both sides are that long, and the words live until all is copied, or for ever if the
+        // device hangs.
         driver.check(unsafe {
             (driver.copy_to_host)(words.as_mut_ptr(), from.address, n, self.handle)
-        })
+        })?;
+        self.wait()
     }
 
     /// Runs a kernel for `n` items, with arrays and then `n` as its arguments. Returns the
