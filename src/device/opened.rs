@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex};
 use crate::cuda;
 use crate::library::{DeviceFault, DeviceProgram, LibraryDevice};
 use crate::opencl;
-use crate::program::{self, Depths};
 use crate::proof;
 use base::locked;
 use host::text::Diagnostic;
@@ -54,8 +53,8 @@ impl DeviceLibrary {
 pub struct Device {
     machine: Box<dyn LibraryDevice>,
     name: String,
-    /// The program that was compiled last, and its text.
-    program: Mutex<(String, Arc<dyn DeviceProgram>)>,
+    /// The text of the program that was compiled last, and the program.
+    program: Mutex<Option<(String, Arc<dyn DeviceProgram>)>>,
 }
 
 /// Why a device cannot be used.
@@ -90,10 +89,7 @@ impl Device {
             return Err(DeviceError::Failed(Diagnostic::new(message)));
         }
         let failed = |fault: DeviceFault| failed(&name, &fault);
-        let text = program::text(Depths::new(1, None), None);
-        let program = machine.compile(&text).map_err(failed)?;
-        let difference = proof::refute(Arc::clone(&program)).map_err(failed)?;
-        if let Some(difference) = difference {
+        if let Some(difference) = proof::refute(&*machine).map_err(failed)? {
             let message = format!("the device {name} cannot render the same picture: {difference}");
             return Err(DeviceError::Failed(
                 Diagnostic::new(message).with_help(OTHER_DEVICE),
@@ -102,7 +98,7 @@ impl Device {
         Ok(Self {
             machine,
             name,
-            program: Mutex::new((text, program)),
+            program: Mutex::default(),
         })
     }
 
@@ -118,11 +114,12 @@ impl Device {
     /// Returns the program with this text.
     pub(crate) fn program(&self, text: String) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let mut last = locked(&self.program);
-        if last.0 != text {
-            let program = self.machine.compile(&text)?;
-            *last = (text, program);
+        if let Some((_, program)) = last.as_ref().filter(|(of, _)| *of == text) {
+            return Ok(Arc::clone(program));
         }
-        Ok(Arc::clone(&last.1))
+        let program = self.machine.compile(&text)?;
+        *last = Some((text, Arc::clone(&program)));
+        Ok(program)
     }
 
     pub(crate) fn failed(&self, fault: &DeviceFault) -> DeviceError {
