@@ -1,7 +1,7 @@
 //! A scene in the memory of a device.
 
 use std::fmt;
-use std::mem;
+use std::mem::{self, ManuallyDrop};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::Vec3;
@@ -103,20 +103,30 @@ pub struct DeviceScene<'a> {
     /// from following any.
     paths: Result<(Sampler, Option<RayCone>), String>,
     /// The workers that no thread uses at the moment.
-    workers: Mutex<Vec<Worker>>,
+    workers: Mutex<Vec<ManuallyDrop<Worker>>>,
     /// The work of each kernel that was launched.
     kernels: Mutex<Vec<KernelWork>>,
     failure: OnceLock<DeviceFault>,
     cancellation: Cancellation,
 }
 
-/// What a thread needs to launch kernels; reused from launch to launch.
+/// What a thread needs to launch kernels; reused from launch to launch. If the device fails, all
+/// workers stay, and by their queues the scene: its driver may hang when memory is freed, or write
+/// to it.
 struct Worker {
     queue: Box<dyn LaunchQueue>,
     input: Vec<u32>,
     output: Vec<u32>,
-    /// The last launch.
-    launch: DeviceLaunch,
+}
+
+impl Drop for DeviceScene<'_> {
+    fn drop(&mut self) {
+        if self.failure.get().is_none() {
+            let idle = mem::take(&mut *locked(&self.workers));
+            idle.into_iter()
+                .for_each(|worker| drop(ManuallyDrop::into_inner(worker)));
+        }
+    }
 }
 
 impl DeviceScene<'_> {
@@ -154,6 +164,11 @@ impl DeviceScene<'_> {
         ns: f64,
         answers: &[[u32; N]],
     ) -> Result<DeviceLaunch, DeviceFault> {
+        // An answer has the node visits and the primitive tests there.
+        let first = if kernel == Kernel::PATH { 6 } else { 3 };
+        let steps =
+            |answer: &[u32; N]| answer[first..first + 2].iter().map(|&n| u64::from(n)).sum();
+        let steps: Vec<u64> = answers.iter().map(steps).collect();
         let name = kernel.name;
         let mut kernels = locked(&self.kernels);
         let number = match kernels.iter().position(|work| work.name == name) {
@@ -163,13 +178,7 @@ impl DeviceScene<'_> {
                 kernels.len() - 1
             }
         };
-        // An answer has the node visits and the primitive tests there.
-        let first = if kernel == Kernel::PATH { 6 } else { 3 };
-        let steps = |answer: &[u32; N]| {
-            let steps = &answer[first..first + 2];
-            steps.iter().map(|&n| u64::from(n)).sum()
-        };
-        Ok(kernels[number].add(ns, answers.iter().map(steps)))
+        Ok(kernels[number].add(ns, steps.into_iter()))
     }
 
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
@@ -185,18 +194,15 @@ impl DeviceScene<'_> {
             return DeviceLaunch::default();
         }
         match self.launch::<M, N>(kernel, rays, n) {
-            Ok(worker) => {
-                let answers = worker.output[..N * n].as_chunks::<N>().0;
+            Ok((worker, launch)) => {
+                let answers = worker.output.as_chunks::<N>().0;
                 answers.iter().enumerate().for_each(answer);
-                let launch = worker.launch;
                 locked(&self.workers).push(worker);
                 launch
             }
             Err(fault) => {
                 let _ = self.failure.set(fault);
                 self.cancellation.cancel();
-                // A driver that hangs would hang again when its memory is freed.
-                mem::forget(Arc::clone(&self.loaded));
                 DeviceLaunch::default()
             }
         }
@@ -207,40 +213,24 @@ impl DeviceScene<'_> {
         kernel: Kernel,
         rays: impl Iterator<Item = [u32; M]>,
         n: usize,
-    ) -> Result<Worker, DeviceFault> {
+    ) -> Result<(ManuallyDrop<Worker>, DeviceLaunch), DeviceFault> {
         let idle = locked(&self.workers).pop();
         let mut worker = idle.map_or_else(|| self.worker(), Ok)?;
-        worker.input.clear();
-        worker.input.extend(rays.flatten());
-        worker.output.resize(N * n, 0);
-        let Worker {
-            queue,
-            input,
-            output,
-            ..
-        } = &mut worker;
-        let launch = queue
-            .launch(kernel, input, output, n)
-            .and_then(|ns| self.add(kernel, &mut **queue, ns, output.as_chunks::<N>().0));
-        match launch {
-            Ok(launch) => {
-                worker.launch = launch;
-                Ok(worker)
-            }
-            Err(fault) => {
-                mem::forget(worker);
-                Err(fault)
-            }
-        }
+        let of = &mut *worker;
+        of.input.clear();
+        of.input.extend(rays.flatten());
+        of.output.resize(N * n, 0);
+        let ns = of.queue.launch(kernel, &of.input, &mut of.output, n)?;
+        let launch = self.add(kernel, &mut *of.queue, ns, of.output.as_chunks::<N>().0)?;
+        Ok((worker, launch))
     }
 
-    fn worker(&self) -> Result<Worker, DeviceFault> {
-        Ok(Worker {
+    fn worker(&self) -> Result<ManuallyDrop<Worker>, DeviceFault> {
+        Ok(ManuallyDrop::new(Worker {
             queue: Arc::clone(&self.loaded).queue()?,
             input: Vec::new(),
             output: Vec::new(),
-            launch: DeviceLaunch::default(),
-        })
+        }))
     }
 }
 
@@ -328,18 +318,9 @@ fn hit([t, primitive, instance]: [u32; 3]) -> Option<Hit> {
 /// Returns a followed path with the hit of its camera ray, given its words.
 fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
     let [red, green, blue, t, primitive, instance, rest @ ..] = *result;
-    let [
-        n_visits,
-        n_tests,
-        n_shadows,
-        n_reflected,
-        n_refracted,
-        n_diffuse,
-        depth,
-        bounces @ ..,
-        cycles,
-        sm,
-    ] = rest;
+    let [n_visits, n_tests, n_shadows, rest @ ..] = rest;
+    let [n_reflected, n_refracted, n_diffuse, rest @ ..] = rest;
+    let [depth, bounces @ .., cycles, sm] = rest;
     let path = FollowedPath {
         color: Vec3::from([red, green, blue].map(f32::from_bits)),
         cost: Cost {
