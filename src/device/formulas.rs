@@ -15,16 +15,20 @@ use crate::tape::{Program, Register, Tape};
 /// Returns the functions of all formulas.
 pub(crate) fn functions() -> String {
     let mut text = String::new();
-    for program in [prepared(), box_span(), triangle_test(), sphere_test()] {
-        text += &function(&program);
-    }
+    text += &function("prepared", &prepared());
+    text += &function("box_span", &box_span());
+    text += &function("triangle_test", &triangle_test());
+    text += &function("sphere_test", &sphere_test());
     // Shapes by their kind.
     let mut cases = String::new();
     for (number, &kind) in ShapeKind::ALL.iter().enumerate() {
         if let Some(program) = shape_test(kind) {
-            text += &function(&program);
-            let call = format!("{}(in, out); return;", program.name);
-            let _ = writeln!(cases, "  if (kind == {number}u) {{ {call} }}");
+            let name = format!("shape_{number}");
+            text += &function(&name, &program);
+            let _ = writeln!(
+                cases,
+                "  if (kind == {number}u) {{ {name}(in, out); return; }}"
+            );
         }
     }
     text + "FUNCTION void shape_test(uint kind, const float *in, float *out) {\n"
@@ -64,7 +68,7 @@ fn prepared() -> Program {
     let is = [axis.0, axis.1].map(|mask| number(largest, mask));
     let vectors = vectors.into_iter().flat_map(coordinates);
     let results: Vec<_> = vectors.chain([squared, inverse]).chain(is).collect();
-    tape.program("prepared", &results)
+    tape.program(&results)
 }
 
 /// Near planes, far planes, the set-up of slabs, limit → where a ray enters a box and leaves it.
@@ -79,7 +83,7 @@ fn box_span() -> Program {
         origin_of_far,
     };
     let (enter, exit) = slabs.span(near, far, limit);
-    tape.program("box_span", &[enter, exit])
+    tape.program(&[enter, exit])
 }
 
 /// Vertices, origin and shear, all with permuted axes → the parameter of the hit, if there is one,
@@ -92,7 +96,7 @@ fn triangle_test() -> Program {
     let is = [test.hits, test.is_unsure].map(|mask| number(shear.z, mask));
     let vertices = vertices.into_iter().flat_map(coordinates);
     let results: Vec<_> = [test.t].into_iter().chain(is).chain(vertices).collect();
-    tape.program("triangle_test", &results)
+    tape.program(&results)
 }
 
 /// Center, squared radius, origin, direction, its squared length and the reciprocal → the parameter
@@ -103,7 +107,7 @@ fn sphere_test() -> Program {
     let ([r2], [a, inverse_a]) = (tape.inputs(3), tape.inputs(10));
     let equation = SphereEquation::new(center - origin, r2, direction, (a, inverse_a));
     let t = Register::select(equation.hits(), equation.first(), r2.splat(0.0));
-    tape.program("sphere_test", &[t])
+    tape.program(&[t])
 }
 
 /// Parameters, origin, direction → the parameter of the hit on a kind of shape; not a positive
@@ -114,7 +118,7 @@ fn shape_test(kind: ShapeKind) -> Option<Program> {
     let parameters: [_; N_PARAMETERS] = tape.inputs(0);
     let vectors = [0, 3].map(|first| vector(tape.inputs(N_PARAMETERS + first)));
     let t = hits(kind, &parameters, vectors)?;
-    Some(tape.program(format!("shape_{}", kind as u32), &[t]))
+    Some(tape.program(&[t]))
 }
 
 /// Returns the parameter of the hit of a ray, given its origin and direction.

@@ -190,7 +190,7 @@ impl<'f> PathRecorder<'f> {
             let tape = Tape::with_tables(&self.tables);
             programs.push({
                 let results = formula(&tape, kind);
-                tape.program(stem, &results)
+                tape.program(&results)
             });
             if let Some(reason) = tape.refusal() {
                 return Err(part_of(reason));

@@ -5,14 +5,11 @@ use std::fmt::Write;
 
 use crate::tape::{Instruction, Operation, Program, TablePlaces, Type};
 
-/// Returns the text of a program as a function, which reads its numbers from `in` and writes its
-/// results to `out`.
-pub(crate) fn function(program: &Program) -> String {
+/// Returns the text of a program as a function of this name, which reads its numbers from `in` and
+/// writes its results to `out`.
+pub(crate) fn function(name: &str, program: &Program) -> String {
     let body = body(program, &[], &HashMap::new());
-    format!(
-        "FUNCTION void {}(const float *in, float *out) {{\n{body}}}\n",
-        program.name
-    )
+    format!("FUNCTION void {name}(const float *in, float *out) {{\n{body}}}\n")
 }
 
 /// Returns the statements of a program's function. The tables have these functions and first words;
@@ -22,60 +19,43 @@ pub(crate) fn body(
     tables: &TablePlaces,
     varying: &HashMap<usize, usize>,
 ) -> String {
-    let Program {
-        instructions,
-        results,
-        ..
-    } = program;
+    let instructions = &program.instructions;
     let mut text = String::new();
     for (number, instruction) in instructions.iter().enumerate() {
         let word = varying.get(&number);
-        if let Operation::LookUp { table, sizes } = instruction.operation {
+        if let Operation::LookUp { table, n_values } = instruction.operation {
             let (function, first) = tables[table as usize];
-            let first = word.map_or_else(|| format!("{first}ul"), |word| wide(*word));
-            text += &look_up(number, &instruction.operands, (function, &first), sizes);
+            let first = constant(first, true, word);
+            let at = instruction.operands.iter().flatten();
+            let at: Vec<_> = at.map(|operand| format!("r{operand}")).collect();
+            let _ = writeln!(
+                text,
+                "  float at{number}[] = {{{}}}, found{number}[{n_values}];
+  {function}(tables + {first}, {n_values}, at{number}, found{number});",
+                at.join(", ")
+            );
         }
-        let value = match (instruction.operation, instruction.result, word) {
-            (Operation::Constant(_), Type::Float, Some(word)) => {
-                format!("FLOAT_OF(constants[{word}])")
-            }
-            (Operation::Constant(_), Type::Double, Some(word)) => {
-                format!("DOUBLE_OF({})", wide(*word))
-            }
-            (Operation::Constant(_), _, Some(word)) => format!("constants[{word}]"),
-            _ => expression(instructions, number),
-        };
+        let value = expression(instructions, number, word);
         let ty = name_of(instruction.result);
         let _ = writeln!(text, "  {ty} r{number} = {value};");
     }
-    for (i, result) in results.iter().enumerate() {
+    for (i, result) in program.results.iter().enumerate() {
         let _ = writeln!(text, "  out[{i}] = r{result};");
     }
     text
 }
 
-/// Returns two words of the constants as one number.
-fn wide(word: usize) -> String {
-    let upper = word + 1;
-    format!("((ulong)constants[{upper}] << 32 | constants[{word}])")
-}
-
-/// Returns the statements that call the function of a table for instruction `number`.
-fn look_up(
-    number: usize,
-    operands: &[u32; 3],
-    (function, first): (&str, &str),
-    [n_at, n_values]: [u32; 2],
-) -> String {
-    let mut text = format!("  float at{number}[{n_at}], found{number}[{n_values}];\n");
-    for (i, operand) in operands[..n_at as usize].iter().enumerate() {
-        let _ = writeln!(text, "  at{number}[{i}] = r{operand};");
+/// Returns a number of one or two words: these bits, or from this word of `constants` on.
+fn constant(bits: u64, is_wide: bool, word: Option<&usize>) -> String {
+    match (word, is_wide) {
+        (None, false) => format!("0x{bits:x}u"),
+        (None, true) => format!("0x{bits:x}ul"),
+        (Some(word), false) => format!("constants[{word}]"),
+        (Some(word), true) => {
+            let upper = word + 1;
+            format!("((ulong)constants[{upper}] << 32 | constants[{word}])")
+        }
     }
-    let _ = writeln!(
-        text,
-        "  {function}(tables + {first}, {n_values}, at{number}, found{number});"
-    );
-    text
 }
 
 fn name_of(ty: Type) -> &'static str {
@@ -87,23 +67,24 @@ fn name_of(ty: Type) -> &'static str {
     }
 }
 
-/// Returns the value of instruction `number`.
-fn expression(instructions: &[Instruction], number: usize) -> String {
+/// Returns the value of instruction `number`, a constant from this word on if there is one.
+fn expression(instructions: &[Instruction], number: usize, word: Option<&usize>) -> String {
     let instruction = &instructions[number];
-    let [a, b, c] = instruction.operands.map(|number| format!("r{number}"));
+    let operands = instruction.operands.map(|operand| operand.unwrap_or(0));
+    let ([first, ..], [a, b, c]) = (operands, operands.map(|number| format!("r{number}")));
     let result = instruction.result;
-    let operand = instructions[instruction.operands[0] as usize].result;
+    let operand = instructions[first as usize].result;
     match instruction.operation {
         Operation::Input(i) if result == Type::Unsigned => format!("BITS_OF(in[{i}])"),
         Operation::Input(i) => format!("in[{i}]"),
         Operation::Data(i) => format!("FLOAT_OF(data[{i}])"),
         Operation::Place(i) => format!("FLOAT_OF(place[{i}])"),
         Operation::LookUp { .. } => format!("found{number}[0]"),
-        Operation::Value(i) => format!("found{}[{i}]", instruction.operands[0]),
-        Operation::Constant(bits) => match result {
-            Type::Float => format!("FLOAT_OF(0x{bits:x}u)"),
-            Type::Double => format!("DOUBLE_OF(0x{bits:x}ul)"),
-            Type::Unsigned | Type::Boolean => format!("{bits}u"),
+        Operation::Value(i) => format!("found{first}[{i}]"),
+        Operation::Constant(bits) => match (result, constant(bits, result == Type::Double, word)) {
+            (Type::Float, bits) => format!("FLOAT_OF({bits})"),
+            (Type::Double, bits) => format!("DOUBLE_OF({bits})"),
+            (Type::Unsigned | Type::Boolean, bits) => bits,
         },
         Operation::Add => format!("{a} + {b}"),
         Operation::Subtract => format!("{a} - {b}"),

@@ -347,7 +347,7 @@ objects:
         let tape = Tape::default();
         let program = {
             let results = formula(&tape);
-            tape.program("tested", &results)
+            tape.program(&results)
         };
         assert_eq!(tape.refusal(), None);
         program

@@ -84,12 +84,12 @@ pub(crate) fn share(
 fn structure(of: &Instruction, tables: &TablePlaces) -> Instruction {
     let operation = match of.operation {
         Operation::Constant(_) if of.result != Type::Boolean => Operation::Constant(0),
-        Operation::LookUp { table, sizes } => {
+        Operation::LookUp { table, n_values } => {
             let (function, _) = tables[table as usize];
             let same = tables.iter().position(|(other, _)| *other == function);
             Operation::LookUp {
                 table: same.unwrap_or(0) as u32,
-                sizes,
+                n_values,
             }
         }
         other => other,

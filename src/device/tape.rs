@@ -63,8 +63,7 @@ pub(crate) enum Operation {
     LookUp {
         /// The table, by its index.
         table: u32,
-        /// Number of operands and of values.
-        sizes: [u32; 2],
+        n_values: u32,
     },
     /// A further value of a look-up, which is the operand.
     Value(u32),
@@ -75,8 +74,8 @@ pub(crate) enum Operation {
 pub(crate) struct Instruction {
     pub(crate) operation: Operation,
     pub(crate) result: Type,
-    /// The operands' registers, as many as the operation has.
-    pub(crate) operands: [u32; 3],
+    /// The operands' registers.
+    pub(crate) operands: [Option<u32>; 3],
 }
 
 /// Records the instructions of a formula; equal ones once, but for constants.
@@ -129,7 +128,6 @@ impl Tables {
 /// A formula without loops and branches.
 #[derive(Default)]
 pub(crate) struct Program {
-    pub(crate) name: String,
     pub(crate) instructions: Vec<Instruction>,
     /// The registers of its results.
     pub(crate) results: Vec<u32>,
@@ -143,33 +141,12 @@ fn used(instructions: &[Instruction], results: &[u32]) -> Vec<bool> {
     }
     for (number, instruction) in instructions.iter().enumerate().rev() {
         if is_used[number] {
-            for &operand in &instruction.operands[..n_operands(instruction.operation)] {
+            for operand in instruction.operands.into_iter().flatten() {
                 is_used[operand as usize] = true;
             }
         }
     }
     is_used
-}
-
-fn n_operands(operation: Operation) -> usize {
-    match operation {
-        Operation::Input(_) | Operation::Data(_) | Operation::Place(_) | Operation::Constant(_) => {
-            0
-        }
-        Operation::LookUp { sizes: [n, _], .. } => n as usize,
-        Operation::Negate
-        | Operation::Sqrt
-        | Operation::Floor
-        | Operation::Truncate
-        | Operation::Not
-        | Operation::ShiftLeft(_)
-        | Operation::ShiftRight(_)
-        | Operation::Bits
-        | Operation::Convert
-        | Operation::Value(_) => 1,
-        Operation::Select => 3,
-        _ => 2,
-    }
 }
 
 /// The result of an instruction.
@@ -220,11 +197,11 @@ impl<'t> Tape<'t> {
     }
 
     fn leaf(&'t self, operation: Operation, ty: Type) -> Register<'t> {
-        self.push(operation, ty, [0; 3])
+        self.push(operation, ty, &[])
     }
 
-    /// Returns the program of this name that computes these results.
-    pub(crate) fn program(&self, name: impl Into<String>, results: &[Register]) -> Program {
+    /// Returns the program that computes these results.
+    pub(crate) fn program(&self, results: &[Register]) -> Program {
         let instructions = self.instructions.borrow();
         let results: Vec<u32> = results.iter().map(|result| result.number).collect();
         // Keep the instructions that results depend on, and number these anew.
@@ -232,11 +209,8 @@ impl<'t> Tape<'t> {
         let mut numbers = vec![0; instructions.len()];
         let mut kept = Vec::new();
         for (i, instruction) in instructions.iter().enumerate().filter(|(i, _)| is_used[*i]) {
-            let n = n_operands(instruction.operation);
-            let mut operands = [0; 3];
-            for (operand, before) in operands.iter_mut().zip(&instruction.operands[..n]) {
-                *operand = numbers[*before as usize];
-            }
+            let anew = |operand: Option<u32>| operand.map(|before| numbers[before as usize]);
+            let operands = instruction.operands.map(anew);
             numbers[i] = kept.len() as u32;
             kept.push(Instruction {
                 operands,
@@ -244,7 +218,6 @@ impl<'t> Tape<'t> {
             });
         }
         Program {
-            name: name.into(),
             instructions: kept,
             results: results
                 .iter()
@@ -253,49 +226,41 @@ impl<'t> Tape<'t> {
         }
     }
 
-    fn push(&'t self, operation: Operation, result: Type, operands: [u32; 3]) -> Register<'t> {
+    fn push(&'t self, operation: Operation, ty: Type, operands: &[Register]) -> Register<'t> {
         let instruction = Instruction {
             operation,
-            result,
-            operands,
+            result: ty,
+            operands: [0, 1, 2].map(|i| operands.get(i).map(|of| of.number)),
         };
-        let mut numbers = self.numbers.borrow_mut();
-        let number = numbers.entry(instruction);
+        let append = || {
+            let mut instructions = self.instructions.borrow_mut();
+            instructions.push(instruction);
+            instructions.len() as u32 - 1
+        };
+        // Each constant anew, so that other constants do not change the structure.
+        let number = match operation {
+            Operation::Constant(_) => append(),
+            _ => *(self.numbers.borrow_mut().entry(instruction)).or_insert_with(append),
+        };
         Register {
             tape: self,
-            ty: result,
-            number: *number.or_insert_with(|| self.append(instruction).number),
-        }
-    }
-
-    fn append(&'t self, instruction: Instruction) -> Register<'t> {
-        let mut instructions = self.instructions.borrow_mut();
-        instructions.push(instruction);
-        Register {
-            tape: self,
-            ty: instruction.result,
-            number: instructions.len() as u32 - 1,
+            ty,
+            number,
         }
     }
 }
 
 impl Register<'_> {
-    /// Records a constant: each anew, so that other constants do not change the structure.
     fn constant(self, ty: Type, bits: u64) -> Self {
-        self.tape.append(Instruction {
-            operation: Operation::Constant(bits),
-            result: ty,
-            operands: [0; 3],
-        })
+        self.tape.push(Operation::Constant(bits), ty, &[])
     }
 
     fn unary(self, operation: Operation, result: Type) -> Self {
-        self.tape.push(operation, result, [self.number, 0, 0])
+        self.tape.push(operation, result, &[self])
     }
 
     fn binary(self, operation: Operation, other: Self, result: Type) -> Self {
-        let operands = [self.number, other.number, 0];
-        self.tape.push(operation, result, operands)
+        self.tape.push(operation, result, &[self, other])
     }
 
     /// Records an operation whose result has the type of its operands.
@@ -371,8 +336,7 @@ impl Arithmetic for Register<'_> {
     }
 
     fn select(mask: Self, this: Self, other: Self) -> Self {
-        let operands = [mask.number, this.number, other.number];
-        mask.tape.push(Operation::Select, this.ty, operands)
+        mask.tape.push(Operation::Select, this.ty, &[mask, this, other])
     }
 }
 
@@ -445,10 +409,9 @@ impl Real for Register<'_> {
         };
         let look_up = Operation::LookUp {
             table: tables.index(table),
-            sizes: [N as u32, M as u32],
+            n_values: M as u32,
         };
-        let operands = [0, 1, 2].map(|i| at.get(i).map_or(0, |number| number.number));
-        let first = tape.push(look_up, Type::Float, operands);
+        let first = tape.push(look_up, Type::Float, &at);
         std::array::from_fn(|i| match i {
             0 => first,
             _ => first.unary(Operation::Value(i as u32), Type::Float),
@@ -505,9 +468,10 @@ impl Program {
     pub(crate) fn evaluate(&self, input: [&[f32]; 3]) -> Vec<f32> {
         let mut registers: Vec<u64> = Vec::new();
         for instruction in &self.instructions {
-            let operands = instruction.operands.map(|i| {
-                let ty = self.instructions[i as usize].result;
-                (ty, registers.get(i as usize).copied().unwrap_or(0))
+            let operands = instruction.operands.map(|operand| {
+                let i = operand.unwrap_or(0) as usize;
+                let ty = self.instructions[i].result;
+                (ty, registers.get(i).copied().unwrap_or(0))
             });
             registers.push(instruction.evaluate(input, operands));
         }
