@@ -254,54 +254,40 @@ impl Register<'_> {
     fn constant(self, ty: Type, bits: u64) -> Self {
         self.tape.push(Operation::Constant(bits), ty, &[])
     }
-
-    fn unary(self, operation: Operation, result: Type) -> Self {
-        self.tape.push(operation, result, &[self])
-    }
-
-    fn binary(self, operation: Operation, other: Self, result: Type) -> Self {
-        self.tape.push(operation, result, &[self, other])
-    }
-
-    /// Records an operation whose result has the type of its operands.
-    fn with(self, operation: Operation, other: Self) -> Self {
-        self.binary(operation, other, self.ty)
-    }
 }
 
-/// Implements an operator by an operation.
+/// Implements operators, whose results have the type of their operands.
 macro_rules! operators {
-    ($($trait:ident::$method:ident => $operation:ident,)*) => {
+    ($($trait:ident::$method:ident($first:ident $(, $second:ident)?) => $operation:ident,)*) => {
         $(impl $trait for Register<'_> {
             type Output = Self;
-            fn $method(self, other: Self) -> Self {
-                self.with(Operation::$operation, other)
+            fn $method($first: Self $(, $second: Self)?) -> Self {
+                let operands = [$first $(, $second)?];
+                $first.tape.push(Operation::$operation, $first.ty, &operands)
             }
         })*
     };
 }
 
 operators! {
-    Add::add => Add,
-    Sub::sub => Subtract,
-    Mul::mul => Multiply,
-    Div::div => Divide,
-    BitAnd::bitand => And,
-    BitOr::bitor => Or,
+    Add::add(self, other) => Add,
+    Sub::sub(self, other) => Subtract,
+    Mul::mul(self, other) => Multiply,
+    Div::div(self, other) => Divide,
+    Neg::neg(self) => Negate,
+    BitAnd::bitand(self, other) => And,
+    BitOr::bitor(self, other) => Or,
+    Not::not(self) => Not,
 }
 
-impl Neg for Register<'_> {
-    type Output = Self;
-    fn neg(self) -> Self {
-        self.unary(Operation::Negate, self.ty)
-    }
-}
-
-impl Not for Register<'_> {
-    type Output = Self;
-    fn not(self) -> Self {
-        self.unary(Operation::Not, self.ty)
-    }
+/// Implements methods by an operation and the type of its result.
+macro_rules! methods {
+    ($($method:ident($first:ident $(, $more:ident)*) => $operation:ident: $result:ident,)*) => {
+        $(fn $method($first: Self $(, $more: Self)*) -> Self {
+            let operands = [$first $(, $more)*];
+            $first.tape.push(Operation::$operation, Type::$result, &operands)
+        })*
+    };
 }
 
 impl Arithmetic for Register<'_> {
@@ -311,32 +297,14 @@ impl Arithmetic for Register<'_> {
         self.constant(Type::Float, value.to_bits().into())
     }
 
-    fn min(self, other: Self) -> Self {
-        self.with(Operation::Min, other)
-    }
-
-    fn max(self, other: Self) -> Self {
-        self.with(Operation::Max, other)
-    }
-
-    fn sqrt(self) -> Self {
-        self.unary(Operation::Sqrt, self.ty)
-    }
-
-    fn flip_sign_by(self, other: Self) -> Self {
-        self.with(Operation::FlipSign, other)
-    }
-
-    fn lt(self, other: Self) -> Self {
-        self.binary(Operation::Less, other, Type::Boolean)
-    }
-
-    fn le(self, other: Self) -> Self {
-        self.binary(Operation::LessOrEqual, other, Type::Boolean)
-    }
-
-    fn select(mask: Self, this: Self, other: Self) -> Self {
-        mask.tape.push(Operation::Select, this.ty, &[mask, this, other])
+    methods! {
+        min(self, other) => Min: Float,
+        max(self, other) => Max: Float,
+        sqrt(self) => Sqrt: Float,
+        flip_sign_by(self, other) => FlipSign: Float,
+        lt(self, other) => Less: Boolean,
+        le(self, other) => LessOrEqual: Boolean,
+        select(mask, this, other) => Select: Float,
     }
 }
 
@@ -360,36 +328,15 @@ impl Real for Register<'_> {
     type Integer = Self;
     type Double = Self;
 
-    fn floor(self) -> Self {
-        self.unary(Operation::Floor, self.ty)
-    }
-
-    fn trunc(self) -> Self {
-        self.unary(Operation::Truncate, self.ty)
-    }
-
-    fn to_integer_bits(self) -> Self {
-        self.unary(Operation::Bits, Type::Unsigned)
-    }
-
-    fn to_integer(self) -> Self {
-        self.unary(Operation::Convert, Type::Unsigned)
-    }
-
-    fn to_double(self) -> Self {
-        self.unary(Operation::Convert, Type::Double)
-    }
-
-    fn from_integer(integer: Self) -> Self {
-        integer.unary(Operation::Convert, Type::Float)
-    }
-
-    fn from_integer_bits(bits: Self) -> Self {
-        bits.unary(Operation::Bits, Type::Float)
-    }
-
-    fn from_double(double: Self) -> Self {
-        double.unary(Operation::Convert, Type::Float)
+    methods! {
+        floor(self) => Floor: Float,
+        trunc(self) => Truncate: Float,
+        to_integer_bits(self) => Bits: Unsigned,
+        to_integer(self) => Convert: Unsigned,
+        to_double(self) => Convert: Double,
+        from_integer(integer) => Convert: Float,
+        from_integer_bits(bits) => Bits: Float,
+        from_double(double) => Convert: Float,
     }
 
     fn next_index(self, _: Self, least: usize) -> Option<usize> {
@@ -414,7 +361,7 @@ impl Real for Register<'_> {
         let first = tape.push(look_up, Type::Float, &at);
         std::array::from_fn(|i| match i {
             0 => first,
-            _ => first.unary(Operation::Value(i as u32), Type::Float),
+            _ => tape.push(Operation::Value(i as u32), Type::Float, &[first]),
         })
     }
 }
@@ -424,28 +371,21 @@ impl Integer for Register<'_> {
         self.constant(Type::Unsigned, value.into())
     }
 
-    fn plus(self, other: Self) -> Self {
-        self.with(Operation::Add, other)
-    }
-
-    fn times(self, other: Self) -> Self {
-        self.with(Operation::Multiply, other)
-    }
-
-    fn and(self, other: Self) -> Self {
-        self.with(Operation::And, other)
-    }
-
-    fn xor(self, other: Self) -> Self {
-        self.with(Operation::Xor, other)
+    methods! {
+        plus(self, other) => Add: Unsigned,
+        times(self, other) => Multiply: Unsigned,
+        and(self, other) => And: Unsigned,
+        xor(self, other) => Xor: Unsigned,
     }
 
     fn shift_left<const N: i32>(self) -> Self {
-        self.unary(Operation::ShiftLeft(N as u32), self.ty)
+        let shift = Operation::ShiftLeft(N as u32);
+        self.tape.push(shift, Type::Unsigned, &[self])
     }
 
     fn shift_right<const N: i32>(self) -> Self {
-        self.unary(Operation::ShiftRight(N as u32), self.ty)
+        let shift = Operation::ShiftRight(N as u32);
+        self.tape.push(shift, Type::Unsigned, &[self])
     }
 }
 
@@ -455,8 +395,9 @@ impl Double for Register<'_> {
     }
 
     fn zero_below(self, limit: f64) -> Self {
-        let limit = Double::splat(self, limit);
-        self.with(Operation::ZeroBelow, limit)
+        let operands = [self, Double::splat(self, limit)];
+        self.tape
+            .push(Operation::ZeroBelow, Type::Double, &operands)
     }
 }
 
