@@ -36,7 +36,7 @@ pub(crate) fn functions() -> String {
         + "  out[0] = 0.0f;\n}\n"
 }
 
-pub(crate) fn vector([x, y, z]: [Register; 3]) -> Vector<Register> {
+pub(crate) fn vector<R>([x, y, z]: [R; 3]) -> Vector<R> {
     Vector { x, y, z }
 }
 
@@ -45,8 +45,8 @@ pub(crate) fn coordinates<R>(Vector { x, y, z }: Vector<R>) -> [R; 3] {
 }
 
 /// Returns 1 where the mask is true, else 0.
-pub(crate) fn number<'a>(like: Register<'a>, mask: Register<'a>) -> Register<'a> {
-    Register::select(mask, like.splat(1.0), like.splat(0.0))
+pub(crate) fn number<R: Real>(like: R, mask: R::Mask) -> R {
+    R::select(mask, like.splat(1.0), like.splat(0.0))
 }
 
 /// Origin, direction, largest coordinate of the boxes → the set-up of slabs, the shear, the origin

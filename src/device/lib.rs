@@ -15,7 +15,7 @@ mod tape;
 mod print;
 mod shared;
 mod formulas;
-mod results;
+mod step;
 mod paths;
 mod program;
 mod scene;

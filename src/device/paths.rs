@@ -7,12 +7,8 @@ use std::fmt::Write;
 use tracer::cost::N_BOUNCES;
 use tracer::shade::{PathFormulas, PathRules, SurfaceKind};
 
-use crate::results::{
-    N_SLOTS, background_results, fade_results, flight_results, light_results, next_results,
-    own_light_results, passage_results, point_results, reflected_results, shadow_results, slot,
-    split_results,
-};
 use crate::shared::share;
+use crate::step::{N_SLOTS, PathStep, record, slot};
 use crate::tape::{Register, Tables, Tape};
 
 /// Words of a followed path.
@@ -111,44 +107,23 @@ impl<'f> PathRecorder<'f> {
     /// Returns the text of all functions and rules for surfaces of these kinds, and the tables that
     /// they read.
     fn record(mut self, kinds: &[SurfaceKind]) -> Result<(String, Vec<u32>), String> {
-        let formulas = *self.formulas;
-        let rules = formulas.rules();
+        let rules = self.formulas.rules();
         let lights: Vec<usize> = (0..rules.n_lights).collect();
-        self.by_number("point", kinds, |tape, kind| {
-            point_results(&formulas, tape, kind)
-        })?;
-        self.by_number("own_light", kinds, |tape, kind| {
-            own_light_results(&formulas, tape, kind)
-        })?;
-        self.by_number("light", &lights, |tape, i| {
-            light_results(&formulas, tape, i)
-        })?;
-        self.by_number("shadow", kinds, |tape, kind| {
-            shadow_results(&formulas, tape, kind)
-        })?;
-        self.by_number("reflected", kinds, |tape, kind| {
-            reflected_results(&formulas, tape, kind)
-        })?;
-        self.by_number("passage", kinds, |tape, kind| {
-            passage_results(&formulas, tape, kind)
-        })?;
+        self.by_number("point", kinds, |step, kind| step.point(kind))?;
+        self.by_number("own_light", kinds, |step, kind| step.own_light(kind))?;
+        self.by_number("light", &lights, |step, i| step.light(i))?;
+        self.by_number("shadow", kinds, |step, kind| step.shadow(kind))?;
+        self.by_number("reflected", kinds, |step, kind| step.reflected(kind))?;
+        self.by_number("passage", kinds, |step, kind| step.passage(kind))?;
         if rules.splits {
-            self.by_number("split", kinds, |tape, kind| {
-                split_results(&formulas, tape, kind)
-            })?;
+            self.by_number("split", kinds, |step, kind| step.split(kind))?;
         } else {
-            for (stem, is_late) in [("next_ray", false), ("late_ray", true)] {
-                self.by_number(stem, kinds, |tape, kind| {
-                    next_results(&formulas, tape, kind, is_late)
-                })?;
-            }
+            self.by_number("next_ray", kinds, |step, kind| step.next(kind, false))?;
+            self.by_number("late_ray", kinds, |step, kind| step.next(kind, true))?;
         }
-        let once = &[()];
-        self.by_number("background", once, |tape, ()| {
-            background_results(&formulas, tape)
-        })?;
-        self.by_number("flight", once, |tape, ()| flight_results(&formulas, tape))?;
-        self.by_number("fade", once, |tape, ()| fade_results(&formulas, tape))?;
+        self.by_number("background", &[()], |step, ()| step.background())?;
+        self.by_number("flight", &[()], |step, ()| step.flight())?;
+        self.by_number("fade", &[()], |step, ()| step.fade())?;
         Ok(self.finish(&rules, kinds))
     }
 
@@ -177,21 +152,18 @@ impl<'f> PathRecorder<'f> {
         (text + &self.text + &defines(rules), tables)
     }
 
-    /// Records a formula for each of these kinds or lights: as one function where only constants
+    /// Records a step for each of these kinds or lights: as one function where only constants
     /// differ, and a function that chooses one by its number.
     fn by_number<K: Copy>(
         &mut self,
         stem: &str,
         of: &[K],
-        formula: impl for<'t> Fn(&'t Tape<'t>, K) -> Vec<Register<'t>>,
+        step: impl for<'a, 't> Fn(&PathStep<'a, Register<'t>>, K) -> Vec<Register<'t>>,
     ) -> Result<(), String> {
         let mut programs = Vec::new();
         for &kind in of {
             let tape = Tape::with_tables(&self.tables);
-            programs.push({
-                let results = formula(&tape, kind);
-                tape.program(&results)
-            });
+            programs.push(record(self.formulas, &tape, |of| step(of, kind)));
             if let Some(reason) = tape.refusal() {
                 return Err(part_of(reason));
             }
@@ -311,7 +283,7 @@ mod tests {
     use tracer::shade::Shader;
 
     use super::*;
-    use crate::results::tests::built;
+    use crate::step::tests::built;
 
     #[test]
     fn materials_of_other_numbers_share_their_functions() {

@@ -75,7 +75,6 @@ fn expression(instructions: &[Instruction], number: usize, word: Option<&usize>)
     let result = instruction.result;
     let operand = instructions[first as usize].result;
     match instruction.operation {
-        Operation::Input(i) if result == Type::Unsigned => format!("BITS_OF(in[{i}])"),
         Operation::Input(i) => format!("in[{i}]"),
         Operation::Data(i) => format!("FLOAT_OF(data[{i}])"),
         Operation::Place(i) => format!("FLOAT_OF(place[{i}])"),

@@ -168,23 +168,12 @@ impl<'t> Tape<'t> {
 
     /// Returns the registers of `N` inputs, from number `first` on.
     pub(crate) fn inputs<const N: usize>(&'t self, first: usize) -> [Register<'t>; N] {
-        std::array::from_fn(|i| self.leaf(Operation::Input((first + i) as u32), Type::Float))
+        std::array::from_fn(|i| self.leaf(Operation::Input((first + i) as u32)))
     }
 
-    /// Returns the register of an input that is an integer.
-    pub(crate) fn integer(&'t self, number: usize) -> Register<'t> {
-        self.leaf(Operation::Input(number as u32), Type::Unsigned)
-    }
-
-    /// Returns the registers of the numbers of a primitive or an instance, one after the other.
-    pub(crate) fn numbers(&'t self, number: fn(u32) -> Operation) -> impl FnMut() -> Register<'t> {
-        let mut next = 0..;
-        move || self.leaf(number(next.next().unwrap_or(0)), Type::Float)
-    }
-
-    /// Returns a zero.
-    pub(crate) fn zero(&'t self) -> Register<'t> {
-        self.leaf(Operation::Constant(0), Type::Float)
+    /// Returns the register of a number that no operands make.
+    pub(crate) fn leaf(&'t self, operation: Operation) -> Register<'t> {
+        self.push(operation, Type::Float, &[])
     }
 
     /// Returns the reason if the formula is not a straight program.
@@ -194,10 +183,6 @@ impl<'t> Tape<'t> {
 
     fn refuse(&self, reason: &str) {
         self.refusal.get_or_init(|| reason.to_owned());
-    }
-
-    fn leaf(&'t self, operation: Operation, ty: Type) -> Register<'t> {
-        self.push(operation, ty, &[])
     }
 
     /// Returns the program that computes these results.
