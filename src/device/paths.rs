@@ -169,10 +169,10 @@ impl<'f> PathRecorder<'f> {
             }
         }
         let places = self.tables.all();
-        let (shared, constants) = share(programs, &places);
+        let (shared, constants) = share(&programs, &places);
         let mut cases = String::new();
-        for (i, program) in shared.iter().enumerate() {
-            let name = self.function(&format!("{stem}_{i}"), program.statements(&places));
+        for (i, statements) in shared.into_iter().enumerate() {
+            let name = self.function(&format!("{stem}_{i}"), statements);
             let call = format!("{name}(in, data, place, tables, constants, out); break;");
             let _ = writeln!(cases, "    case {i}u: {call}");
         }

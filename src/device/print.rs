@@ -1,14 +1,15 @@
 //! A straight program → a function of the device's language.
 
-use std::collections::HashMap;
 use std::fmt::Write;
+
+use indexmap::IndexMap;
 
 use crate::tape::{Instruction, Operation, Program, TablePlaces, Type};
 
 /// Returns the text of a program as a function of this name, which reads its numbers from `in` and
 /// writes its results to `out`.
 pub(crate) fn function(name: &str, program: &Program) -> String {
-    let body = body(program, &[], &HashMap::new());
+    let body = body(program, &[], &IndexMap::new());
     format!("FUNCTION void {name}(const float *in, float *out) {{\n{body}}}\n")
 }
 
@@ -17,7 +18,7 @@ pub(crate) fn function(name: &str, program: &Program) -> String {
 pub(crate) fn body(
     program: &Program,
     tables: &TablePlaces,
-    varying: &HashMap<usize, usize>,
+    varying: &IndexMap<usize, usize>,
 ) -> String {
     let instructions = &program.instructions;
     let mut text = String::new();

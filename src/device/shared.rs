@@ -4,80 +4,47 @@
 //! scene of many materials then has few functions, which its device compiles in a fraction of the
 //! time.
 
-use std::collections::HashMap;
+use indexmap::IndexMap;
 
 use crate::print::body;
 use crate::tape::{Instruction, Operation, Program, TablePlaces, Type};
 
-/// Programs of the same structure.
-pub(crate) struct SharedProgram {
-    /// The first of them.
-    program: Program,
-    /// The instructions whose constants differ, with the index of the first word of each among the
-    /// constants.
-    varying: HashMap<usize, usize>,
-}
-
-impl SharedProgram {
-    /// Returns the statements of the function.
-    pub(crate) fn statements(&self, tables: &TablePlaces) -> String {
-        body(&self.program, tables, &self.varying)
-    }
-}
-
-/// Shares programs of the same structure. Returns for each program the index of its shared one, and
-/// its constants.
+/// Shares programs of the same structure. Returns the statements of their functions; and for each
+/// program the index of its function, and its constants.
 pub(crate) fn share(
-    programs: Vec<Program>,
+    programs: &[Program],
     tables: &TablePlaces,
-) -> (Vec<SharedProgram>, Vec<(usize, Vec<u32>)>) {
+) -> (Vec<String>, Vec<(usize, Vec<u32>)>) {
     // Group the programs by their structure.
-    let mut groups: Vec<Vec<Program>> = Vec::new();
-    let mut by_structure = HashMap::new();
-    let mut places = Vec::new();
-    for program in programs {
+    let mut groups: IndexMap<_, Vec<&Program>> = IndexMap::new();
+    let group = programs.iter().map(|program| {
         let instructions = program.instructions.iter();
         let structure: Vec<_> = instructions.map(|of| structure(of, tables)).collect();
-        let group = *by_structure
-            .entry((structure, program.results.clone()))
-            .or_insert_with(|| {
-                groups.push(Vec::new());
-                groups.len() - 1
-            });
-        places.push((group, groups[group].len()));
-        groups[group].push(program);
-    }
-    // Find the constants that differ.
-    let varying = |group: &Vec<Program>| -> Vec<usize> {
-        let n = group[0].instructions.len();
-        let differs = |&i: &usize| {
-            let first = group[0].instructions[i];
-            group.iter().any(|program| program.instructions[i] != first)
-        };
-        (0..n).filter(differs).collect()
-    };
-    let varying: Vec<Vec<usize>> = groups.iter().map(varying).collect();
-    let constants = |&(group, member): &(usize, usize)| {
-        let instructions = &groups[group][member].instructions;
-        let of = varying[group].iter().map(|&i| &instructions[i]);
-        (group, of.flat_map(|of| words(of, tables)).collect())
-    };
-    let constants = places.iter().map(constants).collect();
-    // Number their words.
-    let shared = groups.into_iter().zip(varying).map(|(group, varying)| {
-        let mut n_words = 0;
-        let first = &group[0].instructions;
-        let words = varying.into_iter().map(|i| {
+        let group = groups.entry((structure, &program.results));
+        let index = group.index();
+        group.or_default().push(program);
+        index
+    });
+    let places: Vec<usize> = group.collect();
+    // Find the instructions whose constants differ, and number their words.
+    let varying = |group: &Vec<&Program>| -> IndexMap<usize, usize> {
+        let (first, mut n_words) = (&group[0].instructions, 0);
+        let differs = |&i: &usize| group.iter().any(|of| of.instructions[i] != first[i]);
+        let number = |i| {
             let word = n_words;
             n_words += words(&first[i], tables).count();
             (i, word)
-        });
-        SharedProgram {
-            varying: words.collect(),
-            program: group.into_iter().next().unwrap_or_default(),
-        }
+        };
+        (0..first.len()).filter(differs).map(number).collect()
+    };
+    let varying: Vec<_> = groups.values().map(varying).collect();
+    let shared = groups.values().zip(&varying);
+    let statements = shared.map(|(group, varying)| body(group[0], tables, varying));
+    let constants = programs.iter().zip(places).map(|(program, place)| {
+        let of = varying[place].keys().map(|&i| &program.instructions[i]);
+        (place, of.flat_map(|of| words(of, tables)).collect())
     });
-    (shared.collect(), constants)
+    (statements.collect(), constants.collect())
 }
 
 /// Returns an instruction without its constant.

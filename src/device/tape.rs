@@ -126,7 +126,6 @@ impl Tables {
 }
 
 /// A formula without loops and branches.
-#[derive(Default)]
 pub(crate) struct Program {
     pub(crate) instructions: Vec<Instruction>,
     /// The registers of its results.
