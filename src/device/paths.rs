@@ -1,8 +1,9 @@
 //! Whole paths: the formulas of a scene's surfaces and lights, recorded as functions of the device's
 //! language, and the numbers that they read.
 
-use std::collections::HashMap;
 use std::fmt::Write;
+
+use indexmap::IndexSet;
 
 use tracer::cost::N_BOUNCES;
 use tracer::shade::{PathFormulas, PathRules, SurfaceKind};
@@ -43,34 +44,37 @@ impl RecordedPaths {
             return Err(part.to_owned());
         }
         let (mut surfaces, mut data, mut places) = (Vec::new(), Vec::new(), Vec::new());
-        let mut kinds = Vec::new();
-        let mut numbers = HashMap::new();
+        let mut kinds = IndexSet::new();
         for primitive in 0..formulas.n_primitives() {
             let Some(kind) = formulas.kind(primitive) else {
                 surfaces.extend([0; 2]);
                 continue;
             };
-            let number = *numbers.entry(kind).or_insert_with(|| {
-                kinds.push(kind);
-                kinds.len() as u32 - 1
-            });
-            surfaces.extend([number, data.len() as u32]);
+            let (number, _) = kinds.insert_full(kind);
+            surfaces.extend([number as u32, data.len() as u32]);
             formulas.push_data(kind, primitive, &mut data);
         }
         if u32::try_from(data.len()).is_err() {
             return Err("more than 2^32 numbers of surfaces".to_owned());
         }
         formulas.push_instances(&mut places);
-        let recorded = PathRecorder::new(formulas).record(&kinds)?;
+        let recorder = PathRecorder {
+            formulas,
+            tables: Tables::default(),
+            text: String::new(),
+            constants: Vec::new(),
+        };
+        let kinds: Vec<_> = kinds.into_iter().collect();
+        let (text, tables) = recorder.record(&kinds)?;
         surfaces.push(0);
         data.push(0.0);
         places.push(0.0);
         Ok(Self {
-            text: recorded.0,
+            text,
             surfaces,
             data,
             places,
-            tables: recorded.1,
+            tables,
         })
     }
 }
@@ -80,30 +84,15 @@ struct PathRecorder<'f> {
     formulas: &'f PathFormulas<'f>,
     tables: Tables,
     text: String,
-    /// The names of the functions, by their statements.
-    names: HashMap<String, String>,
     /// For each formula and number the function and the start of its constants; and the constants.
     constants: Vec<u32>,
 }
 
-/// The parameters of the functions that the loop calls, and of those that they choose from.
+/// Parameters of the functions that the loop calls, and of those that they choose from.
 const STATE: &str = "const float *in, GLOBAL const uint *data, GLOBAL const uint *place, \
                      GLOBAL const uint *tables, float *out";
-const STATE_AND_CONSTANTS: &str = "const float *in, GLOBAL const uint *data, \
-                                   GLOBAL const uint *place, GLOBAL const uint *tables, \
-                                   GLOBAL const uint *constants, float *out";
 
-impl<'f> PathRecorder<'f> {
-    fn new(formulas: &'f PathFormulas<'f>) -> Self {
-        Self {
-            formulas,
-            tables: Tables::default(),
-            text: String::new(),
-            names: HashMap::new(),
-            constants: Vec::new(),
-        }
-    }
-
+impl PathRecorder<'_> {
     /// Returns the text of all functions and rules for surfaces of these kinds, and the tables that
     /// they read.
     fn record(mut self, kinds: &[SurfaceKind]) -> Result<(String, Vec<u32>), String> {
@@ -141,13 +130,8 @@ impl<'f> PathRecorder<'f> {
         let media = media.as_flattened().iter().map(|number| number.to_bits());
         append("FIRST_MEDIUM", media.collect());
         append("FIRST_CONSTANT", self.constants);
-        append(
-            "FIRST_KIND",
-            kinds
-                .iter()
-                .map(|kind| kind_rules(formulas, *kind))
-                .collect(),
-        );
+        let kinds = kinds.iter().map(|kind| kind_rules(formulas, *kind));
+        append("FIRST_KIND", kinds.collect());
         tables.push(0);
         (text + &self.text + &defines(rules), tables)
     }
@@ -172,8 +156,12 @@ impl<'f> PathRecorder<'f> {
         let (shared, constants) = share(&programs, &places);
         let mut cases = String::new();
         for (i, statements) in shared.into_iter().enumerate() {
-            let name = self.function(&format!("{stem}_{i}"), statements);
-            let call = format!("{name}(in, data, place, tables, constants, out); break;");
+            let name = format!("{stem}_{i}");
+            let _ = writeln!(
+                self.text,
+                "FUNCTION void {name}({STATE}, GLOBAL const uint *constants) {{\n{statements}}}"
+            );
+            let call = format!("{name}(in, data, place, tables, out, constants); break;");
             let _ = writeln!(cases, "    case {i}u: {call}");
         }
         let first = self.constants.len();
@@ -193,19 +181,6 @@ impl<'f> PathRecorder<'f> {
 }}"
         );
         Ok(())
-    }
-
-    /// Appends a function; returns its name, or the name of an equal one.
-    fn function(&mut self, name: &str, statements: String) -> String {
-        if let Some(name) = self.names.get(&statements) {
-            return name.clone();
-        }
-        let _ = write!(
-            self.text,
-            "FUNCTION void {name}({STATE_AND_CONSTANTS}) {{\n{statements}}}\n"
-        );
-        self.names.insert(statements, name.to_owned());
-        name.to_owned()
     }
 }
 
@@ -237,29 +212,19 @@ fn part_of(reason: &str) -> String {
 /// Returns the slots and the rules of the loop as macros.
 fn defines(rules: &PathRules) -> String {
     let [first, step] = rules.dimensions;
-    let (max_pending, max_kept) = if rules.splits {
-        (rules.max_depth + 1, 32)
-    } else {
-        (1, 1)
-    };
-    let sizes = [
-        ("N_SLOTS", N_SLOTS),
-        ("N_MEDIA", N_MEDIA),
-        ("N_RESULTS", N_RESULTS),
-        ("N_BOUNCES", N_BOUNCES),
-        ("N_PLACE", N_PLACE),
-        ("N_LIGHTS", rules.n_lights),
-    ];
     let numbers = [
-        ("MAX_PENDING", max_pending),
-        ("MAX_KEPT", max_kept),
+        ("N_SLOTS", N_SLOTS as u32),
+        ("N_MEDIA", N_MEDIA as u32),
+        ("N_RESULTS", N_RESULTS as u32),
+        ("N_BOUNCES", N_BOUNCES as u32),
+        ("N_PLACE", N_PLACE as u32),
+        ("N_LIGHTS", rules.n_lights as u32),
         ("SPLITS", rules.splits.into()),
         ("HAS_MEDIA", rules.has_media.into()),
         ("HAS_OPENINGS", rules.has_openings.into()),
         ("WEAKENS_LIGHTS", rules.weakens_lights.into()),
         ("HAS_FADING_FOG", rules.has_fading_fog.into()),
-        ("HAS_FOG", rules.particles.is_some().into()),
-        ("PARTICLES", rules.particles.unwrap_or(0)),
+        ("PARTICLES", rules.particles.unwrap_or(u32::MAX)),
         ("MAX_DEPTH", rules.max_depth),
         ("LATE_DEPTH", rules.late_depth),
         ("FIRST_DIMENSION", first),
@@ -269,12 +234,9 @@ fn defines(rules: &PathRules) -> String {
         ("IGNORES_OWN_OBJECT", rules.ignores_own_object.into()),
         ("NEEDS_LIGHT", rules.needs_light.into()),
     ];
-    let sizes = slot::ALL.iter().copied().chain(sizes);
-    let sizes = sizes.map(|(name, size)| (name, size as u32));
-    sizes
-        .chain(numbers)
-        .map(|(name, number)| format!("#define {name} {number}u\n"))
-        .collect()
+    let numbers = slot::ALL.iter().chain(&numbers);
+    let lines = numbers.map(|(name, number)| format!("#define {name} {number}u\n"));
+    lines.collect()
 }
 
 #[cfg(test)]
@@ -289,9 +251,7 @@ mod tests {
     fn materials_of_other_numbers_share_their_functions() {
         let text = |material: &str| {
             let scene = built(&format!(
-                "image: {{ width: 4, height: 4 }}
-camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
-lights: []
+                "lights: []
 materials: {{ a: {{ color: [0.1, 1, 0.3], specular: 0.5 }}, b: {{ {material} }} }}
 objects:
   - {{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: a }}
@@ -310,9 +270,7 @@ objects:
     fn scenes_without_formulas_are_refused_by_name() {
         let light = "{ directional: { direction: [0, -1, 0], intensity: 1 } }";
         let scene = built(&format!(
-            "image: {{ width: 4, height: 4 }}
-camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
-shading: {{ model: path }}
+            "shading: {{ model: path }}
 materials: {{ a: {{ color: 1 }} }}
 lights: [{}]
 objects: [{{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: a }}]

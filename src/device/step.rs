@@ -16,7 +16,7 @@ macro_rules! slots {
     ($($(#[$doc:meta])* $name:ident = $number:literal,)*) => {
         pub(crate) mod slot {
             $($(#[$doc])* pub(crate) const $name: usize = $number;)*
-            pub(crate) const ALL: &[(&str, usize)] = &[$((stringify!($name), $number)),*];
+            pub(crate) const ALL: &[(&str, u32)] = &[$((stringify!($name), $number)),*];
         }
     };
 }
@@ -296,9 +296,7 @@ pub(crate) mod tests {
             ", two_sided: false, emission: 2, opacity: 0.4"
         };
         let text = format!(
-            "image: {{ width: 4, height: 4 }}
-camera: {{ look_at: {{ eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 }} }}
-shading: {{ model: {model} }}
+            "shading: {{ model: {model} }}
 materials:
   checker: {{ color: {{ checker: {{ even: 1, odd: 0.2, size: 0.4 }} }} }}
   glossy: {{ color: [0.2, 0.5, 0.3], diffuse: 0.5, specular: 0.3, exponent: 40, reflection: 0.2, multiple_scattering: false }}
@@ -318,9 +316,12 @@ objects:
         built(&text)
     }
 
-    /// Builds the scene of a text.
+    /// Builds the scene of a text without image and camera.
     pub(crate) fn built(text: &str) -> Scene {
-        let mut config: Config = scene::yaml::from_str(text).unwrap();
+        let view = "image: { width: 4, height: 4 }
+camera: { look_at: { eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 } }
+";
+        let mut config: Config = scene::yaml::from_str(&(view.to_owned() + text)).unwrap();
         let geometries = Geometries::read(&mut config, Path::new("."), u64::MAX).unwrap();
         scene::build::scene(&config, geometries).unwrap()
     }

@@ -11,6 +11,10 @@
 #define SM NONE
 #endif
 
+/* Places for rays that continue a path that splits, and for what its rays add. */
+#define MAX_PENDING (SPLITS ? MAX_DEPTH + 1u : 1u)
+#define MAX_KEPT (SPLITS ? 32u : 1u)
+
 /* The rules at a kind of surfaces; above their bits, the material of its medium plus 1. */
 #define IS_LIT 1u
 #define CONTINUES 2u
@@ -175,7 +179,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *
   int is_hit = hit.t < INFINITY;
   s[T] = hit.t;
   s[DIMENSION] = FLOAT_OF(FIRST_DIMENSION + path->depth * DIMENSION_STEP);
-  if (HAS_FOG && path->media.ids[0] == 0u) {
+  if (PARTICLES != NONE && path->media.ids[0] == 0u) {
     /* A particle of fog may lie before the hit. */
     float met[2];
     flight(0u, s, scene->data, scene->places, tables, met);
