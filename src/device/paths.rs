@@ -98,12 +98,15 @@ impl PathRecorder<'_> {
     fn record(mut self, kinds: &[SurfaceKind]) -> Result<(String, Vec<u32>), String> {
         let rules = self.formulas.rules();
         let lights: Vec<usize> = (0..rules.n_lights).collect();
+        // The loop calls nothing else.
+        let lit = if rules.n_lights > 0 { kinds } else { &[] };
+        let open = if rules.has_openings { kinds } else { &[] };
         self.by_number("point", kinds, |step, kind| step.point(kind))?;
         self.by_number("own_light", kinds, |step, kind| step.own_light(kind))?;
         self.by_number("light", &lights, |step, i| step.light(i))?;
-        self.by_number("shadow", kinds, |step, kind| step.shadow(kind))?;
-        self.by_number("reflected", kinds, |step, kind| step.reflected(kind))?;
-        self.by_number("passage", kinds, |step, kind| step.passage(kind))?;
+        self.by_number("shadow", lit, |step, kind| step.shadow(kind))?;
+        self.by_number("reflected", lit, |step, kind| step.reflected(kind))?;
+        self.by_number("passage", open, |step, kind| step.passage(kind))?;
         if rules.splits {
             self.by_number("split", kinds, |step, kind| step.split(kind))?;
         } else {
