@@ -44,13 +44,18 @@ impl RecordedPaths {
             return Err(part.to_owned());
         }
         let (mut surfaces, mut data, mut places) = (Vec::new(), Vec::new(), Vec::new());
-        let mut kinds = IndexSet::new();
+        let (mut kinds, mut last) = (IndexSet::new(), None);
         for primitive in 0..formulas.n_primitives() {
             let Some(kind) = formulas.kind(primitive) else {
                 surfaces.extend([0; 2]);
                 continue;
             };
-            let (number, _) = kinds.insert_full(kind);
+            // Most primitives have the kind of the one before.
+            let number = match last {
+                Some((before, number)) if before == kind => number,
+                _ => kinds.insert_full(kind).0,
+            };
+            last = Some((kind, number));
             surfaces.extend([number as u32, data.len() as u32]);
             formulas.push_data(kind, primitive, &mut data);
         }
