@@ -49,8 +49,8 @@ pub(crate) fn number<R: Real>(like: R, mask: R::Mask) -> R {
     R::select(mask, like.splat(1.0), like.splat(0.0))
 }
 
-/// Origin, direction, largest coordinate of the boxes → the set-up of slabs, the shear, the origin
-/// with permuted axes, the squared length and its reciprocal, if y and if z is the dominant axis.
+/// Origin, direction, largest coordinate of the boxes → the set-up of slabs, the origin with permuted
+/// axes, the shear, the squared length and its reciprocal, if y and if z is the dominant axis.
 fn prepared() -> Program {
     let tape = Tape::default();
     let [origin, direction] = [0, 3].map(|first| vector(tape.inputs(first)));
@@ -61,8 +61,8 @@ fn prepared() -> Program {
         slabs.inverse_direction,
         slabs.origin_of_near,
         slabs.origin_of_far,
-        shear_constants(permuted_by(direction, axis)),
         permuted_by(origin, axis),
+        shear_constants(permuted_by(direction, axis)),
     ];
     let (squared, inverse) = squared_length(direction);
     let is = [axis.0, axis.1].map(|mask| number(largest, mask));

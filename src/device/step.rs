@@ -24,31 +24,31 @@ macro_rules! slots {
 slots! {
     ORIGIN = 0,
     DIRECTION = 3,
-    /// The parameter of the hit.
-    T = 6,
-    /// The density with which the direction was chosen.
-    DENSITY = 7,
-    EYE = 8,
-    WEIGHT = 11,
-    PIXEL = 14,
-    SAMPLE = 15,
-    DIMENSION = 16,
-    /// Position, normal, geometric normal, color and error; then the side.
-    POINT = 17,
-    SIDE = 30,
-    /// The opacity, then the factors of emission, roughness and metallicness.
-    OPACITY = 31,
-    FACTORS = 32,
-    /// Direction, distance, radiance and density; 1 if it is behind the surface.
-    LIGHT = 37,
-    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
-    CROSSING = 46,
+    WEIGHT = 6,
     /// The length of the path before the ray.
-    LENGTH = 50,
+    LENGTH = 9,
+    /// The parameter of the hit.
+    T = 10,
+    /// The density with which the direction was chosen.
+    DENSITY = 11,
+    EYE = 12,
+    PIXEL = 15,
+    SAMPLE = 16,
+    DIMENSION = 17,
+    /// Position, normal, geometric normal, color and error; then the side.
+    POINT = 18,
+    SIDE = 31,
+    /// The opacity, then the factors of emission, roughness and metallicness.
+    OPACITY = 32,
+    FACTORS = 33,
+    /// Direction, distance, radiance and density; 1 if it is behind the surface.
+    LIGHT = 38,
+    /// The crossing of a surface: eta, 1 if it is visible, and the indices here and behind it.
+    CROSSING = 47,
 }
 
 /// Number of slots.
-pub(crate) const N_SLOTS: usize = slot::LENGTH + 1;
+pub(crate) const N_SLOTS: usize = slot::CROSSING + 4;
 
 /// A step of a path, with the numbers that its formulas read.
 pub(crate) struct PathStep<'a, R> {

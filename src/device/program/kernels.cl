@@ -7,18 +7,8 @@ SEPARATE_FUNCTION Search answer(World world, const float *origin, const float *d
     ray.origin[i] = origin[i];
     ray.direction[i] = direction[i];
   }
-  Search search;
-  search.t = INFINITY;
-  search.limit = limit;
-  search.primitive = NONE;
-  search.instance = NONE;
-  search.ignored = ignored;
-  search.is_done = 0;
-  search.n_visits = 0u;
-  search.n_tests = 0u;
-  Placement none;
-  none.ray = &ray;
-  none.record = world.records;
+  Search search = {limit, INFINITY, NONE, NONE, ignored, 0, 0u, 0u};
+  Placement none = {&ray, world.records};
   search_world(&world, 0u, &ray, &search, is_nearest, none);
   return search;
 }
@@ -37,27 +27,17 @@ FUNCTION void answer_ray(World world, GLOBAL const float *rays, GLOBAL uint *out
   out[5ul * id + 4] = search.n_tests;
 }
 
-FUNCTION World make_world(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL const uint *unbounded,
-                          GLOBAL const uint *primitives, GLOBAL const uint *records) {
-  World world;
-  world.lines = lines;
-  world.levels = levels;
-  world.unbounded = unbounded;
-  world.primitives = primitives;
-  world.records = records;
-  return world;
-}
-
-#define PARAMETERS                                                                                              \
+#define WORLD_ARRAYS                                                                                            \
   GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL const uint *unbounded,                            \
-      GLOBAL const uint *primitives, GLOBAL const uint *records, GLOBAL const float *rays, GLOBAL uint *out,     \
-      uint n
+      GLOBAL const uint *primitives, GLOBAL const uint *records
+#define WORLD {lines, levels, unbounded, primitives, records}
 #define ANSWER(is_nearest)                                                                                      \
   {                                                                                                             \
     uint id = (uint)ID;                                                                                         \
     if (id >= n) return;                                                                                        \
-    answer_ray(make_world(lines, levels, unbounded, primitives, records), rays, out, id, is_nearest);           \
+    World world = WORLD;                                                                                        \
+    answer_ray(world, rays, out, id, is_nearest);                                                               \
   }
 
-KERNEL void nearest(PARAMETERS) ANSWER(1)
-KERNEL void occluded(PARAMETERS) ANSWER(0)
+KERNEL void nearest(WORLD_ARRAYS, GLOBAL const float *rays, GLOBAL uint *out, uint n) ANSWER(1)
+KERNEL void occluded(WORLD_ARRAYS, GLOBAL const float *rays, GLOBAL uint *out, uint n) ANSWER(0)

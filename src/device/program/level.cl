@@ -66,13 +66,13 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
       uint entered = 0u;
       float enter[8];
       for (uint i = 0; i < 8u; i++) {
-        float near_planes[3], far_planes[3], enter_and_exit[2];
+        float box[16], enter_and_exit[2];
         for (uint axis = 0; axis < 3u; axis++) {
           uint is_downward = ray->octant >> axis & 1u;
-          near_planes[axis] = line[8u * (axis + 3u * is_downward) + i];
-          far_planes[axis] = line[8u * (axis + 3u * (1u - is_downward)) + i];
+          box[axis] = line[8u * (axis + 3u * is_downward) + i];
+          box[3u + axis] = line[8u * (axis + 3u * (1u - is_downward)) + i];
         }
-        span(ray, near_planes, far_planes, search->limit, enter_and_exit);
+        span(ray, box, search->limit, enter_and_exit);
         enter[i] = enter_and_exit[0];
         entered |= (uint)(enter_and_exit[0] <= enter_and_exit[1]) << i;
       }

@@ -65,10 +65,8 @@ FUNCTION Interface cross_surface(GLOBAL const uint *tables, const Media *media, 
     before = with_medium(*media, id);
     behind = *media;
   }
-  Interface met;
-  met.eta = index_in(tables, &before) / index_in(tables, &behind);
-  met.is_visible = effective(tables, &before) != effective(tables, &behind);
-  met.behind = behind;
+  float eta = index_in(tables, &before) / index_in(tables, &behind);
+  Interface met = {eta, effective(tables, &before) != effective(tables, &behind), behind};
   return met;
 }
 

@@ -58,14 +58,6 @@ typedef struct {
   uint depth;
 } Kept;
 
-FUNCTION PathCost no_cost(void) {
-  PathCost cost;
-  cost.n_visits = cost.n_tests = cost.n_shadows = cost.depth = 0u;
-  for (uint i = 0; i < 3u; i++) cost.n_rays[i] = 0u;
-  for (uint i = 0; i < N_BOUNCES; i++) cost.bounces[i] = 0u;
-  return cost;
-}
-
 /* Counts a ray at a bounce. */
 FUNCTION void count_ray(PathCost *cost, uint depth) { cost->bounces[depth < N_BOUNCES ? depth : N_BOUNCES - 1u]++; }
 
@@ -154,8 +146,7 @@ FUNCTION int add_lights(const Scene *scene, Path *path, const Search *hit, const
 
 /* Continues a path with the ray of these numbers: origin, direction and weight. */
 FUNCTION void continue_path(Path *path, const float *ray, uint kind, const Media *media) {
-  for (uint i = 0; i < 6u; i++) path->state[ORIGIN + i] = ray[i];
-  for (uint i = 0; i < 3u; i++) path->state[WEIGHT + i] = ray[6u + i];
+  for (uint i = 0; i < 9u; i++) path->state[ORIGIN + i] = ray[i];
   path->state[LENGTH] += path->state[T];
   path->media = *media;
   path->depth++;
@@ -165,7 +156,7 @@ FUNCTION void continue_path(Path *path, const float *ray, uint kind, const Media
 /* Follows the ray of a path to the point that it hits; `added` is what it adds to the color. Returns 1 if another ray
    continues the path, which is its next ray; 3 if it splits, and `other` continues it, too. `first` is its hit. */
 FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *added, Search *first, Pending *other) {
-  float *s = path->state, light_of_ray[3], gained[4];
+  float *s = path->state, light_of_ray[3], gained[4] = {0.0f};
   GLOBAL const uint *tables = scene->tables;
   Search hit;
   if (HAS_OPENINGS) {
@@ -192,7 +183,6 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *
   }
   /* Media and fog weaken the light on the way; fog adds some. */
   if (HAS_MEDIA) weaken(tables, &path->media, s[T], s + WEIGHT);
-  for (int i = 0; i < 4; i++) gained[i] = 0.0f;
   if (HAS_FADING_FOG && path->media.ids[0] == 0u) {
     fade(0u, s, scene->data, scene->places, tables, gained);
     for (int i = 0; i < 3; i++) {
@@ -263,9 +253,7 @@ FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *
 
 /* Resumes a path with another ray. */
 FUNCTION void resume(Path *path, const Pending *ray) {
-  for (uint i = 0; i < 6u; i++) path->state[ORIGIN + i] = ray->state[i];
-  for (uint i = 0; i < 3u; i++) path->state[WEIGHT + i] = ray->state[6u + i];
-  path->state[LENGTH] = ray->state[9];
+  for (uint i = 0; i < 10u; i++) path->state[ORIGIN + i] = ray->state[i];
   path->media = ray->media;
   path->depth = ray->depth;
   path->kind = ray->kind;
@@ -304,23 +292,15 @@ FUNCTION void start(Path *path, GLOBAL const uint *in) {
   path->depth = 0u;
 }
 
-KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL const uint *unbounded,
-                 GLOBAL const uint *primitives, GLOBAL const uint *records, GLOBAL const uint *surfaces,
-                 GLOBAL const uint *all_data, GLOBAL const uint *places, GLOBAL const uint *tables,
-                 GLOBAL const uint *in, GLOBAL uint *out, uint n) {
+KERNEL void path(WORLD_ARRAYS, GLOBAL const uint *surfaces, GLOBAL const uint *all_data, GLOBAL const uint *places,
+                 GLOBAL const uint *tables, GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   uint id = (uint)ID;
   if (id >= n) return;
-  Scene scene;
-  scene.world = make_world(lines, levels, unbounded, primitives, records);
-  scene.surfaces = surfaces;
-  scene.data = all_data;
-  scene.places = places;
-  scene.tables = tables;
+  Scene scene = {WORLD, surfaces, all_data, places, tables};
   GLOBAL uint *result = out + (ulong)N_RESULTS * id;
   ulong begin = CYCLES;
-  PathCost cost;
-  float color[3];
-  for (uint i = 0; i < 3u; i++) color[i] = 0.0f;
+  PathCost cost, no_cost = {0u};
+  float color[3] = {0.0f};
 
   /* The rays of a path add to its color in the order of their bounces. One that splits is followed depth first, and keeps
      what rays below `level` add. Where it does not fit, the rays below `last` follow in another pass. */
@@ -330,7 +310,7 @@ KERNEL void path(GLOBAL const float *lines, GLOBAL const uint *levels, GLOBAL co
     Kept kept[MAX_KEPT];
     uint n_pending = 0u, n_kept = 0u;
     last = NONE;
-    cost = no_cost();
+    cost = no_cost;
     start(&path, in + 12ul * id);
     for (;;) {
       uint depth = path.depth;

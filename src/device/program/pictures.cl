@@ -16,10 +16,7 @@ typedef struct {
 /* Level `i` of a picture. */
 FUNCTION MipLevel mip_level(GLOBAL const uint *picture, uint i) {
   GLOBAL const uint *numbers = picture + 1 + 3u * i;
-  MipLevel level;
-  level.width = numbers[0];
-  level.height = numbers[1];
-  level.texels = picture + 1 + 3u * picture[0] + 4ul * numbers[2];
+  MipLevel level = {numbers[0], numbers[1], picture + 1 + 3u * picture[0] + 4ul * numbers[2]};
   return level;
 }
 
@@ -74,9 +71,7 @@ FUNCTION void image_texture(GLOBAL const uint *table, uint n_values, const float
   GLOBAL const uint *picture = table + 2;
   uint last = picture[0] - 1u;
   MipLevel whole = mip_level(picture, 0u);
-  float place[2];
-  place[0] = folded(wrap, at[0]);
-  place[1] = 1.0f - folded(wrap, at[1]);
+  float place[2] = {folded(wrap, at[0]), 1.0f - folded(wrap, at[1])};
   if (filter == NEAREST) {
     uint column = (uint)floor(place[0] * (float)whole.width), row = (uint)floor(place[1] * (float)whole.height);
     column = column < whole.width ? column : whole.width - 1u;
@@ -100,9 +95,8 @@ FUNCTION void image_texture(GLOBAL const uint *table, uint n_values, const float
 
 /* EnvironmentMap: the radiance at a place, as Picture::around. */
 FUNCTION void environment_map(GLOBAL const uint *table, uint n_values, const float *at, float *found) {
-  float intensity = FLOAT_OF(table[0]), most = FLOAT_OF(table[1]), place[2], color[4];
-  place[0] = folded(REPEAT, at[0]);
-  place[1] = 1.0f - folded(CLAMP, at[1]);
+  float intensity = FLOAT_OF(table[0]), most = FLOAT_OF(table[1]), color[4];
+  float place[2] = {folded(REPEAT, at[0]), 1.0f - folded(CLAMP, at[1])};
   between(mip_level(table + 2, 0u), REPEAT, CLAMP, place, color);
   for (uint i = 0; i < 3u; i++) {
     float light = color[i] * intensity;
@@ -116,10 +110,7 @@ typedef struct {
   GLOBAL const uint *texels, *sums, *columns, *bands, *heights;
 } Equirectangular;
 FUNCTION Equirectangular equirectangular(GLOBAL const uint *table) {
-  Equirectangular of;
-  of.n_columns = table[0];
-  of.n_rows = table[1];
-  of.texels = table + 2;
+  Equirectangular of = {table[0], table[1], table + 2};
   of.sums = of.texels + (ulong)of.n_columns * of.n_rows;
   of.columns = of.sums + of.n_rows;
   of.bands = of.columns + (ulong)(of.n_columns + 1u) * of.n_rows;

@@ -7,9 +7,9 @@
 /* The numbers of a ray, prepared once. */
 typedef struct {
   float origin[3], direction[3];
-  float inverse[3], near_origin[3], far_origin[3]; /* boxes */
-  float shear[3], sheared_origin[3];               /* triangles */
-  float squared[2];                                /* spheres */
+  float slabs[9];   /* boxes */
+  float shear[6];   /* triangles: the origin with permuted axes, and the shear */
+  float squared[2]; /* spheres */
   uint octant, axes[3];
 } Prepared;
 
@@ -36,13 +36,8 @@ FUNCTION void prepare(Prepared *ray, float largest) {
   }
   in[6] = largest;
   prepared(in, out);
-  for (int i = 0; i < 3; i++) {
-    ray->inverse[i] = out[i];
-    ray->near_origin[i] = out[3 + i];
-    ray->far_origin[i] = out[6 + i];
-    ray->shear[i] = out[9 + i];
-    ray->sheared_origin[i] = out[12 + i];
-  }
+  for (int i = 0; i < 9; i++) ray->slabs[i] = out[i];
+  for (int i = 0; i < 6; i++) ray->shear[i] = out[9 + i];
   ray->squared[0] = out[15];
   ray->squared[1] = out[16];
   uint last = out[18] != 0.0f ? 2u : out[17] != 0.0f ? 1u : 0u;
@@ -53,16 +48,9 @@ FUNCTION void prepare(Prepared *ray, float largest) {
   for (int i = 0; i < 3; i++) ray->octant |= (BITS_OF(ray->direction[i]) >> 31) << i;
 }
 
-/* Returns where the ray enters and leaves a box, given its near and far planes. */
-FUNCTION void span(const Prepared *ray, const float *near_planes, const float *far_planes, float limit, float *out) {
-  float in[16];
-  for (int i = 0; i < 3; i++) {
-    in[i] = near_planes[i];
-    in[3 + i] = far_planes[i];
-    in[6 + i] = ray->inverse[i];
-    in[9 + i] = ray->near_origin[i];
-    in[12 + i] = ray->far_origin[i];
-  }
+/* Returns where the ray enters and leaves a box, whose near and far planes are the first six of 16 numbers. */
+FUNCTION void span(const Prepared *ray, float *in, float limit, float *out) {
+  for (int i = 0; i < 9; i++) in[6 + i] = ray->slabs[i];
   in[15] = limit;
   box_span(in, out);
 }
@@ -80,16 +68,13 @@ FUNCTION float exact_triangle(const float *v, float scale) {
   return (float)(z * (double)scale);
 }
 
-/* Returns where the ray hits a triangle; 0 for a miss. The vertices' axes are permuted as the ray's. */
-FUNCTION float triangle(const Prepared *ray, const float *permuted) {
-  float in[15], out[12];
-  for (int i = 0; i < 9; i++) in[i] = permuted[i];
-  for (int i = 0; i < 3; i++) {
-    in[9 + i] = ray->sheared_origin[i];
-    in[12 + i] = ray->shear[i];
-  }
+/* Returns where the ray hits a triangle; 0 for a miss. Its vertices, whose axes are permuted as the ray's, are the first
+   nine of 15 numbers. */
+FUNCTION float triangle(const Prepared *ray, float *in) {
+  float out[12];
+  for (int i = 0; i < 6; i++) in[9 + i] = ray->shear[i];
   triangle_test(in, out);
-  if (out[2] != 0.0f) return exact_triangle(out + 3, ray->shear[2]);
+  if (out[2] != 0.0f) return exact_triangle(out + 3, ray->shear[5]);
   return out[1] != 0.0f ? out[0] : 0.0f;
 }
 
@@ -124,15 +109,14 @@ FUNCTION void transformed(GLOBAL const uint *columns, const float *v, float *out
 
 /* Returns where the ray hits a shape of a record; not a positive number for a miss. */
 FUNCTION float shape(GLOBAL const uint *record, const Prepared *ray) {
-  float in[15], out[1];
+  float in[15], out[1], *origin = in + 9, *direction = in + 12;
   for (int i = 0; i < 9; i++) in[i] = FLOAT_OF(record[2 + i]);
   if (record[0] == TRIANGLE) {
-    float permuted[9];
+    float permuted[15];
     for (int k = 0; k < 3; k++)
       for (int i = 0; i < 3; i++) permuted[3 * k + i] = in[3 * k + ray->axes[i]];
     return triangle(ray, permuted);
   }
-  float origin[3], direction[3];
   if (record[1]) {
     transformed(record + 11, ray->origin, origin);
     for (int i = 0; i < 3; i++) origin[i] = origin[i] + FLOAT_OF(record[20 + i]);
@@ -144,10 +128,6 @@ FUNCTION float shape(GLOBAL const uint *record, const Prepared *ray) {
     }
   }
   if (record[0] == RECTANGLE) return rectangle(in, origin, direction);
-  for (int i = 0; i < 3; i++) {
-    in[9 + i] = origin[i];
-    in[12 + i] = direction[i];
-  }
   shape_test(record[0], in, out);
   return out[0];
 }
@@ -177,13 +157,13 @@ typedef struct {
 FUNCTION int is_in_box(Placement placement, float t) {
   Prepared ray = *placement.ray;
   prepare(&ray, FLOAT_OF(placement.record[4]));
-  float near_planes[3], far_planes[3], enter_and_exit[2];
+  float box[16], enter_and_exit[2];
   for (int i = 0; i < 3; i++) {
     int is_downward = (int)(ray.octant >> i & 1u);
-    near_planes[i] = FLOAT_OF(placement.record[(is_downward ? 8 : 5) + i]);
-    far_planes[i] = FLOAT_OF(placement.record[(is_downward ? 5 : 8) + i]);
+    box[i] = FLOAT_OF(placement.record[(is_downward ? 8 : 5) + i]);
+    box[3 + i] = FLOAT_OF(placement.record[(is_downward ? 5 : 8) + i]);
   }
-  span(&ray, near_planes, far_planes, INFINITY, enter_and_exit);
+  span(&ray, box, INFINITY, enter_and_exit);
   return enter_and_exit[0] <= t && t <= enter_and_exit[1];
 }
 

@@ -9,9 +9,7 @@ FUNCTION void test_in_world(const World *world, Prepared *ray, Search *search, i
     for (int k = 0; k < 3; k++) from_position[k] = ray->origin[k] - FLOAT_OF(record[20 + k]);
     transformed(record + 11, from_position, moved.origin);
     transformed(record + 11, ray->direction, moved.direction);
-    Placement placement;
-    placement.ray = ray;
-    placement.record = record;
+    Placement placement = {ray, record};
     search_mesh(world, record[2], &moved, search, is_nearest, placement);
     return;
   }
