@@ -62,9 +62,10 @@ impl Compiler {
         let capability = capability.min(CAPABILITY);
         let options = [format!("--gpu-architecture=compute_{capability}")];
         let options = options.into_iter().chain(OPTIONS.map(str::to_owned));
-        let options: Vec<_> = options.map(c_text).collect();
+        let options = options.map(|option| CString::new(option).unwrap_or_default());
+        let options: Vec<_> = options.collect();
         let options: Vec<_> = options.iter().map(|option| option.as_ptr()).collect();
-        let (text, name) = (c_text(text), c"raycost.cu");
+        let text = CString::new(text).unwrap_or_default();
         let mut program = 0;
         // SAFETY: the texts end with a zero and outlive the calls, which keep none of them; there are
         // no headers; `read` reads with the functions of a size and a text.
@@ -72,7 +73,7 @@ impl Compiler {
             check((self.create)(
                 &mut program,
                 text.as_ptr(),
-                name.as_ptr(),
+                c"raycost.cu".as_ptr(),
                 0,
                 null(),
                 null(),
@@ -109,13 +110,6 @@ unsafe fn read(
     };
     let text = String::from_utf8_lossy(&text);
     Ok(text.trim_end_matches('\0').to_owned())
-}
-
-/// Returns a text that ends with a zero.
-fn c_text(text: impl Into<Vec<u8>>) -> CString {
-    let mut text = text.into();
-    text.retain(|&byte| byte != 0);
-    CString::new(text).unwrap_or_default()
 }
 
 fn check(code: c_int) -> Result<(), DeviceFault> {

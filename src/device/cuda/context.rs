@@ -39,6 +39,12 @@ impl Context {
         })
     }
 
+    /// Returns an attribute of the device.
+    pub(super) fn attribute(&self, attribute: c_int) -> Result<usize, DeviceFault> {
+        let number = self.driver.device_attribute(attribute, self.device)?;
+        Ok(number as usize)
+    }
+
     /// Returns the driver, for calls of this thread that are about this context.
     fn enter(&self) -> Result<&Driver, DeviceFault> {
         let driver = &*self.driver;

@@ -43,12 +43,6 @@ struct CudaDevice {
     device: c_int,
 }
 
-impl CudaDevice {
-    fn attribute(&self, attribute: c_int) -> Result<c_int, DeviceFault> {
-        self.driver.device_attribute(attribute, self.device)
-    }
-}
-
 impl LibraryDevice for CudaDevice {
     fn name(&self) -> String {
         let name = self.driver.device_name(self.device).unwrap_or_default();
@@ -70,27 +64,17 @@ impl LibraryDevice for CudaDevice {
     }
 
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
-        let [major, minor] = CAPABILITY.map(|attribute| self.attribute(attribute));
+        let attribute = |attribute| self.driver.device_attribute(attribute, self.device);
+        let [major, minor] = CAPABILITY.map(attribute);
         let ptx = Compiler::open()?.compile(&(PRELUDE.to_owned() + text), 10 * major? + minor?)?;
         let context = Arc::new(Context::new(&self.driver, self.device)?);
-        Ok(Arc::new(CudaProgram {
-            module: Module::new(&context, &ptx)?,
-            warp_size: self.attribute(WARP_SIZE)? as usize,
-            max_items: self.attribute(MAX_THREADS)? as usize,
-        }))
+        Ok(Arc::new(Module::new(&context, &ptx)?))
     }
 }
 
-struct CudaProgram {
-    module: Module,
-    warp_size: usize,
-    /// Number of items that a multiprocessor can hold at a time.
-    max_items: usize,
-}
-
-impl DeviceProgram for CudaProgram {
+impl DeviceProgram for Module {
     fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault> {
-        let context = self.module.context();
+        let context = self.context();
         let stream = Stream::new(context)?;
         let copy = |array: &&[u32]| {
             let memory = CudaMemory::new(context, array.len())?;
@@ -102,19 +86,19 @@ impl DeviceProgram for CudaProgram {
         stream.wait()?;
         Ok(Arc::new(CudaScene {
             arrays,
-            program: self,
+            module: self,
         }))
     }
 }
 
 struct CudaScene {
-    program: Arc<CudaProgram>,
+    module: Arc<Module>,
     arrays: Vec<CudaMemory>,
 }
 
 impl LoadedProgram for CudaScene {
     fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        let context = self.program.module.context();
+        let context = self.module.context();
         Ok(Box::new(CudaQueue {
             stream: Stream::new(context)?,
             input: CudaMemory::new(context, 1)?,
@@ -139,25 +123,25 @@ impl LaunchQueue for CudaQueue {
         output: &mut [u32],
         n: usize,
     ) -> Result<f64, DeviceFault> {
-        let CudaScene { program, arrays } = &*self.scene;
+        let CudaScene { module, arrays } = &*self.scene;
         self.input.grow(input.len())?;
         self.output.grow(output.len())?;
         self.stream.write(&self.input, input)?;
         let arrays = arrays[..kernel.n_arrays].iter();
         let arrays = arrays.chain([&self.input, &self.output]);
-        let ns = self.stream.run(&program.module, kernel.name, arrays, n)?;
+        let ns = self.stream.run(module, kernel.name, arrays, n)?;
         self.stream.read(&self.output, output)?;
         Ok(ns)
     }
 
     fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
-        let program = &self.scene.program;
-        let (module, max_items) = (&program.module, program.max_items as f64);
+        let module = &self.scene.module;
+        let [warp_size, most] = [WARP_SIZE, MAX_THREADS].map(|of| module.context().attribute(of));
         Ok(KernelFacts {
-            warp_size: Some(program.warp_size),
+            warp_size: Some(warp_size?),
             private_bytes: Some(module.attribute(LOCAL_BYTES, kernel.name)? as u64),
             registers: Some(module.attribute(REGISTERS, kernel.name)?),
-            occupancy: Some(module.max_items(kernel.name)? as f64 / max_items),
+            occupancy: Some(module.max_items(kernel.name)? as f64 / most? as f64),
         })
     }
 }

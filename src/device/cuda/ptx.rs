@@ -35,7 +35,6 @@ fn exact_line(line: &str) -> Result<String, String> {
     }
     let is_inexact = |part: &&str| ["approx", "ftz", "full", "sat"].contains(part);
     match parts[..] {
-        _ if parts.iter().any(is_inexact) => Err(refusal(operation)),
         [name @ ("add" | "sub" | "mul"), ty] => {
             Ok(line.replacen(operation, &format!("{name}.rn.{ty}"), 1))
         }
@@ -44,13 +43,9 @@ fn exact_line(line: &str) -> Result<String, String> {
             "abs" | "copysign" | "cvt" | "ld" | "max" | "min" | "mov" | "neg" | "selp" | "setp"
             | "st",
             ..,
-        ] => Ok(line.to_owned()),
-        _ => Err(refusal(operation)),
+        ] if !parts.iter().any(is_inexact) => Ok(line.to_owned()),
+        _ => Err(format!("`{operation}` is not rounded as IEEE 754 says")),
     }
-}
-
-fn refusal(operation: &str) -> String {
-    format!("`{operation}` is not rounded as IEEE 754 says")
 }
 
 #[cfg(test)]
