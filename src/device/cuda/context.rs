@@ -61,11 +61,34 @@ impl Drop for Context {
     }
 }
 
-/// A program on a device.
-pub(super) struct Module {
+/// What a context owns, and the function that frees it.
+struct Owned<T: Copy> {
     context: Arc<Context>,
-    handle: Handle,
+    handle: T,
+    free: unsafe extern "C" fn(T) -> c_int,
 }
+
+impl<T: Copy> Owned<T> {
+    fn new(context: &Arc<Context>, handle: T, free: unsafe extern "C" fn(T) -> c_int) -> Self {
+        Self {
+            context: Arc::clone(context),
+            handle,
+            free,
+        }
+    }
+}
+
+impl<T: Copy> Drop for Owned<T> {
+    fn drop(&mut self) {
+        if self.context.enter().is_ok() {
+            // SAFETY: it lives, and what was queued for it is done.
+            unsafe { (self.free)(self.handle) };
+        }
+    }
+}
+
+/// A program on a device.
+pub(super) struct Module(Owned<Handle>);
 
 impl Module {
     /// Has the driver compile PTX.
@@ -93,28 +116,25 @@ impl Module {
                 log => DeviceFault::of_build(log),
             }
         })?;
-        Ok(Self {
-            context: Arc::clone(context),
-            handle,
-        })
+        Ok(Self(Owned::new(context, handle, driver.unload_module)))
     }
 
     /// Returns the context.
     pub(super) fn context(&self) -> &Arc<Context> {
-        &self.context
+        &self.0.context
     }
 
     /// Returns the handle of a kernel.
     fn kernel(&self, name: &str) -> Result<Handle, DeviceFault> {
-        let driver = self.context.enter()?;
+        let driver = self.0.context.enter()?;
         let name = CString::new(name).unwrap_or_default();
         // SAFETY: a zero ends the name; the call writes one handle.
-        driver.get(|kernel| unsafe { (driver.kernel)(kernel, self.handle, name.as_ptr()) })
+        driver.get(|kernel| unsafe { (driver.kernel)(kernel, self.0.handle, name.as_ptr()) })
     }
 
     /// Returns an attribute of a kernel.
     pub(super) fn attribute(&self, attribute: c_int, kernel: &str) -> Result<usize, DeviceFault> {
-        let (driver, kernel) = (&self.context.driver, self.kernel(kernel)?);
+        let (driver, kernel) = (&self.0.context.driver, self.kernel(kernel)?);
         // SAFETY: the call writes one number.
         let n = driver.get(|n| unsafe { (driver.kernel_attribute)(n, attribute, kernel) })?;
         Ok(n as usize)
@@ -122,26 +142,16 @@ impl Module {
 
     /// Returns the number of items of a kernel that a multiprocessor can hold at a time.
     pub(super) fn max_items(&self, kernel: &str) -> Result<usize, DeviceFault> {
-        let (driver, kernel) = (&self.context.driver, self.kernel(kernel)?);
+        let (driver, kernel) = (&self.0.context.driver, self.kernel(kernel)?);
         // SAFETY: the call writes one number.
         let n = driver.get(|n| unsafe { (driver.max_groups)(n, kernel, GROUP as c_int, 0) })?;
         Ok(n as usize * GROUP)
     }
 }
 
-impl Drop for Module {
-    fn drop(&mut self) {
-        if let Ok(driver) = self.context.enter() {
-            // SAFETY: the module lives, and no kernel of it runs.
-            unsafe { (driver.unload_module)(self.handle) };
-        }
-    }
-}
-
 /// Memory of a device.
 pub(super) struct CudaMemory {
-    context: Arc<Context>,
-    address: Address,
+    words: Owned<Address>,
     /// Number of words.
     len: usize,
 }
@@ -150,38 +160,26 @@ impl CudaMemory {
     /// Allocates memory for a number of words, at least one.
     pub(super) fn new(context: &Arc<Context>, len: usize) -> Result<Self, DeviceFault> {
         let driver = context.enter()?;
-        Ok(Self {
-            context: Arc::clone(context),
-            // SAFETY: the call writes one address.
-            address: driver.get(|address| unsafe { (driver.allocate)(address, 4 * len) })?,
-            len,
-        })
+        // SAFETY: the call writes one address.
+        let address = driver.get(|address| unsafe { (driver.allocate)(address, 4 * len) })?;
+        let words = Owned::new(context, address, driver.free);
+        Ok(Self { words, len })
     }
 
     /// Makes the memory longer, if it is too short; then its words are lost.
     pub(super) fn grow(&mut self, len: usize) -> Result<(), DeviceFault> {
         if self.len < len {
-            *self = Self::new(&self.context, len)?;
+            *self = Self::new(&self.words.context, len)?;
         }
         Ok(())
     }
 }
 
-impl Drop for CudaMemory {
-    fn drop(&mut self) {
-        if let Ok(driver) = self.context.enter() {
-            // SAFETY: the memory is allocated, and no kernel uses it.
-            unsafe { (driver.free)(self.address) };
-        }
-    }
-}
-
 /// A queue of copies and launches.
 pub(super) struct Stream {
-    context: Arc<Context>,
-    handle: Handle,
+    stream: Owned<Handle>,
     /// The events at the start and the end of a launch.
-    events: [Handle; 2],
+    events: [Owned<Handle>; 2],
 }
 
 impl Stream {
@@ -189,10 +187,12 @@ impl Stream {
         let driver = context.enter()?;
         // SAFETY: the call writes one handle.
         let event = || driver.get(|event| unsafe { (driver.create_event)(event, 0) });
+        let event = || event().map(|event| Owned::new(context, event, driver.destroy_event));
+        // SAFETY: as above.
+        let stream =
+            driver.get(|stream| unsafe { (driver.create_stream)(stream, NON_BLOCKING) })?;
         Ok(Self {
-            context: Arc::clone(context),
-            // SAFETY: as above.
-            handle: driver.get(|stream| unsafe { (driver.create_stream)(stream, NON_BLOCKING) })?,
+            stream: Owned::new(context, stream, driver.destroy_stream),
             events: [event()?, event()?],
         })
     }
@@ -200,21 +200,23 @@ impl Stream {
     /// Copies words to memory, which is long enough; [`wait`](Self::wait) waits for the end.
     pub(super) fn write(&self, to: &CudaMemory, words: &[u32]) -> Result<(), DeviceFault> {
         assert!(words.len() <= to.len);
-        let (driver, n) = (self.context.enter()?, size_of_val(words));
+        let (driver, n) = (self.stream.context.enter()?, size_of_val(words));
         // SAFETY: both sides are that long. The words may change at the return: the call has copied
         // them, since their memory is not page-locked (CUDA Driver API, "API synchronization
         // behavior").
-        driver.check(unsafe { (driver.copy_to_device)(to.address, words.as_ptr(), n, self.handle) })
+        driver.check(unsafe {
+            (driver.copy_to_device)(to.words.handle, words.as_ptr(), n, self.stream.handle)
+        })
     }
 
     /// Copies words from memory, which is long enough.
     pub(super) fn read(&self, from: &CudaMemory, words: &mut [u32]) -> Result<(), DeviceFault> {
         assert!(words.len() <= from.len);
-        let (driver, n) = (self.context.enter()?, size_of_val(words));
+        let (driver, n) = (self.stream.context.enter()?, size_of_val(words));
         // SAFETY: both sides are that long, and the words live until all is copied, or for ever if the
         // device hangs.
         driver.check(unsafe {
-            (driver.copy_to_host)(words.as_mut_ptr(), from.address, n, self.handle)
+            (driver.copy_to_host)(words.as_mut_ptr(), from.words.handle, n, self.stream.handle)
         })?;
         self.wait()
     }
@@ -229,15 +231,15 @@ impl Stream {
         n: usize,
     ) -> Result<f64, DeviceFault> {
         let kernel = module.kernel(kernel)?;
-        let driver = self.context.enter()?;
-        let [begin, end] = self.events;
-        let mut addresses: Vec<Address> = arrays.map(|memory| memory.address).collect();
+        let driver = self.stream.context.enter()?;
+        let [begin, end] = [0, 1].map(|i| self.events[i].handle);
+        let mut addresses: Vec<Address> = arrays.map(|memory| memory.words.handle).collect();
         let (n_groups, group, mut n) = (n.div_ceil(GROUP) as c_uint, GROUP as c_uint, n as u32);
         let addresses = addresses
             .iter_mut()
             .map(|address| (&raw mut *address).cast());
         let mut arguments: Vec<*mut c_void> = addresses.chain([(&raw mut n).cast()]).collect();
-        let (arguments, stream) = (arguments.as_mut_ptr(), self.handle);
+        let (arguments, stream) = (arguments.as_mut_ptr(), self.stream.handle);
         // SAFETY: the kernel's parameters are such arrays and a number, which the call reads before it
         // returns; the arrays live until the end of the launch, or for ever if the device hangs.
         driver.check(unsafe { (driver.record_event)(begin, stream) })?;
@@ -264,27 +266,13 @@ impl Stream {
 
     /// Waits until all is done that was queued.
     pub(super) fn wait(&self) -> Result<(), DeviceFault> {
-        let (driver, [_, end]) = (self.context.enter()?, self.events);
+        let (driver, end) = (self.stream.context.enter()?, self.events[1].handle);
         // SAFETY: stream and event live.
-        driver.check(unsafe { (driver.record_event)(end, self.handle) })?;
+        driver.check(unsafe { (driver.record_event)(end, self.stream.handle) })?;
         // SAFETY: the event lives.
         wait(|| match unsafe { (driver.query_event)(end) } {
             NOT_READY => Ok(false),
             code => driver.check(code).map(|()| true),
         })
-    }
-}
-
-impl Drop for Stream {
-    fn drop(&mut self) {
-        let [begin, end] = self.events;
-        if let Ok(driver) = self.context.enter() {
-            // SAFETY: they live, and what was queued is done.
-            unsafe {
-                (driver.destroy_event)(begin);
-                (driver.destroy_event)(end);
-                (driver.destroy_stream)(self.handle);
-            }
-        }
     }
 }
