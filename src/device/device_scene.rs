@@ -61,7 +61,8 @@ impl Device {
             ))));
         }
         let functions = paths.as_ref().ok().map(|paths| &paths.text[..]);
-        let program = self.program(program::text(arrays.depths, functions));
+        let text = program::text(arrays.world_levels, arrays.mesh_levels, functions);
+        let program = self.program(text);
         let loaded = program.and_then(|program| program.load(&all));
         Ok(DeviceScene {
             device: self,

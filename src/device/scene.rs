@@ -8,7 +8,7 @@ use tracer::accel::{Accel, LevelArrays};
 use world::geometry::{ShapeKind, Transform};
 use world::scene::{InstanceId, Instances, Primitive, World};
 
-use crate::program::{Depths, INSTANCE};
+use crate::program::INSTANCE;
 
 /// A primitive that a leaf holds has no record.
 const NO_RECORD: u32 = u32::MAX;
@@ -31,8 +31,10 @@ pub(crate) struct SceneArrays<'a> {
     /// level and the first triangle of its mesh, the largest coordinate of its box, the box, and
     /// the columns of the map to the mesh and its position.
     pub(crate) records: Vec<u32>,
-    /// The depths of the hierarchies.
-    pub(crate) depths: Depths,
+    /// Levels of nodes of the world's hierarchy.
+    pub(crate) world_levels: usize,
+    /// The most levels of an instanced mesh; `None` without instances.
+    pub(crate) mesh_levels: Option<usize>,
 }
 
 impl<'a> SceneArrays<'a> {
@@ -47,7 +49,8 @@ impl<'a> SceneArrays<'a> {
             unbounded: Vec::new(),
             primitives: Vec::new(),
             records: Vec::new(),
-            depths: Depths::new(depth(upper).unwrap_or(0), depth(lower)),
+            world_levels: depth(upper).unwrap_or(0),
+            mesh_levels: depth(lower),
         };
         for level in &levels {
             arrays.push_level(level);

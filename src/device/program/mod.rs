@@ -34,31 +34,13 @@ impl Kernel {
 /// The kind of an instance in a record, after the kinds of shapes.
 pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
 
-/// The depths of a scene's hierarchies, for which a program is built.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Depths {
-    pub(crate) world: usize,
-    /// The greatest depth of an instanced mesh; `None` without instances.
-    pub(crate) mesh: Option<usize>,
-}
-
-impl Depths {
-    /// Rounds the depths of hierarchies with this many levels of nodes up.
-    pub(crate) fn new(world: usize, mesh: Option<usize>) -> Self {
-        let rounded = |n_levels: usize| n_levels.next_multiple_of(LEVEL_STEP);
-        Self {
-            world: rounded(world),
-            mesh: mesh.map(rounded),
-        }
-    }
-}
-
-/// Returns the program for scenes of these depths, without the prelude of a language; with the
-/// functions of whole paths, it follows them.
-pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
+/// Returns the program for hierarchies with this many levels of nodes, of the world and, with
+/// instances, of their meshes, without the prelude of a language; with the functions of whole paths,
+/// it follows them.
+pub(crate) fn text(world_levels: usize, mesh_levels: Option<usize>, paths: Option<&str>) -> String {
     // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
     // the last one.
-    let stack = |n_levels: usize| 7 * n_levels + 9;
+    let stack = |n_levels: usize| 7 * n_levels.next_multiple_of(LEVEL_STEP) + 9;
     let kind = |kind: ShapeKind| kind as u32;
     let mut text = format!(
         "#define NONE 0xffffffffu
@@ -78,7 +60,7 @@ pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
     );
     text += &formulas::functions();
     text += include_str!("traversal.cl");
-    if let Some(n_levels) = depths.mesh {
+    if let Some(n_levels) = mesh_levels {
         text += &format!("#define MESH_STACK {}\n", stack(n_levels));
         text += "#define STACK MESH_STACK
 #define TRAVERSE search_mesh
@@ -89,7 +71,7 @@ pub(crate) fn text(depths: Depths, paths: Option<&str>) -> String {
         text += "#undef STACK\n#undef TRAVERSE\n#undef TEST\n#undef FOUND\n";
     }
     text += include_str!("world.cl");
-    text += &format!("#define STACK {}\n", stack(depths.world));
+    text += &format!("#define STACK {}\n", stack(world_levels));
     text += "#define TRAVERSE search_world
 #define TEST(i) test_in_world(world, ray, search, is_nearest, i)
 #define FOUND(t, i) found(world, search, is_nearest, t, i, 0u)
