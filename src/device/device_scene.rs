@@ -93,6 +93,9 @@ fn all_arrays<'a>(arrays: &'a SceneArrays, paths: Option<&'a RecordedPaths>) -> 
             &paths.tables,
         ]);
     }
+    // A device has no empty arrays.
+    let empty = all.iter_mut().filter(|array| array.is_empty());
+    empty.for_each(|array| *array = &[0]);
     all
 }
 

@@ -21,8 +21,7 @@ const N_MEDIA: usize = 4;
 /// Numbers of an instance.
 const N_PLACE: usize = 23;
 
-/// What a device needs to follow the paths of a scene. No array is empty: a device has no empty
-/// arrays.
+/// What a device needs to follow the paths of a scene.
 pub(crate) struct RecordedPaths {
     /// The functions, and the rules of the loop.
     pub(crate) text: String,
@@ -71,9 +70,6 @@ impl RecordedPaths {
         };
         let kinds: Vec<_> = kinds.into_iter().collect();
         let (text, tables) = recorder.record(&kinds)?;
-        surfaces.push(0);
-        data.push(0.0);
-        places.push(0.0);
         Ok(Self {
             text,
             surfaces,
@@ -140,7 +136,6 @@ impl PathRecorder<'_> {
         append("FIRST_CONSTANT", self.constants);
         let kinds = kinds.iter().map(|kind| kind_rules(formulas, *kind));
         append("FIRST_KIND", kinds.collect());
-        tables.push(0);
         (text + &self.text + &defines(rules), tables)
     }
 

@@ -13,7 +13,7 @@ use crate::program::INSTANCE;
 /// A primitive that a leaf holds has no record.
 const NO_RECORD: u32 = u32::MAX;
 
-/// The arrays of a scene. None is empty: a device has no empty arrays.
+/// The arrays of a scene.
 pub(crate) struct SceneArrays<'a> {
     /// The cache lines of all levels; borrowed where there is one.
     pub(crate) lines: Cow<'a, [f32]>,
@@ -64,16 +64,6 @@ impl<'a> SceneArrays<'a> {
             if has_record {
                 arrays.push_record(world, i, primitive);
             }
-        }
-        if arrays.lines.is_empty() {
-            arrays.lines = Cow::Borrowed(&[0.0]);
-        }
-        for array in [
-            &mut arrays.unbounded,
-            &mut arrays.primitives,
-            &mut arrays.records,
-        ] {
-            array.push(0);
         }
         arrays
     }
