@@ -14,7 +14,7 @@ use opencl3::device::{
 use opencl3::error_codes::ClError;
 use opencl3::event::CL_COMPLETE;
 use opencl3::kernel::{self, CL_KERNEL_MAX_SUB_GROUP_SIZE_FOR_NDRANGE, ExecuteKernel};
-use opencl3::memory::{Buffer, CL_MEM_COPY_HOST_PTR, CL_MEM_READ_ONLY, CL_MEM_READ_WRITE};
+use opencl3::memory::{Buffer, CL_MEM_COPY_HOST_PTR, CL_MEM_READ_ONLY, CL_MEM_READ_WRITE, ClMem};
 use opencl3::platform::{Platform, get_platforms};
 use opencl3::program::Program;
 
@@ -130,7 +130,6 @@ impl LoadedProgram for OpenClScene {
             queue: CommandQueue::create_default(&program.context, CL_QUEUE_PROFILING_ENABLE)?,
             input: program.allocate(1)?,
             output: program.allocate(1)?,
-            lengths: [1; 2],
             kernels: Vec::new(),
             scene: self,
         }))
@@ -153,10 +152,7 @@ impl OpenClProgram {
     /// Returns the number of items of a sub-group; `None` if the device does not say.
     fn sub_group(&self, kernel: &kernel::Kernel) -> Option<usize> {
         // Drivers of older versions have no such function, and the loader calls it all the same.
-        let version = self.device.version().ok()?;
-        let version = version.strip_prefix("OpenCL ")?.split(' ').next()?;
-        let (major, minor) = version.split_once('.')?;
-        if (major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?) < (2, 1) {
+        if self.device.version().ok()?.strip_prefix("OpenCL ")? < "2.1" {
             return None;
         }
         let group = [GROUP];
@@ -176,7 +172,6 @@ struct OpenClQueue {
     queue: CommandQueue,
     input: Buffer<u32>,
     output: Buffer<u32>,
-    lengths: [usize; 2],
     /// The kernels that were asked for; each thread needs its own, since they hold the arguments.
     kernels: Vec<(Kernel, kernel::Kernel)>,
 }
@@ -203,14 +198,11 @@ impl LaunchQueue for OpenClQueue {
     ) -> Result<f64, DeviceFault> {
         let index = self.index(kernel)?;
         let OpenClScene { program, arrays } = &*self.scene;
-        let [input_len, output_len] = &mut self.lengths;
-        if *input_len < input.len() {
-            self.input = program.allocate(input.len())?;
-            *input_len = input.len();
-        }
-        if *output_len < output.len() {
-            self.output = program.allocate(output.len())?;
-            *output_len = output.len();
+        let input_and_len = (&mut self.input, input.len());
+        for (buffer, len) in [input_and_len, (&mut self.output, output.len())] {
+            if buffer.size()? < 4 * len {
+                *buffer = program.allocate(len)?;
+            }
         }
         // SAFETY: the kernels' parameters are such arrays in this order, the buffers are large enough,
         // and input and output outlive the commands, for which `wait` waits; a device that hangs gets
