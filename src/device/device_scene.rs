@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use glam::Vec3;
 
 use crate::library::{DeviceFault, GROUP, LaunchQueue, LoadedProgram};
-use crate::opened::{Device, DeviceError};
+use crate::opened::{Device, DeviceError, failed};
 use crate::paths::{N_RESULTS, N_START, RecordedPaths};
 use crate::program::{self, Kernel};
 use crate::scene::SceneArrays;
@@ -48,7 +48,7 @@ impl Device {
         let all = all_arrays(&arrays, paths.as_ref().ok());
         let longest = all.iter().map(|array| size_of_val(*array)).max();
         let n_bytes = longest.unwrap_or(0) as u64;
-        let (most, memory) = (self.machine().max_array_bytes(), self.machine().n_bytes());
+        let (most, memory) = (self.machine.max_array_bytes(), self.machine.n_bytes());
         if n_bytes > most {
             let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
             return Err(DeviceError::Failed(Diagnostic::new(format!(
@@ -66,7 +66,7 @@ impl Device {
         let loaded = program.and_then(|program| program.load(&all));
         Ok(DeviceScene {
             device: self,
-            loaded: loaded.map_err(|fault| self.failed(&fault))?,
+            loaded: loaded.map_err(|fault| failed(self.name(), &fault))?,
             paths: paths.map(|_| (formulas.sampler, formulas.cone)),
             workers: Mutex::default(),
             kernels: Mutex::default(),
@@ -141,7 +141,7 @@ impl DeviceScene<'_> {
     pub fn check(&self) -> Result<(), DeviceError> {
         match self.failure.get() {
             None | Some(DeviceFault::Stopped) => Ok(()),
-            Some(fault) => Err(self.device.failed(fault)),
+            Some(fault) => Err(failed(self.device.name(), fault)),
         }
     }
 

@@ -60,10 +60,14 @@ pub(crate) trait LibraryDevice: Send + Sync {
     fn n_bytes(&self) -> u64;
 
     /// Returns the most bytes of one array.
-    fn max_array_bytes(&self) -> u64;
+    fn max_array_bytes(&self) -> u64 {
+        self.n_bytes()
+    }
 
     /// Returns true if it computes in double precision.
-    fn has_doubles(&self) -> bool;
+    fn has_doubles(&self) -> bool {
+        true
+    }
 
     /// Compiles a program, given without the prelude of the device's language.
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault>;

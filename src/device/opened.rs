@@ -51,7 +51,7 @@ impl DeviceLibrary {
 
 /// A device whose arithmetic agrees with the processor's.
 pub struct Device {
-    machine: Box<dyn LibraryDevice>,
+    pub(crate) machine: Box<dyn LibraryDevice>,
     name: String,
     /// The text of the program that was compiled last, and the program.
     program: Mutex<Option<(String, Arc<dyn DeviceProgram>)>>,
@@ -107,10 +107,6 @@ impl Device {
         &self.name
     }
 
-    pub(crate) fn machine(&self) -> &dyn LibraryDevice {
-        &*self.machine
-    }
-
     /// Returns the program with this text.
     pub(crate) fn program(&self, text: String) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let mut last = locked(&self.program);
@@ -121,10 +117,6 @@ impl Device {
         *last = Some((text, Arc::clone(&program)));
         Ok(program)
     }
-
-    pub(crate) fn failed(&self, fault: &DeviceFault) -> DeviceError {
-        failed(&self.name, fault)
-    }
 }
 
 impl fmt::Debug for Device {
@@ -133,7 +125,8 @@ impl fmt::Debug for Device {
     }
 }
 
-fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
+/// Returns that the device of this name has failed.
+pub(crate) fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
     if let DeviceFault::Missing(library) = fault {
         let message =
             format!("the device {name} needs `{library}`, which the system does not have");

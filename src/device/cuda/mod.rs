@@ -54,15 +54,6 @@ impl LibraryDevice for CudaDevice {
         self.driver.device_bytes(self.device).unwrap_or(0) as u64
     }
 
-    fn max_array_bytes(&self) -> u64 {
-        self.n_bytes()
-    }
-
-    /// All cards do for which NVRTC compiles.
-    fn has_doubles(&self) -> bool {
-        true
-    }
-
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let attribute = |attribute| self.driver.device_attribute(attribute, self.device);
         let [major, minor] = CAPABILITY.map(attribute);
