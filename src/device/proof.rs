@@ -30,12 +30,8 @@ pub(crate) fn refute(device: &dyn LibraryDevice) -> Result<Option<String>, Devic
     let (queue, output) = &mut *held;
     queue.launch(Kernel::ARITHMETIC, &input, output, N_TRIPLES)?;
     let (_, output) = ManuallyDrop::into_inner(held);
-    let triples = input
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .zip(output.as_chunks::<8>().0);
-    for (triple, found) in triples {
+    let (triples, results_of_all) = (input.as_chunks::<3>().0, output.as_chunks::<8>().0);
+    for (triple, found) in triples.iter().zip(results_of_all) {
         let [x, y, z] = triple.map(f32::from_bits);
         for ((name, expected), &found) in RESULTS.iter().zip(results(x, y, z)).zip(found) {
             if !is_same(expected, found) {

@@ -129,11 +129,8 @@ impl<'a> SceneArrays<'a> {
 
 /// Returns true if the leaves of a hierarchy hold the primitive's parameters.
 fn is_in_leaf(primitive: &Primitive) -> bool {
-    let kind = primitive.kind();
-    kind.is_some_and(|kind| {
-        matches!(
-            kind,
-            ShapeKind::Triangle | ShapeKind::Sphere | ShapeKind::Capsule
-        )
-    })
+    matches!(
+        primitive.kind(),
+        Some(ShapeKind::Triangle | ShapeKind::Sphere | ShapeKind::Capsule)
+    )
 }
