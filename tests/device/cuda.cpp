@@ -125,7 +125,11 @@ int cuMemAlloc_v2(uint64_t *address, size_t size) {
   return *address ? 0 : OUT_OF_MEMORY;
 }
 
-int cuMemFree_v2(uint64_t address) { return free((void *)address), 0; }
+/* Waits for the launches of all threads. */
+int cuMemFree_v2(uint64_t address) {
+  while (is("hangs") && is_late()) sleep(1);
+  return free((void *)address), 0;
+}
 int cuMemcpyHtoDAsync_v2(uint64_t to, const void *from, size_t n, void *) { return memcpy((void *)to, from, n), 0; }
 int cuMemcpyDtoHAsync_v2(void *to, uint64_t from, size_t n, void *) { return memcpy(to, (void *)from, n), 0; }
 

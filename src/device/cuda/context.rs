@@ -166,12 +166,17 @@ impl CudaMemory {
         Ok(Self { words, len })
     }
 
-    /// Makes the memory longer, if it is too short; then its words are lost.
-    pub(super) fn grow(&mut self, len: usize) -> Result<(), DeviceFault> {
-        if self.len < len {
-            *self = Self::new(&self.words.context, len)?;
+    /// Returns memory for a number of words, the last one if it is long enough. Shorter memory stays:
+    /// to free it would wait for the launches of all threads, one of which may hang.
+    pub(super) fn last_of<'a>(
+        all: &'a mut Vec<Self>,
+        context: &Arc<Context>,
+        len: usize,
+    ) -> Result<&'a Self, DeviceFault> {
+        if all.last().is_none_or(|last| last.len < len) {
+            all.push(Self::new(context, len.next_power_of_two())?);
         }
-        Ok(())
+        Ok(&all[all.len() - 1])
     }
 }
 

@@ -89,11 +89,10 @@ struct CudaScene {
 
 impl LoadedProgram for CudaScene {
     fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        let context = self.module.context();
         Ok(Box::new(CudaQueue {
-            stream: Stream::new(context)?,
-            input: CudaMemory::new(context, 1)?,
-            output: CudaMemory::new(context, 1)?,
+            stream: Stream::new(self.module.context())?,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
             scene: self,
         }))
     }
@@ -102,8 +101,9 @@ impl LoadedProgram for CudaScene {
 struct CudaQueue {
     scene: Arc<CudaScene>,
     stream: Stream,
-    input: CudaMemory,
-    output: CudaMemory,
+    /// Memory for the input and the output of launches, the longest last.
+    inputs: Vec<CudaMemory>,
+    outputs: Vec<CudaMemory>,
 }
 
 impl LaunchQueue for CudaQueue {
@@ -115,13 +115,13 @@ impl LaunchQueue for CudaQueue {
         n: usize,
     ) -> Result<f64, DeviceFault> {
         let CudaScene { module, arrays } = &*self.scene;
-        self.input.grow(input.len())?;
-        self.output.grow(output.len())?;
-        self.stream.write(&self.input, input)?;
-        let arrays = arrays[..kernel.n_arrays].iter();
-        let arrays = arrays.chain([&self.input, &self.output]);
+        let context = module.context();
+        let from = CudaMemory::last_of(&mut self.inputs, context, input.len())?;
+        let to = CudaMemory::last_of(&mut self.outputs, context, output.len())?;
+        self.stream.write(from, input)?;
+        let arrays = arrays[..kernel.n_arrays].iter().chain([from, to]);
         let ns = self.stream.run(module, kernel.name, arrays, n)?;
-        self.stream.read(&self.output, output)?;
+        self.stream.read(to, output)?;
         Ok(ns)
     }
 
