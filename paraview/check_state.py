@@ -2,7 +2,7 @@
 
     xvfb-run -a pvbatch paraview/check_state.py STATE.pvsm DATADIR OUT.png [--require time_ns,RGB]
 
-Exits with 0 if everything holds, with 1 and one FAIL line a problem if not:
+Checks several states if -- stands between them, which is faster: ParaView starts once. Exits with 0 if everything holds, with 1 and one FAIL line a problem if not:
 - each source reads a file of DATADIR, gives points or rows, and every array has a finite range;
 - the required arrays exist, and so does each array that a view colors by;
 - VTK reports no error from loading to the last picture;
@@ -25,8 +25,8 @@ from paraview.vtk.util.numpy_support import vtk_to_numpy
 MIN_CHANGED = {"RenderView": 0.02, "XYBarChartView": 0.002}  # of a view's pixels, when its data is hidden
 
 
-def main():
-    args = arguments()
+def check(args):
+    """The number of problems of a state, printed."""
     problems = []
     window = vtk.vtkOutputWindow.GetInstance()
     window.AddObserver("ErrorEvent", lambda *_: problems.append("VTK reported an error, see above"))
@@ -49,10 +49,10 @@ def main():
     for problem in dict.fromkeys(problems):
         print("FAIL", problem)
     print("FAILED" if problems else "OK", args.state)
-    return 1 if problems else 0
+    return len(problems)
 
 
-def arguments():
+def arguments(words):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("state", type=Path, help="the .pvsm file")
     parser.add_argument("data", type=Path, help="the output folder whose files it must show")
@@ -65,7 +65,7 @@ def arguments():
         "--from-state", action="store_true", help="use the state's own paths, seek no file in DATADIR"
     )
     parser.add_argument("--allow-empty", action="store_true", help="let sources be empty and views blank")
-    return parser.parse_args()
+    return parser.parse_args(words)
 
 
 def check_source(name, source, args):
@@ -140,10 +140,21 @@ def pixels(view):
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[..., :3].astype(int)
 
 
-def run():
-    """The exit code of `main`; a traceback is a failure."""
+def main():
+    """The exit code; a traceback is a failure."""
+    states = [[]]
+    for word in sys.argv[1:]:
+        if word == "--":
+            states.append([])
+        else:
+            states[-1].append(word)
     try:
-        return main()
+        code = 0
+        for args in [arguments(words) for words in states]:
+            if check(args):
+                code = 1
+            pv.ResetSession()
+        return code
     except SystemExit as usage:
         return usage.code
     except Exception:
@@ -152,6 +163,6 @@ def run():
 
 
 if __name__ == "__main__":
-    code = run()
+    code = main()
     sys.stdout.flush()
     os._exit(code)  # pvbatch's own exit code hides failures

@@ -1,5 +1,6 @@
 //! Loads states in a real ParaView.
 
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -85,14 +86,35 @@ pub fn on_virtual_screen_of(size: &str) -> Command {
     command
 }
 
-/// Loads the state in ParaView and checks the picture.
-pub fn load(state: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Output {
+/// The arguments of `check_state.py` for a state: its file, its output folder, its picture and flags.
+pub fn state(file: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Vec<OsString> {
+    let paths = [file, out, screenshot].map(OsString::from);
+    let flags = flags.iter().map(OsString::from);
+    paths.into_iter().chain(flags).collect()
+}
+
+/// Loads states of an output folder in one ParaView, and checks their pictures.
+pub fn load(out: &Path, states: &[Vec<OsString>]) -> Output {
     on_virtual_screen()
         .arg("pvbatch")
         .arg(in_repository("paraview/check_state.py"))
-        .args([state, out, screenshot])
-        .args(flags)
+        .args(states.join(&OsString::from("--")))
         .env("RAYCOST_OUT", out)
         .output()
         .expect("run tests/with-paraview")
+}
+
+/// Loads the states of these names by their own paths, which show these arrays, with commas between them.
+pub fn load_own(out: &Path, states: &[(&str, &str)]) {
+    let states = states.iter().map(|(name, arrays)| {
+        let file = out.join(name).with_extension("pvsm");
+        let require = format!("--require={arrays}");
+        state(
+            &file,
+            out,
+            &screenshot(out, name),
+            &["--from-state", &require],
+        )
+    });
+    assert_success(&load(out, &states.collect::<Vec<_>>()));
 }

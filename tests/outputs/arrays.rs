@@ -8,7 +8,7 @@ use base::Keyword;
 use scene::config::PixelArray;
 
 use crate::common::data_set::DataSet;
-use crate::common::paraview::{load, render, screenshot};
+use crate::common::paraview::{load_own, render};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// The arrays of the points and cells of a cloud.
@@ -286,11 +286,6 @@ fn states_of_chosen_arrays_load() {
     ] {
         let arrays = format!("--set=output.arrays=[{chosen}]");
         let out = render(&scene, name, &[&arrays]);
-        for (state, required) in shown {
-            let file = out.join(state).with_extension("pvsm");
-            let require = format!("--require={required}");
-            let flags = ["--from-state", &require];
-            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
-        }
+        load_own(&out, shown);
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 
-use crate::common::paraview::{NOTHING, load, scene_file, screenshot, trace};
+use crate::common::paraview::{NOTHING, load, load_own, scene_file, screenshot, state, trace};
 use crate::common::{assert_success, in_repository};
 
 /// Camera, shadow and reflection rays, as the state has them.
@@ -15,11 +15,10 @@ const KINDS: [[u8; 3]; 3] = [[0, 115, 179], [230, 158, 0], [214, 94, 0]];
 fn shown(scene: &str, name: &str, arguments: &[&str], cost: &str) -> (PathBuf, RgbImage) {
     let scene = in_repository("configs").join(scene).with_extension("yaml");
     let out = trace(&scene, name, arguments);
-    let picture = screenshot(&out, "rays");
-    let require = format!("--require=kind,length,contribution,RGB,{cost}");
-    let flags = ["--from-state", &require];
-    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
-    (out, image::open(picture).unwrap().to_rgb8())
+    let arrays = format!("kind,length,contribution,RGB,{cost}");
+    load_own(&out, &[("rays", &arrays)]);
+    let picture = image::open(screenshot(&out, "rays")).unwrap();
+    (out, picture.to_rgb8())
 }
 
 /// The number of pixels with this color, without the legends: below two views side by side, or below
@@ -47,7 +46,8 @@ fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
     // The state of the repository shows any output.
     let file = in_repository("paraview/rays.pvsm");
     let by_variable = screenshot(&out, "rays by variable");
-    assert_success(&load(&file, &out, &by_variable, &["--from-state"]));
+    let state = state(&file, &out, &by_variable, &["--from-state"]);
+    assert_success(&load(&out, &[state]));
 }
 
 #[test]
@@ -84,9 +84,7 @@ fn rays_of_brute_force_are_shown_by_tests() {
         "rays of brute force",
         &["--pixel=200,200", "--no-cost"],
     );
-    let picture = screenshot(&out, "rays");
-    let flags = ["--from-state", "--require=primitive_tests"];
-    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
+    load_own(&out, &[("rays", "primitive_tests")]);
     assert!(read(&out).contains("Primitive tests of each ray"));
 }
 
@@ -96,7 +94,8 @@ fn a_ray_that_meets_nothing_is_shown() {
     let out = trace(&scene_file("no rays", NOTHING), "no hits", &["--pixel=3,4"]);
     let picture = screenshot(&out, "rays");
     let flags = ["--from-state", "--allow-empty"];
-    assert_success(&load(&out.join("rays.pvsm"), &out, &picture, &flags));
+    let state = state(&out.join("rays.pvsm"), &out, &picture, &flags);
+    assert_success(&load(&out, &[state]));
     let picture = image::open(picture).unwrap().to_rgb8();
     assert!(n_pixels(&picture, KINDS[0]) > 300);
 }

@@ -8,7 +8,9 @@ use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 
 use crate::common::data_set::DataSet;
-use crate::common::paraview::{NOTHING, folder, load, render, scene_file, screenshot};
+use crate::common::paraview::{
+    NOTHING, folder, load, load_own, render, scene_file, screenshot, state,
+};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// A scene far from the origin, taller than wide, without symmetry.
@@ -75,16 +77,20 @@ fn an_orthographic_view_is_shown() {
     shows_its_output(&render(&scene, "orthographic", &size), "time_ns");
 }
 
+/// The text of a state.
+fn read(out: &Path, state: &str) -> String {
+    fs::read_to_string(out.join(state).with_extension("pvsm")).unwrap()
+}
+
 /// The states of the folder load by their own paths, with this array of the
 /// cost, and the cloud looks like the picture.
 fn shows_its_output(out: &Path, cost: &str) {
-    for state in ["geometry", "heatmap", "overview"] {
-        let file = out.join(state).with_extension("pvsm");
-        let screenshot = screenshot(out, state);
-        assert!(fs::read_to_string(&file).unwrap().contains(cost));
-        let require = format!("--require={cost},RGB");
-        assert_success(&load(&file, out, &screenshot, &["--from-state", &require]));
+    let states = ["geometry", "heatmap", "overview"];
+    for state in states {
+        assert!(read(out, state).contains(cost));
     }
+    let arrays = format!("{cost},RGB");
+    load_own(out, &states.map(|state| (state, &*arrays)));
     assert_likeness(out);
 }
 
@@ -106,11 +112,8 @@ fn pieces_are_shown() {
     let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
     let out = render(&scene, "pieces", &flags);
     assert!(out.join("frame.pvti").exists());
-    for state in ["geometry", "heatmap", "overview"] {
-        let file = out.join(state).with_extension("pvsm");
-        let flags = ["--from-state", "--require=time_ns,RGB"];
-        assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
-    }
+    let states = ["geometry", "heatmap", "overview"];
+    load_own(&out, &states.map(|state| (state, "time_ns,RGB")));
 }
 
 #[test]
@@ -135,18 +138,13 @@ fn what_things_cost_is_shown() {
         let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
         flags.extend(cost);
         let out = render(&scene, name, &flags);
-        for (state, arrays) in [
-            ("surface", "wasted_tests,radius"),
-            ("bvh", "wasted_visits,RGB"),
-        ] {
-            let file = out.join(state).with_extension("pvsm");
-            let text = fs::read_to_string(&file).unwrap();
+        for state in ["surface", "bvh"] {
             let is_timed = cost.is_none() && !(state == "bvh" && name == "charged root");
+            let text = read(&out, state);
             assert_eq!(text.contains("time_ns*"), is_timed, "{name}, {state}");
-            let require = format!("--require={arrays}");
-            let flags = ["--from-state", &require];
-            assert_success(&load(&file, &out, &screenshot(&out, state), &flags));
         }
+        let [surface, bvh] = ["wasted_tests,radius", "wasted_visits,RGB"];
+        load_own(&out, &[("surface", surface), ("bvh", bvh)]);
     }
 }
 
@@ -157,11 +155,9 @@ fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
     let arrays = "--set=output={ also: [noise], arrays: [RGB, noise, efficiency] }";
     let flags = ["--width=200", "--height=150", "--spp=16", arrays];
     let out = render(&scene, "noise", &flags);
-    let state = out.join("heatmap.pvsm");
-    let text = fs::read_to_string(&state).unwrap();
+    let text = read(&out, "heatmap");
     assert!(text.contains("log10(max(noise,") && text.contains("Efficiency of the samples"));
-    let flags = ["--from-state", "--require=noise,efficiency"];
-    assert_success(&load(&state, &out, &screenshot(&out, "heatmap"), &flags));
+    load_own(&out, &[("heatmap", "noise,efficiency")]);
 }
 
 #[test]
@@ -169,11 +165,8 @@ fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &["--no-cost"]);
-    let state = out.join("geometry.pvsm");
-    let text = fs::read_to_string(&state).unwrap();
-    assert!(text.contains("Distance from the camera"));
-    let flags = ["--from-state", "--require=distance,RGB"];
-    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+    assert!(read(&out, "geometry").contains("Distance from the camera"));
+    load_own(&out, &[("geometry", "distance,RGB")]);
     assert_likeness(&out);
 }
 
@@ -181,9 +174,10 @@ fn a_state_without_measured_cost_shows_the_distance() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_of_no_hits_loads() {
     let out = render(&scene_file("nothing", NOTHING), "nothing", &[]);
-    let state = out.join("geometry.pvsm");
+    let file = out.join("geometry.pvsm");
     let flags = ["--from-state", "--allow-empty"];
-    assert_success(&load(&state, &out, &screenshot(&out, "geometry"), &flags));
+    let state = state(&file, &out, &screenshot(&out, "geometry"), &flags);
+    assert_success(&load(&out, &[state]));
 }
 
 #[test]
@@ -192,25 +186,9 @@ fn a_diff_is_shown() {
     for (cost, array) in [("time", "time_ns"), ("counters", "primitive_tests")] {
         let cost = format!("--cost={cost}");
         let out = diff(&format!("diff {array}"), &[&cost]);
-        let file = out.join("diff.pvsm");
-        let require = format!("--require={array}_difference,{array}_ratio");
-        let flags = ["--from-state", &require];
-        assert!(
-            fs::read_to_string(&file)
-                .unwrap()
-                .contains(&format!("{array}_ratio"))
-        );
-        assert_success(&load(&file, &out, &screenshot(&out, "diff"), &flags));
-        // The template, too.
-        let template = in_repository("paraview/diff.pvsm");
-        if array == "time_ns" {
-            assert_success(&load(
-                &template,
-                &out,
-                &screenshot(&out, "diff by variable"),
-                &flags,
-            ));
-        }
+        assert!(read(&out, "diff").contains(&format!("{array}_ratio")));
+        let arrays = format!("{array}_difference,{array}_ratio");
+        load_own(&out, &[("diff", &arrays)]);
     }
 }
 
@@ -250,9 +228,7 @@ fn the_schedule_is_shown() {
         ),
     ] {
         let out = render(&tower, name, &[&["--also=schedule"], &flags[..]].concat());
-        let state = out.join("schedule.pvsm");
-        let flags = ["--from-state", "--require=RGB,duration_ns,thread,start_ns"];
-        assert_success(&load(&state, &out, &screenshot(&out, "schedule"), &flags));
+        load_own(&out, &[("schedule", "RGB,duration_ns,thread,start_ns")]);
     }
 }
 
@@ -261,16 +237,22 @@ fn the_schedule_is_shown() {
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
-    for state in [
-        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
-    ] {
-        let file = in_repository("paraview").join(state).with_extension("pvsm");
-        // `load` sets RAYCOST_OUT, which the paths begin with.
-        let by_variable = screenshot(&out, &format!("{state} by variable"));
-        assert_success(&load(&file, &out, &by_variable, &["--from-state"]));
-        let by_folder = screenshot(&out, &format!("{state} by folder"));
-        assert_success(&load(&file, &out, &by_folder, &[]));
-    }
+    let other = render(&scene, "repository 2", &[]);
+    let mut command = raycost();
+    command.arg("diff").args([&other, &out]);
+    assert_success(&command.arg("--out").arg(&out).output().unwrap());
+    let names = [
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh", "diff",
+    ];
+    let states = names.iter().flat_map(|name| {
+        let file = in_repository("paraview").join(name).with_extension("pvsm");
+        // The paths begin with the variable RAYCOST_OUT, which `load` sets, unless a folder is chosen.
+        [("variable", &["--from-state"][..]), ("folder", &[])].map(|(by, flags)| {
+            let picture = screenshot(&out, &format!("{name} by {by}"));
+            state(&file, &out, &picture, flags)
+        })
+    });
+    assert_success(&load(&out, &states.collect::<Vec<_>>()));
 }
 
 #[test]
@@ -280,13 +262,14 @@ fn a_moved_folder_is_found_by_its_new_name_alone() {
     let out = before.with_file_name("moved");
     let _ = fs::remove_dir_all(&out);
     fs::rename(before, &out).unwrap();
-    let state = out.join("heatmap.pvsm");
-    let screenshot = screenshot(&out, "heatmap");
-    let by_old_name = load(&state, &out, &screenshot, &["--from-state"]);
+    let file = out.join("heatmap.pvsm");
+    let picture = screenshot(&out, "heatmap");
+    let load = |flags: &[&str]| load(&out, &[state(&file, &out, &picture, flags)]);
+    let by_old_name = load(&["--from-state"]);
     assert_eq!(by_old_name.status.code(), Some(1));
     let text = String::from_utf8_lossy(&by_old_name.stdout);
     assert!(text.contains("FAIL frame.vti: there is no file"), "{text}");
-    assert_success(&load(&state, &out, &screenshot, &[]));
+    assert_success(&load(&[]));
 }
 
 /// ParaView 5.12 and later opens `image.png` as a state.
