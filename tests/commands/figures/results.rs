@@ -38,8 +38,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     }),
     ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
-    ("embree-packets", |of| {
-        of.embree_ratios("stream / packets of 16")
+    ("embree-streams", |of| {
+        of.embree_ratios("stream / single rays")
     }),
     ("embree-builds", Results::embree_builds),
     ("povray", Results::povray),
