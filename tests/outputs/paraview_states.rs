@@ -112,8 +112,10 @@ fn pieces_are_shown() {
     let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
     let out = render(&scene, "pieces", &flags);
     assert!(out.join("frame.pvti").exists());
-    let states = ["geometry", "heatmap", "overview"];
-    load_own(&out, &states.map(|state| (state, "time_ns,RGB")));
+    // One by one: ParaView 5.11 crashes at the second cloud of pieces.
+    for state in ["geometry", "heatmap", "overview"] {
+        load_own(&out, &[(state, "time_ns,RGB")]);
+    }
 }
 
 #[test]
