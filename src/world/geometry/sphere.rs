@@ -55,7 +55,12 @@ impl RayTest for Sphere {
         let (to_center, radius) = (vector(parameters, 0) - origin, parameters[3]);
         let a = squared_length(direction);
         let equation = SphereEquation::new(to_center, radius * radius, direction, a);
-        R::select(equation.hits(), equation.first(), radius.splat(0.0))
+        let hits = equation.hits();
+        // Most single rays miss, and the roots take the most time.
+        if hits.none() {
+            return radius.splat(0.0);
+        }
+        R::select(hits, equation.first(), radius.splat(0.0))
     }
 }
 
