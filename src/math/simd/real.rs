@@ -4,6 +4,7 @@
 //! point, with lanes for eight, and the results agree to the last bit: each operation is rounded as
 //! IEEE 754 says, and none is fused.
 
+use std::hash::{Hash, Hasher};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// A number, or one per lane. Comparisons with NaN are false.
@@ -95,12 +96,20 @@ pub trait LookupTable<const N: usize, const M: usize> {
 }
 
 /// A table for other devices.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeviceTable {
     /// The name of the device's function that looks values up.
     pub function: &'static str,
     /// The words that the function reads.
     pub words: Vec<u32>,
+}
+
+/// The first words tell most tables apart; those of large pictures take long.
+impl Hash for DeviceTable {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let first = &self.words[..self.words.len().min(64)];
+        (self.function, self.words.len(), first).hash(state);
+    }
 }
 
 /// Looks up rows by index.
