@@ -41,7 +41,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("embree-streams", |of| {
         of.embree_ratios("stream / single rays")
     }),
-    ("embree-builds", Results::embree_builds),
+    ("embree-builds", |of| of.embree_builds("high")),
+    ("embree-fast-builds", |of| of.embree_builds("fast")),
     ("povray", Results::povray),
     ("povray-ratio", |of| {
         let ratio = &of.0.get("povray")?["ratios"]["POV-Ray"]["median"];
@@ -400,12 +401,12 @@ impl Results {
         ))
     }
 
-    /// "1.9 (soup), …": the times to build hierarchies of high quality over Embree's.
-    fn embree_builds(&self) -> Option<String> {
+    /// "1.9 (soup), …": the times to build hierarchies of a quality over Embree's.
+    fn embree_builds(&self, quality: &str) -> Option<String> {
         let rows = self.list("embree", "rows")?.iter();
         let built = rows.filter(|row| {
             let is_build = row["outcome"]["discipline"] == "build";
-            row["n_threads"] == 2 && row["quality"][0] == "high" && is_build
+            row["n_threads"] == 2 && row["quality"][0] == quality && is_build
         });
         let build = |row: &Value| {
             let times = 1.0 / row["outcome"]["ratio"]["estimate"].as_f64()?;
