@@ -93,6 +93,11 @@ pub fn state(file: &Path, out: &Path, screenshot: &Path, flags: &[&str]) -> Vec<
     paths.into_iter().chain(flags).collect()
 }
 
+/// Returns the text of a state.
+pub fn read(out: &Path, state: &str) -> String {
+    fs::read_to_string(out.join(state).with_extension("pvsm")).unwrap()
+}
+
 /// Loads states of an output folder in one ParaView, and checks their pictures.
 pub fn load(out: &Path, states: &[Vec<OsString>]) -> Output {
     on_virtual_screen()

@@ -1,11 +1,13 @@
 //! ParaView loads `rays.pvsm` without an error or a warning, and shows rays in
 //! the colors of their kinds. Screenshots stay in `target/paraview/`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use image::RgbImage;
 
-use crate::common::paraview::{NOTHING, load, load_own, scene_file, screenshot, state, trace};
+use crate::common::paraview::{
+    NOTHING, load, load_own, read, scene_file, screenshot, state, trace,
+};
 use crate::common::{assert_success, in_repository};
 
 /// Camera, shadow and reflection rays, as the state has them.
@@ -31,10 +33,6 @@ fn n_pixels(picture: &RgbImage, color: [u8; 3]) -> usize {
     in_view.filter(|(.., pixel)| like(&pixel.0)).count()
 }
 
-fn read(out: &Path) -> String {
-    std::fs::read_to_string(out.join("rays.pvsm")).unwrap()
-}
-
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
@@ -42,7 +40,7 @@ fn the_rays_of_a_pixel_are_shown_by_kind_and_by_time() {
     for color in KINDS {
         assert!(n_pixels(&picture, color) > 300, "{color:?}");
     }
-    assert!(read(&out).contains("Time of each ray (&#181;s)"));
+    assert!(read(&out, "rays").contains("Time of each ray (&#181;s)"));
     // The state of the repository shows any output.
     let file = in_repository("paraview/rays.pvsm");
     let by_variable = screenshot(&out, "rays by variable");
@@ -68,7 +66,7 @@ fn rays_through_parallel_pixels_and_to_a_light_without_end_are_shown() {
     for color in &KINDS[..2] {
         assert!(n_pixels(&picture, *color) > 300, "{color:?}");
     }
-    assert!(read(&out).contains("BVH nodes visited by each ray"));
+    assert!(read(&out, "rays").contains("BVH nodes visited by each ray"));
 }
 
 #[test]
@@ -85,7 +83,7 @@ fn rays_of_brute_force_are_shown_by_tests() {
         &["--pixel=200,200", "--no-cost"],
     );
     load_own(&out, &[("rays", "primitive_tests")]);
-    assert!(read(&out).contains("Primitive tests of each ray"));
+    assert!(read(&out, "rays").contains("Primitive tests of each ray"));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use image::{Rgb, RgbImage};
 
 use crate::common::data_set::DataSet;
 use crate::common::paraview::{
-    NOTHING, folder, load, load_own, render, scene_file, screenshot, state,
+    NOTHING, folder, load, load_own, read, render, scene_file, screenshot, state,
 };
 use crate::common::{assert_success, in_repository, raycost};
 
@@ -75,11 +75,6 @@ fn an_orthographic_view_is_shown() {
     let scene = in_repository("configs/orthographic_grid.yaml");
     let size = ["--width=350", "--height=350"];
     shows_its_output(&render(&scene, "orthographic", &size), "time_ns");
-}
-
-/// The text of a state.
-fn read(out: &Path, state: &str) -> String {
-    fs::read_to_string(out.join(state).with_extension("pvsm")).unwrap()
 }
 
 /// The states of the folder load by their own paths, with this array of the
@@ -189,8 +184,20 @@ fn a_diff_is_shown() {
         let cost = format!("--cost={cost}");
         let out = diff(&format!("diff {array}"), &[&cost]);
         assert!(read(&out, "diff").contains(&format!("{array}_ratio")));
-        let arrays = format!("{array}_difference,{array}_ratio");
-        load_own(&out, &[("diff", &arrays)]);
+        let require = format!("--require={array}_difference,{array}_ratio");
+        // The template, too.
+        let template = in_repository("paraview/diff.pvsm");
+        let states = [
+            (out.join("diff.pvsm"), "diff"),
+            (template, "diff by variable"),
+        ];
+        let states = states.map(|(file, name)| {
+            let flags = ["--from-state", &require];
+            state(&file, &out, &screenshot(&out, name), &flags)
+        });
+        // It shows times.
+        let n = if array == "time_ns" { 2 } else { 1 };
+        assert_success(&load(&out, &states[..n]));
     }
 }
 
@@ -239,12 +246,8 @@ fn the_schedule_is_shown() {
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
-    let other = render(&scene, "repository 2", &[]);
-    let mut command = raycost();
-    command.arg("diff").args([&other, &out]);
-    assert_success(&command.arg("--out").arg(&out).output().unwrap());
     let names = [
-        "geometry", "heatmap", "overview", "schedule", "surface", "bvh", "diff",
+        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
     ];
     let states = names.iter().flat_map(|name| {
         let file = in_repository("paraview").join(name).with_extension("pvsm");
