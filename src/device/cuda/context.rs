@@ -167,7 +167,7 @@ impl CudaMemory {
     }
 
     /// Returns memory for a number of words, the last one if it is long enough. Shorter memory stays:
-    /// to free it would wait for the launches of all threads, one of which may hang.
+    /// to free it would wait for the launches of all threads, and one may hang.
     pub(super) fn last_of<'a>(
         all: &'a mut Vec<Self>,
         context: &Arc<Context>,

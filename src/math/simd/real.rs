@@ -104,7 +104,7 @@ pub struct DeviceTable {
     pub words: Vec<u32>,
 }
 
-/// The first words tell most tables apart; those of large pictures take long.
+/// The first words differ between most tables; to hash all words of a large picture takes long.
 impl Hash for DeviceTable {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let first = &self.words[..self.words.len().min(64)];
