@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 
 use super::encoded::ArrayEncoding;
+use super::values::Skip;
 use crate::codec::{BLOCK, Compressor};
 use crate::compressed::table_head;
 use host::files::PositionedReader;
@@ -118,6 +119,31 @@ impl Decompressed<'_> {
     }
 }
 
+impl Skip for Decompressed<'_> {
+    fn skip(&mut self, mut n: u64) -> io::Result<()> {
+        loop {
+            let rest = (self.block.len() - self.n_read) as u64;
+            if n <= rest {
+                self.n_read += n as usize;
+                return Ok(());
+            }
+            n -= rest;
+            match self.lengths.as_slice() {
+                [] => return Err(io::ErrorKind::UnexpectedEof.into()),
+                // Nothing of the next block is wanted.
+                [length, _, ..] if n >= BLOCK as u64 => {
+                    self.lengths.next();
+                    self.from.position += length;
+                    self.n_left -= BLOCK as u64;
+                    self.n_read = self.block.len();
+                    n -= BLOCK as u64;
+                }
+                _ => self.advance()?,
+            }
+        }
+    }
+}
+
 impl Read for Decompressed<'_> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.n_read == self.block.len() {
@@ -140,7 +166,7 @@ mod tests {
     use crate::appended;
     use crate::array::Array;
     use crate::data_set::{CellMesh, DataSet};
-    use crate::read::{DataArrayElement, VtkReader};
+    use crate::read::{DataArrayElement, Selection, VtkReader};
 
     /// Lengths around multiples of the block size, and any others.
     fn lengths() -> impl Strategy<Value = usize> {
@@ -155,22 +181,40 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
 
-        /// Runs of noise and of zeros survive compression.
+        /// Runs of noise and of zeros survive compression, and rows can be left out.
         #[test]
-        fn decompression_inverts_compression(n in lengths(), stretch in 1..1000_usize, seed: u32) {
+        fn decompression_inverts_compression(
+            n in lengths(),
+            stretch in 1..1000_usize,
+            seed: u32,
+            width in 1..9000_usize,
+            step in 1..200_usize,
+        ) {
             let noise = |i: usize| (seed ^ i as u32).wrapping_mul(2_654_435_761) >> 24;
             let is_noise = |i: usize| (i / stretch).is_multiple_of(2);
             let bytes: Vec<u8> = (0..n).map(|i| is_noise(i) as u8 * noise(i) as u8).collect();
+            // As an image, whose bottom row comes first.
+            let bytes = &bytes[..n - n % width];
+            let size = [width, n / width];
+            let rows: Vec<u32> = (0..size[1] as u32).step_by(step).collect();
+            let last = [width as u32 - 1];
+            let last_of_rows: Vec<u8> = rows.iter().map(|&y| bytes[(size[1] - y as usize) * width - 1]).collect();
+            let selection = Selection { size, n_components: 1, columns: &last, rows: &rows };
             for codec in [Codec::None, Codec::Lz4, Codec::Zlib] {
-                let (found, points) = written_and_read(&bytes, codec);
+                let (found, points, selected) = written_and_read(bytes, codec, &selection);
                 prop_assert!(found == bytes, "{codec:?}");
                 prop_assert!(points.iter().flatten().zip(0..).all(|(&x, i)| x == i as f32));
+                prop_assert!(selected == last_of_rows, "{codec:?}");
             }
         }
     }
 
-    /// Writes and reads the bytes as a point array; also returns the points.
-    fn written_and_read(bytes: &[u8], codec: Codec) -> (Vec<u8>, Vec<[f32; 3]>) {
+    /// Writes and reads the bytes as a point array; also returns the points, and the selected bytes.
+    fn written_and_read(
+        bytes: &[u8],
+        codec: Codec,
+        selection: &Selection,
+    ) -> (Vec<u8>, Vec<[f32; 3]>, Vec<u8>) {
         let n = bytes.len();
         let point = |i: usize| [0, 1, 2].map(|j| (3 * i + j) as f32);
         let cloud = CellMesh {
@@ -193,6 +237,9 @@ mod tests {
         };
         let points = read(&piece.points);
         let points = points.as_slice::<f32>().unwrap().as_chunks().0.to_vec();
-        (read(&piece.point_data).bytes().to_vec(), points)
+        let location = file.place(&piece.point_data[0], n as u64).unwrap();
+        let selected = file.read_selected(&location, selection).unwrap();
+        let selected = selected.bytes().to_vec();
+        (read(&piece.point_data).bytes().to_vec(), points, selected)
     }
 }

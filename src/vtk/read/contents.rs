@@ -1,14 +1,23 @@
 //! Reads the numbers of an array from an open VTK file.
 
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader};
 use std::ops::Range;
 
 use super::reader::{ArrayLocation, Storage, VtkReader, cannot_read};
-use super::values::{ArrayValues, Selection};
+use super::values::{ArrayValues, Selection, Skip};
 use base::numbers::{self, count};
 use host::files::PositionedReader;
 use host::text::Diagnostic;
 use host::{available_memory, may_fail};
+
+impl Skip for BufReader<PositionedReader<'_>> {
+    fn skip(&mut self, n: u64) -> io::Result<()> {
+        let n_buffered = n.min(self.buffer().len() as u64);
+        self.consume(n_buffered as usize);
+        self.get_mut().position += n - n_buffered;
+        Ok(())
+    }
+}
 
 impl VtkReader {
     /// Reads an array, in the file's order.
@@ -27,20 +36,21 @@ impl VtkReader {
         let [numbers_per_row, row_bytes] =
             [place.n_numbers, place.n_bytes].map(|n| n / (n_rows as u64).max(1));
         let first = (n_rows - rows.end) as u64 * row_bytes;
-        let fill = |values: &mut ArrayValues, from: &mut dyn Read| {
+        let fill = |values: &mut ArrayValues, from: &mut dyn Skip| {
             values.read_rows(row_bytes as usize, from)
         };
         self.read_by(place, rows.len() as u64 * numbers_per_row, first, fill)
     }
 
-    /// Reads the selected pixels of an array of an image.
+    /// Reads the selected pixels of an array of an image. Reads no other rows, and decompresses only
+    /// the blocks of these.
     pub fn read_selected(
         &self,
         place: &ArrayLocation,
         selection: &Selection,
     ) -> Result<ArrayValues, Diagnostic> {
         let fill =
-            |values: &mut ArrayValues, from: &mut dyn Read| values.read_selected(selection, from);
+            |values: &mut ArrayValues, from: &mut dyn Skip| values.read_selected(selection, from);
         self.read_by(place, selection.n_numbers(), 0, fill)
     }
 
@@ -51,7 +61,7 @@ impl VtkReader {
         place: &ArrayLocation,
         n_numbers: u64,
         first: u64,
-        fill: impl FnOnce(&mut ArrayValues, &mut dyn Read) -> io::Result<()>,
+        fill: impl FnOnce(&mut ArrayValues, &mut dyn Skip) -> io::Result<()>,
     ) -> Result<ArrayValues, Diagnostic> {
         let name = &place.name;
         let mut values = self.zeros(place, n_numbers)?;

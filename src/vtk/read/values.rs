@@ -7,6 +7,12 @@ use vtkio::model::{ByteOrder, ScalarType};
 
 use crate::header::NATIVE_ORDER;
 
+/// A reader that can leave out bytes.
+pub(super) trait Skip: Read {
+    /// Passes over the next `n` bytes, which there are.
+    fn skip(&mut self, n: u64) -> io::Result<()>;
+}
+
 /// The type of the numbers of an array.
 pub trait Scalar: bytemuck::Pod {
     /// Returns the numbers, if they have this type.
@@ -184,7 +190,11 @@ impl ArrayValues {
 
     /// Reads the selected pixels from a file that stores all rows of the image, bottom row first;
     /// one row is in memory at a time.
-    pub fn read_selected(&mut self, selection: &Selection, from: &mut dyn Read) -> io::Result<()> {
+    pub(super) fn read_selected(
+        &mut self,
+        selection: &Selection,
+        from: &mut dyn Skip,
+    ) -> io::Result<()> {
         let [n_columns, n_rows] = selection.size;
         let n_selected = selection.columns.len() * selection.rows.len();
         let bytes = self.bytes_mut();
@@ -194,14 +204,15 @@ impl ArrayValues {
         let selected = bytes
             .chunks_exact_mut(selected_row_bytes)
             .zip(selection.rows);
-        let mut selected = selected.rev().peekable();
-        for y in (0..n_rows).rev() {
+        let mut end = n_rows;
+        for (into, &y) in selected.rev() {
+            let n_skipped = end - 1 - y as usize;
+            from.skip((n_skipped * row.len()) as u64)?;
             from.read_exact(&mut row)?;
-            if let Some((into, _)) = selected.next_if(|(_, wanted)| **wanted as usize == y) {
-                for (into, &x) in into.chunks_exact_mut(pixel_bytes).zip(selection.columns) {
-                    let begin = x as usize * pixel_bytes;
-                    into.copy_from_slice(&row[begin..begin + pixel_bytes]);
-                }
+            end = y as usize;
+            for (into, &x) in into.chunks_exact_mut(pixel_bytes).zip(selection.columns) {
+                let begin = x as usize * pixel_bytes;
+                into.copy_from_slice(&row[begin..begin + pixel_bytes]);
             }
         }
         Ok(())
