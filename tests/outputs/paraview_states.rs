@@ -13,6 +13,9 @@ use crate::common::paraview::{
 };
 use crate::common::{assert_success, in_repository, raycost};
 
+/// A picture with fewer pixels than the scene's own, where their number does not matter: ParaView takes less time.
+const SMALL: [&str; 2] = ["--width=200", "--height=150"];
+
 /// A scene far from the origin, taller than wide, without symmetry.
 const TOWER: &str = "
 image: { width: 240, height: 360, samples_per_pixel: 2 }
@@ -48,7 +51,11 @@ fn the_extended_scene_is_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn counters_without_a_time_are_shown() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "counters", &["--cost=counters"]);
+    let out = render(
+        &scene,
+        "counters",
+        &[&SMALL[..], &["--cost=counters"]].concat(),
+    );
     shows_its_output(&out, "node_visits");
 }
 
@@ -94,7 +101,11 @@ fn shows_its_output(out: &Path, cost: &str) {
 fn compressed_files_are_shown() {
     let scene = in_repository("configs/seed_extended.yaml");
     for codec in ["lz4", "zlib"] {
-        let out = render(&scene, codec, &["--compress", codec]);
+        let out = render(
+            &scene,
+            codec,
+            &[&SMALL[..], &["--compress", codec]].concat(),
+        );
         shows_its_output(&out, "time_ns");
     }
 }
@@ -104,7 +115,7 @@ fn compressed_files_are_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn pieces_are_shown() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
+    let flags = ["--memory=60M", "--width=600", "--height=500", "--spp=1"];
     let out = render(&scene, "pieces", &flags);
     assert!(out.join("frame.pvti").exists());
     // One by one: ParaView 5.11 crashes at the second cloud of pieces.
@@ -132,7 +143,7 @@ fn what_things_cost_is_shown() {
         ("charged root", scene_file("flat", &flat), None),
     ];
     for (name, scene, cost) in outputs {
-        let mut flags = vec!["--also=surface,bvh", "--width=200", "--height=150"];
+        let mut flags = [&SMALL[..], &["--also=surface,bvh"]].concat();
         flags.extend(cost);
         let out = render(&scene, name, &flags);
         for state in ["surface", "bvh"] {
@@ -150,7 +161,7 @@ fn what_things_cost_is_shown() {
 fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
     let scene = in_repository("configs/cornell_box.yaml");
     let arrays = "--set=output={ also: [noise], arrays: [RGB, noise, efficiency] }";
-    let flags = ["--width=200", "--height=150", "--spp=16", arrays];
+    let flags = [&SMALL[..], &["--spp=16", arrays]].concat();
     let out = render(&scene, "noise", &flags);
     let text = read(&out, "heatmap");
     assert!(text.contains("log10(max(noise,") && text.contains("Efficiency of the samples"));
@@ -161,7 +172,7 @@ fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "no cost", &["--no-cost"]);
+    let out = render(&scene, "no cost", &[&SMALL[..], &["--no-cost"]].concat());
     assert!(read(&out, "geometry").contains("Distance from the camera"));
     load_own(&out, &[("geometry", "distance,RGB")]);
     assert_likeness(&out);
@@ -210,7 +221,8 @@ fn diff(name: &str, arguments: &[&str]) -> PathBuf {
     let [a, b] = ["bvh", "brute_force"].map(|acceleration| {
         let scene = format!("{TOWER}{}acceleration: {acceleration}\n", &grid[1..]);
         let file = scene_file(acceleration, &scene);
-        render(&file, &format!("{name} {acceleration}"), arguments)
+        let arguments = [&["--width=120", "--height=180"], arguments].concat();
+        render(&file, &format!("{name} {acceleration}"), &arguments)
     });
     let out = folder("out ü & co").join(name);
     let output = raycost()
@@ -245,7 +257,8 @@ fn the_schedule_is_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let out = render(&scene, "repository", &["--also=schedule,surface,bvh"]);
+    let flags = [&SMALL[..], &["--also=schedule,surface,bvh"]].concat();
+    let out = render(&scene, "repository", &flags);
     let names = [
         "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
     ];
