@@ -69,7 +69,7 @@ def heatmap(out):
     cost = in_unit(frame, "POINTS", "cost", "time_ns")
     counter = in_unit(frame, "POINTS", "counter", "node_visits")
     time = picture(cost, "cost", INFERNO, "log", 3)
-    visits = picture(counter, "counter", VIRIDIS, "linear", 3)
+    visits = picture(counter, "counter", VIRIDIS, "log", 3)
     layout("Heatmap", above(0.67, beside(time, visits), histogram(frame, "time_ns", "cost", "histogram.title")))
 
 

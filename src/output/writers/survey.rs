@@ -39,8 +39,8 @@ pub struct Survey {
     pub(super) shown: [Option<Metric>; 2],
     /// The range of the first shown metric; of the distance without one.
     pub(super) shown_range: Range,
-    /// The 0.5 % and the 99.5 % quantile of the second shown metric.
-    pub(super) counter_ends: [f64; 2],
+    /// The range of the second shown metric.
+    pub(super) counter_range: Range,
     pub(super) distances: Distances,
     /// The first heatmap metric as a map that fits into memory; `None` if the film has all pixels.
     pub(super) map: Option<ReducedMap>,
@@ -145,7 +145,6 @@ impl Surveyor {
             Some(_) => Range::from_histogram(&shown),
             None => of_distances(),
         };
-        let quantile = |part: u64| counter.at(counter.n.saturating_sub(1) * part / 200);
         let [time_ns, time_mad_ns] = self.times;
         Survey {
             hashes: self.hashes,
@@ -160,7 +159,7 @@ impl Surveyor {
             sum: sums.into_iter().sum(),
             shown: self.shown,
             shown_range,
-            counter_ends: [1, 199].map(|part| quantile(part).unwrap_or_default().into()),
+            counter_range: Range::from_histogram(&counter),
             distances: Distances::from_histogram(&distances),
             map: self.map.map(ReducedMap::means),
         }

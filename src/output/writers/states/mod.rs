@@ -12,11 +12,12 @@ use attribution::AttributionValues;
 pub(super) use rays::ray_state;
 use tiles::TileValues;
 
-use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, Survey, files, time_notes};
+use super::{FRAME_PVTI, FRAME_VTI, HITS_PVTU, HITS_VTU, RenderingView, files, time_notes};
+use crate::chart::Range;
 use crate::paraview::{Axis, ColorScale, Panels, StateValue, ViewCamera, fill, value_of_panels};
 use base::numbers::capitalized;
 use host::folder::OutputFolder;
-use tracer::cost::{Metric, MetricUnit};
+use tracer::cost::Metric;
 
 /// The template of `geometry.pvsm`.
 pub(super) const GEOMETRY_TEMPLATE: &str = include_str!("geometry.pvsm");
@@ -96,11 +97,15 @@ impl StateValues {
         let size = [film.grid.width, film.grid.height].map(f64::from);
         let n_labels = Panels::new(3, size).n_labels();
         let distances = &survey.distances;
-        let counter = survey.shown[1];
-        let counter = counter.map(|second| counter_axis(second, survey.counter_ends));
+        let [cost, counter] = survey.shown;
+        let cost = cost.map_or_else(
+            || range_axis("distance", "Distance from the camera", survey.shown_range),
+            |first| metric_axis(first, survey.shown_range),
+        );
+        let counter = counter.map(|second| metric_axis(second, survey.counter_range));
         Self {
             subject: subject(rendering),
-            cost: cost_axis(survey).with_labels(n_labels),
+            cost: cost.with_labels(n_labels),
             counter: counter.map(|counter| counter.with_labels(n_labels)),
             camera: ViewCamera::new(&rendering.image_plane(), distances.median),
             size,
@@ -256,31 +261,18 @@ fn with_pieces(template: &str) -> String {
     replaced.collect()
 }
 
-/// Returns the axis of the preferred cost metric, without outliers as in `cost.png`.
-fn cost_axis(survey: &Survey) -> Axis {
-    let range = survey.shown_range;
-    let ends = [range.low, range.high];
-    let axis = |array, name| Axis::new(array, name, ColorScale::Logarithmic, ends);
-    match survey.shown[0] {
-        None => axis("distance", "Distance from the camera"),
-        Some(metric) if metric.is_timed() => {
-            axis(metric.name, &capitalized(metric.title)).in_time_unit()
-        }
-        Some(metric) => axis(metric.name, &capitalized(metric.title)),
+/// Returns the axis of a metric without outliers, as in `cost.png`.
+fn metric_axis(metric: Metric, range: Range) -> Axis {
+    let axis = range_axis(metric.name, &capitalized(metric.title), range);
+    if metric.is_timed() {
+        axis.in_time_unit()
+    } else {
+        axis
     }
 }
 
-/// Returns the axis of the second metric from the 0.5 % to the 99.5 % quantile; its ends
-/// differ, those of counts by at least 1.
-fn counter_axis(metric: Metric, [low, high]: [f64; 2]) -> Axis {
-    let least = match metric.unit {
-        MetricUnit::Ratio => low.abs().max(1.0) * 1e-3,
-        MetricUnit::Nanoseconds | MetricUnit::Count => 1.0,
-    };
-    Axis::new(
-        metric.name,
-        &capitalized(metric.title),
-        ColorScale::Linear,
-        [low, high.max(low + least)],
-    )
+/// Returns the axis of an array over its range.
+fn range_axis(array: &str, name: &str, range: Range) -> Axis {
+    let ends = [range.low, range.high];
+    Axis::new(array, name, ColorScale::Logarithmic, ends)
 }
