@@ -11,7 +11,7 @@ use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::sphere_equation::{SphereEquation, squared_length};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
 use crate::values;
-use math::simd::{Real, Vector};
+use math::simd::{Mask, Real, Vector};
 
 /// The smallest convex surface around two spheres: a cylinder or a cone with round ends.
 ///
@@ -92,10 +92,8 @@ fn foot_on_axis<R: Real>(axis: &ShapeAxis<R>, along: R, across: Vector<R>) -> R 
 
 /// Returns where a ray enters and leaves a sphere; infinities of the other sign for a miss.
 #[inline(always)]
-fn sphere<R: Real>(to_center: Vector<R>, radius: R, direction: Vector<R>) -> [R; 2] {
-    let a = squared_length(direction);
-    let equation = SphereEquation::new(to_center, radius * radius, direction, a);
-    let (hits, (near, far)) = (equation.hits(), equation.roots());
+fn span<R: Real>(sphere: &SphereEquation<R>) -> [R; 2] {
+    let (hits, (near, far)) = (sphere.hits(), sphere.roots());
     [
         R::select(hits, near, near.splat(f32::INFINITY)),
         R::select(hits, far, far.splat(f32::NEG_INFINITY)),
@@ -128,9 +126,16 @@ impl RayTest for Capsule {
         let exits = crosses & lower.le(at_exit) & at_exit.le(upper);
         let near = R::select(enters, ray.start + cone.enter, never);
         let far = R::select(exits, ray.start + cone.exit, always);
+        // Most single rays miss all three, and the roots take the most time.
+        let a = squared_length(direction);
+        let from = SphereEquation::new(from - origin, from_radius * from_radius, direction, a);
+        let to = SphereEquation::new(to - origin, to_radius * to_radius, direction, a);
+        if (crosses | from.hits() | to.hits()).none() {
+            return always;
+        }
         // Intersect the spheres, and take the union of all three.
-        let [near_from, far_from] = sphere(from - origin, from_radius, direction);
-        let [near_to, far_to] = sphere(to - origin, to_radius, direction);
+        let [near_from, far_from] = span(&from);
+        let [near_to, far_to] = span(&to);
         let far = far.max(far_from).max(far_to);
         let near = near.min(near_from).min(near_to).min(far);
         R::select(zero.lt(near), near, far)
