@@ -152,7 +152,7 @@ impl PathRecorder<'_> {
             let tape = Tape::with_tables(&self.tables);
             programs.push(record(self.formulas, &tape, |of| step(of, kind)));
             if let Some(reason) = tape.refusal() {
-                return Err(part_of(reason));
+                return Err(reason.to_owned());
             }
         }
         let places = self.tables.all();
@@ -202,14 +202,6 @@ fn kind_rules(formulas: &PathFormulas, kind: SurfaceKind) -> u32 {
         .zip(0..)
         .map(|(flag, i)| u32::from(flag) << i);
     bits.sum::<u32>() | medium << flags.len()
-}
-
-/// Returns the part of a scene that a reason of a [`Tape`] comes from.
-fn part_of(reason: &str) -> String {
-    if reason.ends_with("Power") {
-        return "an exponent above 2^31".to_owned();
-    }
-    reason.to_owned()
 }
 
 /// Returns the slots and the rules of the loop as macros.

@@ -4,7 +4,6 @@
 //! operation appends an instruction, and the result is the program that a device runs. So the
 //! formula is written once, for lanes, for single numbers and for devices.
 
-use std::any::type_name;
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -85,7 +84,7 @@ pub(crate) struct Tape<'t> {
     numbers: RefCell<HashMap<Instruction, u32>>,
     /// The tables of all formulas; `None` for formulas that look nothing up.
     tables: Option<&'t Tables>,
-    refusal: OnceCell<String>,
+    refusal: OnceCell<&'static str>,
 }
 
 /// The tables of all formulas: for each its function, and the index of its first word.
@@ -175,13 +174,13 @@ impl<'t> Tape<'t> {
         self.push(operation, Type::Float, &[])
     }
 
-    /// Returns the reason if the formula is not a straight program.
-    pub(crate) fn refusal(&self) -> Option<&str> {
-        self.refusal.get().map(String::as_str)
+    /// Returns the reason, in words, if the formula is not a straight program.
+    pub(crate) fn refusal(&self) -> Option<&'static str> {
+        self.refusal.get().copied()
     }
 
-    fn refuse(&self, reason: &str) {
-        self.refusal.get_or_init(|| reason.to_owned());
+    fn refuse(&self, reason: &'static str) {
+        self.refusal.get_or_init(|| reason);
     }
 
     /// Returns the program that computes these results.
@@ -333,13 +332,17 @@ impl Real for Register<'_> {
     ) -> [Self; M] {
         const { assert!(0 < N && N <= 3) }
         let tape = at[0].tape;
-        let found = tape.tables.zip(table.on_device());
-        let Some((tables, table)) = found else {
-            tape.refuse(type_name::<T>());
-            return [at[0]; M];
+        let tables = tape.tables.ok_or("a look-up");
+        let found = tables.and_then(|tables| Ok(tables.index(table.on_device()?)));
+        let table = match found {
+            Ok(table) => table,
+            Err(reason) => {
+                tape.refuse(reason);
+                return [at[0]; M];
+            }
         };
         let look_up = Operation::LookUp {
-            table: tables.index(table),
+            table,
             n_values: M as u32,
         };
         let first = tape.push(look_up, Type::Float, &at);
@@ -485,4 +488,21 @@ fn of_floats(operation: Operation, result: Type, a: f32, b: f32) -> u64 {
         other => panic!("{other:?} of numbers"),
     };
     number.to_bits().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use math::optics::{AlbedoByRoughness, Masking};
+
+    use super::*;
+
+    #[test]
+    fn look_ups_that_devices_do_not_have_are_named_in_words() {
+        let tables = Tables::default();
+        let tape = Tape::with_tables(&tables);
+        let table = AlbedoByRoughness::with_masking(Masking::Separable);
+        Register::look_up(table, tape.inputs(0));
+        let part = "a picture of roughness with multiple scattering";
+        assert_eq!(tape.refusal(), Some(part));
+    }
 }

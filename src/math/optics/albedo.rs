@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use super::fresnel::{Split, split};
 use super::ggx::{Ggx, Masking};
-use crate::simd::{LookupTable, Real, Vector};
+use crate::simd::{DeviceTable, LookupTable, Real, Vector};
 
 /// A table of two functions of the cosine between the normal and the direction to the viewer.
 #[derive(Debug, Clone, PartialEq)]
@@ -144,6 +144,10 @@ impl LookupTable<2, 2> for AlbedoByRoughness {
         let along = place - below as f32;
         let [[a, b], [next_a, next_b]] = [below, below + 1].map(|i| self.0[i].at(cos));
         [a + along * (next_a - a), b + along * (next_b - b)]
+    }
+
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Err("a picture of roughness with multiple scattering")
     }
 }
 

@@ -83,9 +83,9 @@ impl LookupTable<2, 1> for AliasTable {
     }
 
     /// The bins as rows.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         let rows = self.bins.on_device()?;
-        Some(DeviceTable {
+        Ok(DeviceTable {
             function: "alias_table",
             ..rows
         })

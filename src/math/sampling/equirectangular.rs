@@ -231,8 +231,8 @@ impl LookupTable<2, 3> for EquirectangularDistribution {
         ]
     }
 
-    fn on_device(&self) -> Option<DeviceTable> {
-        Some(self.on_device("sample_equirectangular"))
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Ok(self.on_device("sample_equirectangular"))
     }
 }
 
@@ -254,8 +254,8 @@ impl LookupTable<3, 1> for EquirectangularDistribution {
         [from + (to - from) * (column - left)]
     }
 
-    fn on_device(&self) -> Option<DeviceTable> {
-        Some(self.on_device("equirectangular_density"))
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Ok(self.on_device("equirectangular_density"))
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use crate::simd::{LookupTable, Real};
+use crate::simd::{DeviceTable, LookupTable, Real};
 use base::keywords;
 
 keywords! {
@@ -106,6 +106,10 @@ impl LookupTable<1, 1> for FilterSampler {
         let i = (step as usize).min(N_STEPS - 1);
         let [from, to] = [self.distances[i], self.distances[i + 1]].map(f64::from);
         [(from + (step - i as f64) * (to - from)) as f32]
+    }
+
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Err("a pixel filter")
     }
 }
 

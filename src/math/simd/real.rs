@@ -89,10 +89,11 @@ pub trait LookupTable<const N: usize, const M: usize> {
     /// Returns the values at a point.
     fn values_at(&self, at: [f32; N]) -> [f32; M];
 
-    /// Returns the table for other devices; `None` if they do not have its function.
-    fn on_device(&self) -> Option<DeviceTable> {
-        None
-    }
+    /// Returns the table for other devices.
+    ///
+    /// # Errors
+    /// They do not have its function; the part of a scene that needs it, in words.
+    fn on_device(&self) -> Result<DeviceTable, &'static str>;
 }
 
 /// A table for other devices.
@@ -120,9 +121,9 @@ impl<const M: usize> LookupTable<1, M> for [[f32; M]] {
     }
 
     /// The number of rows, then the rows.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         let numbers = self.as_flattened().iter().map(|number| number.to_bits());
-        Some(DeviceTable {
+        Ok(DeviceTable {
             function: "table_row",
             words: std::iter::once(self.len() as u32).chain(numbers).collect(),
         })

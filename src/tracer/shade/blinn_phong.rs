@@ -82,9 +82,12 @@ impl LookupTable<1, 1> for Power {
     }
 
     /// The exponent, then the limit in two halves.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         let limit = MIN_HIGHLIGHT.to_bits();
-        (self.0 <= MAX_EXPONENT).then(|| DeviceTable {
+        if self.0 > MAX_EXPONENT {
+            return Err("an exponent above 2^31");
+        }
+        Ok(DeviceTable {
             function: "power_of_base",
             words: vec![self.0.to_bits(), limit as u32, (limit >> 32) as u32],
         })

@@ -103,9 +103,9 @@ impl LookupTable<2, 3> for EnvironmentMap {
     }
 
     /// The factor and the maximum of the radiance, then the picture.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         let head = [self.intensity, MAX_RADIANCE].map(f32::to_bits);
-        Some(DeviceTable {
+        Ok(DeviceTable {
             function: "environment_map",
             words: head.into_iter().chain(self.picture.words()).collect(),
         })

@@ -78,8 +78,8 @@ impl LookupTable<1, 1> for FogSphere {
         [libm::expf(-self.extinction * length)]
     }
 
-    fn on_device(&self) -> Option<DeviceTable> {
-        Some(DeviceTable {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Ok(DeviceTable {
             function: "fog_transmittance",
             words: vec![self.extinction.to_bits()],
         })
@@ -96,8 +96,8 @@ impl LookupTable<1, 1> for FreeFlight {
         [-libm::log1pf(-number) / self.0]
     }
 
-    fn on_device(&self) -> Option<DeviceTable> {
-        Some(DeviceTable {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
+        Ok(DeviceTable {
             function: "free_flight",
             words: vec![self.0.to_bits()],
         })

@@ -60,9 +60,9 @@ impl LookupTable<1, 3> for ColorTable {
 
     /// The number of colors, the choice, 1 if the scale is logarithmic, the bits of the offset and of
     /// both ends, the color of NaN, and the colors.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         if self.colors.is_empty() {
-            return None;
+            return Err("an array without colors");
         }
         let [low, high] = self.ends;
         let doubles = [self.offset, low, high].map(f64::to_bits);
@@ -76,7 +76,7 @@ impl LookupTable<1, 3> for ColorTable {
             self.is_log.into(),
         ];
         let words = head.into_iter().chain(halves);
-        Some(DeviceTable {
+        Ok(DeviceTable {
             function: "color_table",
             words: words
                 .chain(colors.map(|channel| channel.to_bits()))

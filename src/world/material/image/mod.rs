@@ -207,9 +207,9 @@ impl LookupTable<3, 4> for ImageTexture {
     }
 
     /// The filter, the continuation, then the picture.
-    fn on_device(&self) -> Option<DeviceTable> {
+    fn on_device(&self) -> Result<DeviceTable, &'static str> {
         let head = [self.filter as u32, self.wrap as u32].into_iter();
-        Some(DeviceTable {
+        Ok(DeviceTable {
             function: "image_texture",
             words: head.chain(self.picture.words()).collect(),
         })
