@@ -36,14 +36,17 @@ impl Device {
     /// reason.
     ///
     /// # Errors
-    /// The device has not enough memory, or fails.
+    /// The scene is too large, the device has not enough memory, or it fails.
     pub fn load(
         &self,
         accel: &Accel,
         formulas: &PathFormulas,
         cancellation: &Cancellation,
     ) -> Result<DeviceScene<'_>, DeviceError> {
-        let arrays = SceneArrays::new(accel);
+        let arrays = SceneArrays::new(accel).map_err(|part| {
+            let message = format!("the scene has {part}, too many for a device");
+            DeviceError::Failed(Diagnostic::new(message).with_help("render without `--device`"))
+        })?;
         let paths = RecordedPaths::new(formulas);
         let all = all_arrays(&arrays, paths.as_ref().ok());
         let longest = all.iter().map(|array| size_of_val(*array)).max();

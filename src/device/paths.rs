@@ -55,11 +55,8 @@ impl RecordedPaths {
                 _ => kinds.insert_full(kind).0,
             };
             last = Some((kind, number));
-            surfaces.extend([number as u32, data.len() as u32]);
+            surfaces.extend([number as u32, next_start(data.len(), "surfaces")?]);
             formulas.push_data(kind, primitive, &mut data);
-        }
-        if u32::try_from(data.len()).is_err() {
-            return Err("more than 2^32 numbers of surfaces".to_owned());
         }
         formulas.push_instances(&mut places);
         let recorder = PathRecorder {
@@ -170,7 +167,7 @@ impl PathRecorder<'_> {
         let first = self.constants.len();
         self.constants.resize(first + 2 * of.len(), 0);
         for (number, (function, constants)) in constants.into_iter().enumerate() {
-            let start = self.constants.len() as u32;
+            let start = next_start(self.constants.len(), "materials and lights")?;
             self.constants[first + 2 * number..][..2].copy_from_slice(&[function as u32, start]);
             self.constants.extend(constants);
         }
@@ -202,6 +199,14 @@ fn kind_rules(formulas: &PathFormulas, kind: SurfaceKind) -> u32 {
         .zip(0..)
         .map(|(flag, i)| u32::from(flag) << i);
     bits.sum::<u32>() | medium << flags.len()
+}
+
+/// Returns the start of the next numbers in an array of this length.
+///
+/// # Errors
+/// Devices have 32 bits for it; `of` names the numbers.
+pub(crate) fn next_start(len: usize, of: &str) -> Result<u32, String> {
+    u32::try_from(len).map_err(|_| format!("more than 2^32 numbers of {of}"))
 }
 
 /// Returns the slots and the rules of the loop as macros.
@@ -277,5 +282,12 @@ objects: [{{ sphere: {{ center: [0, 0, 0], radius: 1 }}, material: a }}]
             RecordedPaths::new(&formulas).err().as_deref(),
             Some("a choice among more than 32 lights")
         );
+    }
+
+    #[test]
+    fn starts_of_more_than_32_bits_are_refused() {
+        assert_eq!(next_start(u32::MAX as usize, "surfaces"), Ok(u32::MAX));
+        let refused = next_start(1 << 32, "surfaces").unwrap_err();
+        assert_eq!(refused, "more than 2^32 numbers of surfaces");
     }
 }

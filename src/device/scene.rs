@@ -8,6 +8,7 @@ use tracer::accel::{Accel, LevelArrays};
 use world::geometry::{ShapeKind, Transform};
 use world::scene::{InstanceId, Instances, Primitive, World};
 
+use crate::paths::next_start;
 use crate::program::INSTANCE;
 
 /// A primitive that a leaf holds has no record.
@@ -39,7 +40,10 @@ pub(crate) struct SceneArrays<'a> {
 
 impl<'a> SceneArrays<'a> {
     /// Makes the arrays of a structure.
-    pub(crate) fn new(accel: &'a Accel) -> Self {
+    ///
+    /// # Errors
+    /// There are too many records.
+    pub(crate) fn new(accel: &'a Accel) -> Result<Self, String> {
         let (world, levels) = (accel.world(), accel.levels());
         let depth = |levels: &[LevelArrays]| levels.iter().map(|level| level.n_levels).max();
         let (upper, lower) = levels.split_at(1);
@@ -58,16 +62,17 @@ impl<'a> SceneArrays<'a> {
         let is_brute_force = levels.iter().any(|level| level.lines.is_empty());
         for (i, primitive) in (0..).zip(world.primitives) {
             let has_record = is_brute_force || !is_in_leaf(primitive);
-            let start = arrays.records.len() as u32;
+            let start = next_start(arrays.records.len(), "shapes and instances")?;
             let record = if has_record { start } else { NO_RECORD };
             arrays.primitives.extend([primitive.object.0, record]);
             if has_record {
                 arrays.push_record(world, i, primitive);
             }
         }
-        arrays
+        Ok(arrays)
     }
 
+    /// Adds a level. All counts have 32 bits: a structure has fewer cache lines and primitives.
     fn push_level(&mut self, level: &LevelArrays<'a>) {
         self.levels.extend([
             (self.lines.len() / 16) as u32,

@@ -135,7 +135,7 @@ FUNCTION float shape(GLOBAL const uint *record, const Prepared *ray) {
 /* Reports a hit before the limit to the search. */
 FUNCTION void found(const World *world, Search *search, int is_nearest, float t, uint primitive, uint instance) {
   if (!is_nearest) {
-    if (search->ignored == NONE || world->primitives[2 * primitive] != search->ignored) search->is_done = 1;
+    if (search->ignored == NONE || world->primitives[2ul * primitive] != search->ignored) search->is_done = 1;
     return;
   }
   int is_first = instance < search->instance || (instance == search->instance && primitive < search->primitive);

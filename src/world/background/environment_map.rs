@@ -107,7 +107,7 @@ impl LookupTable<2, 3> for EnvironmentMap {
         let head = [self.intensity, MAX_RADIANCE].map(f32::to_bits);
         Ok(DeviceTable {
             function: "environment_map",
-            words: head.into_iter().chain(self.picture.words()).collect(),
+            words: head.into_iter().chain(self.picture.words()?).collect(),
         })
     }
 }

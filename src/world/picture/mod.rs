@@ -124,14 +124,20 @@ impl Picture {
 
     /// Returns the picture for other devices: the number of its copies; for each its columns, its
     /// rows and the index of its first texel; then the four values of all texels.
-    pub fn words(&self) -> impl Iterator<Item = u32> {
+    ///
+    /// # Errors
+    /// An index has more than 32 bits.
+    pub fn words(&self) -> Result<impl Iterator<Item = u32>, &'static str> {
+        let last = self.levels[self.levels.len() - 1];
+        if u32::try_from(last.first).is_err() {
+            return Err("a picture of more than 2^32 texels");
+        }
         let levels = self.levels.iter();
         let levels = levels.flat_map(|level| [level.size[0], level.size[1], level.first as u32]);
         let n_texels = self.levels.iter().map(MipLevel::n_texels).sum();
         let texels = (0..n_texels).flat_map(|i| self.get(i).map(f32::to_bits));
-        std::iter::once(self.levels.len() as u32)
-            .chain(levels)
-            .chain(texels)
+        let n_levels = std::iter::once(self.levels.len() as u32);
+        Ok(n_levels.chain(levels).chain(texels))
     }
 
     fn nearest(&self, [x, y]: [f32; 2]) -> [f32; 4] {

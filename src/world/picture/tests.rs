@@ -218,3 +218,18 @@ fn sides_are_limited() {
     assert!(Picture::new([1, Picture::MAX_SIDE], texels(1 << 16)).is_some());
     assert!(Picture::new([1, Picture::MAX_SIDE + 1], texels((1 << 16) + 1)).is_none());
 }
+
+#[test]
+fn pictures_with_too_many_texels_are_not_for_devices() {
+    let mut picture = Picture::new([2, 1], Texels::Floats(vec![[0.5; 4]; 2])).unwrap();
+    assert_eq!(
+        picture.words().unwrap().take(7).collect::<Vec<_>>(),
+        [2, 2, 1, 0, 1, 1, 2]
+    );
+    // As after a whole picture of 2^16 x 2^16 texels.
+    picture.levels[1].first = 1 << 32;
+    assert_eq!(
+        picture.words().err(),
+        Some("a picture of more than 2^32 texels")
+    );
+}

@@ -211,7 +211,7 @@ impl LookupTable<3, 4> for ImageTexture {
         let head = [self.filter as u32, self.wrap as u32].into_iter();
         Ok(DeviceTable {
             function: "image_texture",
-            words: head.chain(self.picture.words()).collect(),
+            words: head.chain(self.picture.words()?).collect(),
         })
     }
 }
