@@ -160,6 +160,12 @@ fn counters_alone_have_no_times() {
         (&cost["clock"], &cost["totals"]["time_ns"]),
         (&Value::Null, &Value::Null)
     );
+    // Rays that are traced one by one.
+    let single = render(out)
+        .args(["--cost=counters", "--traversal=single"])
+        .output();
+    assert_success(&single.unwrap());
+    assert_eq!(summary(out)["cost"]["kernel"], "single_ray");
     let state = fs::read_to_string(out.join("heatmap.pvsm")).unwrap();
     assert!(state.contains("log10(max(node_visits,") && state.contains("primitive_tests"));
     assert!(!state.contains("\"time_ns\""), "{state}");

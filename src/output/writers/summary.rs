@@ -14,6 +14,7 @@ use base::numbers::milliseconds;
 use host::folder::SUMMARY;
 use render::film::Film;
 use render::instruments::peak_memory_bytes;
+use scene::config::{CostMode, Traversal};
 use tracer::cost::{KernelWork, Metric, MetricSource, RayKind};
 
 /// The file.
@@ -118,13 +119,20 @@ fn repeats(rendering: &RenderingView) -> RepeatsSection {
     }
 }
 
+/// Returns the name of the traversal kernel.
+fn kernel(rendering: &RenderingView) -> &'static str {
+    let is_single =
+        rendering.film.cost == CostMode::SingleRayTime || rendering.traversal == Traversal::Single;
+    if is_single { "single_ray" } else { "stream" }
+}
+
 fn cost(rendering: &RenderingView) -> CostSection {
     let film = rendering.film;
     let seconds = rendering.median_wall().as_secs_f64();
     let has_counters = film.cost.has_counters();
     CostSection {
         mode: film.cost,
-        kernel: Some(film.cost.kernel().to_owned()),
+        kernel: Some(kernel(rendering).to_owned()),
         clock: rendering.meter.clock().map(Into::into),
         totals: has_counters.then(|| {
             let mut totals = totals(film, rendering.survey);

@@ -36,13 +36,4 @@ impl CostMode {
     pub fn has_time(self) -> bool {
         matches!(self, Self::SingleRayTime | Self::Time)
     }
-
-    /// Returns the name of the kernel: `single_ray` if pixels are timed individually, which rules
-    /// out `stream`, the tracing of many pixels' rays together.
-    pub fn kernel(self) -> &'static str {
-        match self {
-            Self::None | Self::Counters | Self::Time => "stream",
-            Self::SingleRayTime => "single_ray",
-        }
-    }
 }
