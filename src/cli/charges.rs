@@ -56,7 +56,7 @@ fn table(group: &Group, whole: &AttributedCost, metric: Metric) -> String {
     let width = widest.unwrap_or(0).max(group.kind.len());
     let label = metric.label;
     let mut text = format!(
-        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   {label} by primary hit, by ray hit\n",
+        "{:<8}{:<width$}  {:>8}  {:>8}  {:>8}   of {label}, charged to what the pixel shows, what each ray hits\n",
         "", group.kind, "pixels", "primary", "hit"
     );
     for ShareRow { name, shares } in rows {
