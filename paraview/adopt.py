@@ -24,8 +24,8 @@ def main():
 
 
 def marked(template, filled):
-    """The filled state with the template's marks; the lines are the same but for elements in lists."""
-    lines = iter(filled.splitlines(keepends=True))
+    """The filled state with the template's marks; the lines are the same but for comments and elements in lists."""
+    lines = (line for line in filled.splitlines(keepends=True) if not line.startswith("<!--"))
     result, is_in_list = [], False
     for line in template.splitlines(keepends=True):
         if is_in_list and "<Element " in line:

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
@@ -15,6 +16,11 @@ use crate::common::{assert_success, in_repository, raycost};
 
 /// A picture with fewer pixels than the scene's own, where their number does not matter: ParaView takes less time.
 const SMALL: [&str; 2] = ["--width=200", "--height=150"];
+
+/// The states of a rendering with all tables.
+const STATES: [&str; 6] = [
+    "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
+];
 
 /// A scene far from the origin, taller than wide, without symmetry.
 const TOWER: &str = "
@@ -259,10 +265,7 @@ fn the_repositorys_states_show_any_output() {
     let scene = in_repository("configs/seed_extended.yaml");
     let flags = [&SMALL[..], &["--also=schedule,surface,bvh"]].concat();
     let out = render(&scene, "repository", &flags);
-    let names = [
-        "geometry", "heatmap", "overview", "schedule", "surface", "bvh",
-    ];
-    let states = names.iter().flat_map(|name| {
+    let states = STATES.iter().flat_map(|name| {
         let file = in_repository("paraview").join(name).with_extension("pvsm");
         // The paths begin with the variable RAYCOST_OUT, which `load` sets, unless a folder is chosen.
         [("variable", &["--from-state"][..]), ("folder", &[])].map(|(by, flags)| {
@@ -271,6 +274,50 @@ fn the_repositorys_states_show_any_output() {
         })
     });
     assert_success(&load(&out, &states.collect::<Vec<_>>()));
+}
+
+/// `adopt.py` makes templates that are an output's states, and keep their marks.
+#[test]
+#[ignore = "needs Python: run tests/with-paraview"]
+fn templates_adopt_the_values_of_an_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().canonicalize().unwrap().join("out");
+    let output = raycost()
+        .arg("render")
+        .arg(in_repository("configs/seed_extended.yaml"))
+        .args(SMALL)
+        .args(["--also=schedule,surface,bvh", "--quiet", "--out"])
+        .arg(&out)
+        .output();
+    assert_success(&output.unwrap());
+    let states = STATES.map(|name| format!("{name}.pvsm"));
+    let repository = in_repository("paraview");
+    for name in states.iter().map(String::as_str).chain(["adopt.py"]) {
+        fs::copy(repository.join(name), folder.path().join(name)).unwrap();
+    }
+    let python = std::env::var("RAYCOST_PYTHON").expect("run tests/with-paraview");
+    let script = folder.path().join("adopt.py");
+    assert_success(&Command::new(python).arg(script).arg(&out).output().unwrap());
+    for name in states {
+        let read = |folder: &Path| fs::read_to_string(folder.join(&name)).unwrap();
+        let (adopted, marks) = without_marks(&read(folder.path()));
+        assert_eq!(marks, without_marks(&read(&repository)).1, "{name}");
+        let state = read(&out).replace(out.to_str().unwrap(), "$RAYCOST_OUT");
+        // Behind the run's ID; not all lines are indented.
+        let lines = state.lines().skip(1).map(str::trim_start);
+        assert!(adopted.lines().map(str::trim_start).eq(lines), "{name}");
+    }
+}
+
+/// A template without its marks, and the marks.
+fn without_marks(template: &str) -> (String, Vec<String>) {
+    let mut parts = template.split(" fill=\"");
+    let (mut text, mut marks) = (parts.next().unwrap().to_owned(), Vec::new());
+    for (mark, rest) in parts.map(|part| part.split_once('"').unwrap()) {
+        marks.push(mark.to_owned());
+        text += rest;
+    }
+    (text, marks)
 }
 
 #[test]
