@@ -141,28 +141,59 @@ fn the_error_is_the_one_that_the_mistake_gives() {
 #[cfg(unix)]
 #[test]
 fn the_commands_run() {
-    let n_commands: usize = pages().into_par_iter().map(run_commands).sum();
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = folder.path().join("configs");
+    copy_with_one_sample(&in_repository("configs"), &scenes);
+    let run = |page| run_commands(page, &scenes);
+    let n_commands: usize = pages().into_par_iter().map(run).sum();
     assert!(n_commands >= 20, "{n_commands}");
 }
 
-/// Runs the commands of a page, with few samples; returns their number.
+/// Copies a folder of scenes with one sample per pixel; links to its other files.
 #[cfg(unix)]
-fn run_commands((path, text): (String, String)) -> usize {
+fn copy_with_one_sample(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let from = entry.unwrap().path();
+        let to = to.join(from.file_name().unwrap());
+        if from.is_dir() {
+            copy_with_one_sample(&from, &to);
+        } else if from
+            .extension()
+            .is_some_and(|extension| extension == "yaml")
+        {
+            let text = fs::read_to_string(from).unwrap();
+            let parts = text.split("samples_per_pixel: ");
+            let rests: Vec<&str> = parts
+                .map(|part| part.trim_start_matches(char::is_numeric))
+                .collect();
+            fs::write(to, rests.join("samples_per_pixel: 1")).unwrap();
+        } else {
+            std::os::unix::fs::symlink(from, to).unwrap();
+        }
+    }
+}
+
+/// Runs the commands of a page on these scenes, with few samples; returns their number.
+#[cfg(unix)]
+fn run_commands((path, text): (String, String), scenes: &Path) -> usize {
     let script = blocks(&text, "sh").join("\n");
     if script.is_empty() {
         return 0;
     }
     let few_samples = script.replace("--spp 16", "--spp 1");
-    run_script(&path, &few_samples.replace("--repeats 5", "--repeats 2"));
+    let few = few_samples.replace("--repeats 5", "--repeats 2");
+    run_script(&path, &few, scenes);
     let is_command = |line: &&str| !line.is_empty() && !line.starts_with('#');
     script.lines().filter(is_command).count()
 }
 
-/// Runs commands of a page in a new folder; returns what they print to both streams.
+/// Runs commands of a page in a new folder, whose `configs` are these scenes; returns what they
+/// print to both streams.
 #[cfg(unix)]
-fn run_script(path: &str, script: &str) -> String {
+fn run_script(path: &str, script: &str, scenes: &Path) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let stand_ins = stand_ins(folder.path());
+    let stand_ins = stand_ins(folder.path(), scenes);
     let mut paths = vec![stand_ins];
     paths.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
     let output = std::process::Command::new("bash")
@@ -185,7 +216,7 @@ fn shown_outputs_are_those_of_the_commands() {
     for (path, text) in pages() {
         for rest in text.split("<!-- output of: ").skip(1) {
             let (commands, shown) = rest.split_once(" -->\n").unwrap();
-            let printed = run_script(&path, commands);
+            let printed = run_script(&path, commands, &in_repository("configs"));
             let mut printed_lines = printed.lines().map(without_times);
             let shown = blocks(shown, "text").remove(0);
             for line in shown.lines().filter(|line| line.trim() != "...") {
@@ -212,12 +243,12 @@ fn without_times(line: &str) -> String {
     kept.collect::<Vec<_>>().join(" ")
 }
 
-/// Fills a folder with what the pages' commands find in the repository;
+/// Fills a folder with what the pages' commands find in the repository, and these scenes;
 /// returns the folder of programs to run instead of those of the same name.
 #[cfg(unix)]
-fn stand_ins(folder: &Path) -> PathBuf {
+fn stand_ins(folder: &Path, scenes: &Path) -> PathBuf {
     let raycost = env!("CARGO_BIN_EXE_raycost");
-    std::os::unix::fs::symlink(in_repository("configs"), folder.join("configs")).unwrap();
+    std::os::unix::fs::symlink(scenes, folder.join("configs")).unwrap();
     let programs = folder.join("programs");
     let cargo = "case \"$*\" in
         'run --release -- '*) shift 3; exec raycost \"$@\" ;;
