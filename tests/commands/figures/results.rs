@@ -27,7 +27,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("embree-version", |of| of.version("embree")),
     ("tinybvh", |of| {
         let rows = of.list("tinybvh", "rows")?.iter();
-        let ratios = rows.map(|row| row["outcome"]["ratio"]["estimate"].as_f64());
+        let high = rows.filter(|row| row["quality"][0] == "high");
+        let ratios = high.map(|row| row["outcome"]["ratio"]["estimate"].as_f64());
         range(ratios, "")
     }),
     ("tinybvh-version", |of| of.version("tinybvh")),
@@ -44,10 +45,8 @@ pub const FIGURES: &[(&str, Figure)] = &[
     ("embree-builds", |of| of.embree_builds("high")),
     ("embree-fast-builds", |of| of.embree_builds("fast")),
     ("povray", Results::povray),
-    ("povray-ratio", |of| {
-        let ratio = &of.0.get("povray")?["ratios"]["POV-Ray"]["median"];
-        ratio.as_f64().map(digits)
-    }),
+    ("povray-ratio", |of| of.povray_ratio("raycost --no-cost")),
+    ("povray-files", |of| of.povray_ratio("raycost")),
     ("mitsuba-race", Results::mitsuba_race),
     ("mitsuba-ratio", |of| {
         of.mitsuba_ratio("counters").map(digits)
@@ -251,7 +250,7 @@ impl Results {
                 step["reason"].as_str()?
             ))
         });
-        let head = "\n\n| step | render time | over last | in all | visits / ray | tests / ray | memory | picture |\n\
+        let head = "\n\n| step | render time | over the step before | in all | visits / ray | tests / ray | memory | picture |\n\
                     |---|--:|--:|--:|--:|--:|--:|--:|\n";
         let [rows, left_out] = [
             rows.collect::<Option<String>>()?,
@@ -401,7 +400,7 @@ impl Results {
         ))
     }
 
-    /// "1.9 (soup), …": the times to build hierarchies of a quality over Embree's.
+    /// "1.9 [1.8, 2.0] (soup), …": the times to build hierarchies of a quality over Embree's.
     fn embree_builds(&self, quality: &str) -> Option<String> {
         let rows = self.list("embree", "rows")?.iter();
         let built = rows.filter(|row| {
@@ -409,10 +408,24 @@ impl Results {
             row["n_threads"] == 2 && row["quality"][0] == quality && is_build
         });
         let build = |row: &Value| {
-            let times = 1.0 / row["outcome"]["ratio"]["estimate"].as_f64()?;
-            Some(format!("{} ({})", digits(times), row["scene"].as_str()?))
+            let ratio = &row["outcome"]["ratio"];
+            let times = [
+                &ratio["estimate"],
+                &ratio["interval"][1],
+                &ratio["interval"][0],
+            ];
+            let [times, low, high] = times.map(|ratio| Some(digits(1.0 / ratio.as_f64()?)));
+            let scene = row["scene"].as_str()?;
+            Some(format!("{} [{}, {}] ({scene})", times?, low?, high?))
         };
         Some(listed(&built.map(build).collect::<Option<Vec<_>>>()?))
+    }
+
+    /// Returns the time of POV-Ray over that of a program.
+    fn povray_ratio(&self, program: &str) -> Option<String> {
+        let ms = &self.0.get("povray")?["ms"];
+        let [all, own] = ["POV-Ray", program].map(|name| ms[name]["median"].as_f64());
+        Some(digits(all? / own?))
     }
 
     fn povray(&self) -> Option<String> {
