@@ -45,7 +45,7 @@ fn the_states_of_a_rendering_open_in_the_window_without_a_message() {
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_states_of_pieces_open_in_the_window_without_a_message() {
-    let flags = ["--memory=60M", "--width=600", "--height=500", "--spp=1"];
+    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "window of pieces", &flags);
     open_all(&out, &["geometry", "heatmap", "overview"]);
