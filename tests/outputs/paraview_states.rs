@@ -121,13 +121,12 @@ fn compressed_files_are_shown() {
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn pieces_are_shown() {
     let scene = in_repository("configs/seed_extended.yaml");
-    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
+    let flags = ["--memory=60M", "--width=600", "--height=500", "--spp=1"];
     let out = render(&scene, "pieces", &flags);
     assert!(out.join("frame.pvti").exists());
-    // One by one, and of this size: ParaView 5.11 crashes in the threshold of other clouds of pieces.
-    for state in ["geometry", "heatmap", "overview"] {
-        load_own(&out, &[(state, "time_ns,RGB")]);
-    }
+    let arrays = "time_ns,RGB";
+    let states = ["geometry", "heatmap", "overview"].map(|state| (state, arrays));
+    load_own(&out, &states);
 }
 
 #[test]

@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use crate::common::paraview::{folder, on_virtual_screen_of, render, screenshot, trace};
+use crate::common::paraview::{
+    folder, for_pieces, on_virtual_screen_of, render, screenshot, trace,
+};
 use crate::common::{assert_success, in_repository, raycost};
 
 /// The screen that tests/in-paraview-window expects.
@@ -19,6 +21,7 @@ fn open(state: &Path, out: &Path, name: &str) -> Output {
         .arg(in_repository("tests/in-paraview-window"))
         .args([state, &screenshot(out, name)])
         .env("RAYCOST_OUT", out)
+        .envs(for_pieces(out))
         .output()
         .expect("run tests/with-paraview")
 }
@@ -45,7 +48,7 @@ fn the_states_of_a_rendering_open_in_the_window_without_a_message() {
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
 fn the_states_of_pieces_open_in_the_window_without_a_message() {
-    let flags = ["--memory=72M", "--width=1024", "--height=900", "--spp=1"];
+    let flags = ["--memory=60M", "--width=600", "--height=500", "--spp=1"];
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "window of pieces", &flags);
     open_all(&out, &["geometry", "heatmap", "overview"]);
