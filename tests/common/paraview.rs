@@ -86,11 +86,11 @@ pub fn on_virtual_screen_of(size: &str) -> Command {
     command
 }
 
-/// The variable that ParaView 5.11 needs for pieces, as docs/outputs.md says: of cell types that it has
-/// not set yet it takes 42 for polyhedra, and crashes later.
+/// The variable that fills fresh memory with 42, a polyhedron's cell type, for pieces: ParaView 5.11 does
+/// not set the types of their cells before it uses them, and then crashes at a threshold.
 pub fn for_pieces(out: &Path) -> Option<(&'static str, &'static str)> {
     let has_pieces = out.join("hits.pvtu").exists();
-    has_pieces.then_some(("MALLOC_PERTURB_", "1"))
+    has_pieces.then_some(("MALLOC_PERTURB_", "213"))
 }
 
 /// The arguments of `check_state.py` for a state: its file, its output folder, its picture and flags.

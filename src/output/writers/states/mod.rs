@@ -258,7 +258,38 @@ fn with_pieces(template: &str) -> String {
             }
         }
     });
-    replaced.collect()
+    with_surface(replaced.collect())
+}
+
+/// Puts a surface, which has all points, between the reader of a cloud's pieces and its consumers: a
+/// threshold of ParaView 5.11 may crash at the grid of this reader, whose unset cell types look like
+/// polyhedra.
+fn with_surface(template: String) -> String {
+    const READER: &str = "<Proxy group=\"sources\" type=\"XMLPUnstructuredGridReader\" id=\"";
+    let reader = template
+        .split_once(READER)
+        .and_then(|it| it.1.split('"').next());
+    let Some(reader) = reader else {
+        return template;
+    };
+    // Above all others.
+    let surface = format!("1000{reader}");
+    let input = |id: &str| format!("<Proxy value=\"{id}\" output_port=\"0\"/>");
+    let proxy = format!(
+        "<Proxy group=\"filters\" type=\"DataSetSurfaceFilter\" id=\"{surface}\" servers=\"1\">
+   <Property name=\"Input\" id=\"{surface}.Input\" number_of_elements=\"1\">
+    {}
+   </Property>
+  </Proxy>
+  {READER}",
+        input(reader)
+    );
+    let name = format!("<Item id=\"{reader}\" name=");
+    let names = format!("<Item id=\"{surface}\" name=\"Surface of the pieces\"/>\n   {name}");
+    template
+        .replace(&input(reader), &input(&surface))
+        .replace(READER, &proxy)
+        .replace(&name, &names)
 }
 
 /// Returns the axis of a metric without outliers, as in `cost.png`.
