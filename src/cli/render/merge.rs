@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::RenderArguments;
+use super::device::{DeviceChoice, parse_device};
 use super::run_arguments::RunArguments;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, refuse_file, shown};
@@ -29,6 +30,11 @@ pub(in crate::cli) struct MergeArguments {
     /// The scene's file, if it is not where it was
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
+
+    /// With the output `lanes`: trace the rays once more on this device, as `raycost render --device`
+    /// does, so that its launches are in `lanes.csv`
+    #[arg(long, value_name = "DEVICE", value_parser = parse_device)]
+    device: Option<DeviceChoice>,
 
     #[command(flatten)]
     run: RunArguments,
@@ -67,6 +73,7 @@ pub(in crate::cli) fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     drop(found);
     let arguments = RenderArguments {
         scene: scene_of(arguments, &header)?,
+        device: arguments.device.clone(),
         run: arguments.run.clone(),
         ..RenderArguments::default()
     };
