@@ -111,7 +111,7 @@ mod built {
     fn the_flame_graph_shows_who_renders_and_who_writes() {
         let folder = tempfile::tempdir().unwrap();
         let flags = ["--profile", "--width=1600", "--height=1000", "--spp=1"];
-        let expected = ["tracer::accel::", "tracer::shade::", "output::writers::"];
+        let expected = ["Accel::", "StreamRenderer::shade", "appended::write"];
         // Hundreds of samples each; the faster the machine, the fewer.
         let mut found = Vec::new();
         for _ in 0..MAX_PROFILES {

@@ -44,7 +44,7 @@ impl Profiler {
 mod sampler {
     use std::io;
 
-    use pprof::flamegraph::Options;
+    use pprof::flamegraph::{Options, TextTruncateDirection};
     use pprof::{Frames, ProfilerGuard, ProfilerGuardBuilder, Symbol};
 
     use super::NoProfiler;
@@ -92,6 +92,7 @@ mod sampler {
                 counted(n_samples as u64, "sample"),
             ));
             options.hash = true;
+            options.text_truncate_direction = TextTruncateDirection::Right;
             report
                 .flamegraph_with_options(&mut svg, &mut options)
                 .map_err(io::Error::other)?;
@@ -108,7 +109,7 @@ mod sampler {
 "#;
 
     /// Removes all functions except the program's and the functions they call, and the scheduler's
-    /// among the latter.
+    /// among the latter, and shortens the program's names.
     fn tidy(frames: &mut Frames) {
         // All threads of a pool do the same work.
         "raycost".clone_into(&mut frames.thread_name);
@@ -124,15 +125,48 @@ mod sampler {
         stack.retain(|symbols| !is("pprof::", symbols));
         // A waiting thread steals work on top of its stack: functions below a task of rayon are not
         // its callers.
-        let Some(own) = stack.iter().position(is_own) else {
+        let is_task = |symbols: &Vec<Symbol>| is("rayon", symbols);
+        let Some(own) = (stack.iter().position(is_own)).or_else(|| stack.iter().position(is_task))
+        else {
             return;
         };
-        let task = stack[own..].iter().position(|symbols| is("rayon", symbols));
+        let task = stack[own..].iter().position(is_task);
         stack.truncate(task.map_or(stack.len(), |task| own + task));
         let mut callers = stack.split_off(own);
         callers.retain(is_own);
-        stack.retain(|symbols| !is("rayon", symbols));
+        stack.retain(|symbols| !is_task(symbols));
         stack.append(&mut callers);
+        for symbol in stack.iter_mut().filter(|it| is_own(it)).flatten() {
+            symbol.name = Some(short_name(&symbol.name()).into_bytes());
+        }
+    }
+
+    /// Returns the last two parts of a function's path, without generic arguments and closures:
+    /// `TileQueue::render` of `<render::queue::TileQueue<T> as render::Queue>::render::{{closure}}`.
+    fn short_name(path: &str) -> String {
+        let path = path.strip_prefix('<').unwrap_or(path);
+        let mut depth = 0_u32;
+        let mut plain = String::new();
+        for letter in path.replace("->", "").chars() {
+            match letter {
+                '<' => depth += 1,
+                '>' => depth = depth.saturating_sub(1),
+                _ if depth == 0 => plain.push(letter),
+                _ => {}
+            }
+        }
+        let parts = |path: &str| -> Vec<String> {
+            let parts = path.split("::").map(str::to_owned);
+            parts
+                .filter(|part| !part.is_empty() && !part.starts_with('{'))
+                .collect()
+        };
+        let (mut of, method) = match plain.split_once(" as ") {
+            Some((of, method)) => (parts(of), parts(method).pop()),
+            None => (parts(&plain), None),
+        };
+        of.extend(method);
+        of[of.len().saturating_sub(2)..].join("::")
     }
 
     /// Returns true if a function belongs to a crate, perhaps as a method of a trait.
