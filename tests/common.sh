@@ -95,8 +95,8 @@ features() {
 # Runs a command of cargo with all features. What they change is compiled for few tests only: faster than for the others.
 with_features() {
     local profile=(--config profile.dev.package.raycost-render.opt-level=1)
-    for crate in vtk import scene output tools; do
-        profile+=(--config "profile.dev.package.raycost-$crate.opt-level=0")
+    for crate in raycost raycost-{vtk,import,scene,output,tools}; do
+        profile+=(--config "profile.dev.package.$crate.opt-level=0")
     done
     cargo "$1" --quiet --locked "${profile[@]}" --features "$(features)" "${@:2}"
 }
