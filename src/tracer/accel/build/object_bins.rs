@@ -37,24 +37,44 @@ impl CentroidGrid {
         }
     }
 
-    /// Returns the bin on an axis, plus 2^23.
+    /// Returns the least [`position`](Self::position) of references in this bin, 1 or higher.
     #[inline(always)]
-    pub(super) fn bin(&self, reference: &Reference, axis: usize) -> f32 {
-        let above = reference.center(axis) - self.from.0[4 + axis];
-        let above = above * self.bins_per_length.0[4 + axis] - 0.5;
-        if above > 0.0 {
-            above + TWO_TO_23
+    pub(super) fn least_position(bin: usize) -> f32 {
+        // Halves are rounded to even numbers.
+        let position = bin as f32;
+        if bin.is_multiple_of(2) {
+            position
         } else {
-            TWO_TO_23
+            position.next_up()
         }
+    }
+
+    /// Returns the position of a reference on an axis: its bin plus 0.5, before it is rounded.
+    #[inline(always)]
+    pub(super) fn position(&self, reference: &Reference, axis: usize) -> f32 {
+        (reference.center(axis) - self.from.0[4 + axis]) * self.bins_per_length.0[4 + axis]
+    }
+
+    /// Returns the [`position`](Self::position) in all lanes, given twice the center.
+    #[inline(always)]
+    pub(super) fn position_of<I: InstructionSet>(
+        &self,
+        set: I,
+        center: I::Lanes,
+        axis: usize,
+    ) -> I::Lanes {
+        let center = center.permute(&[4 + axis as u32; 8], set.splat_bits(0));
+        let above = center - set.splat(self.from.0[4 + axis]);
+        above * set.splat(self.bins_per_length.0[4 + axis])
     }
 
     /// Returns the bins on all axes, in the low bits of the upper lanes.
     #[inline(always)]
     fn bins<I: InstructionSet>(&self, set: I, bounds: I::Lanes) -> [u32; 8] {
         let above = center(bounds) - self.from.lanes(set);
-        let above = above * self.bins_per_length.lanes(set) - set.splat(0.5);
-        (above.max(set.splat(0.0)) + set.splat(TWO_TO_23)).to_bits()
+        let position = above * self.bins_per_length.lanes(set);
+        let rounded = position + set.splat(TWO_TO_23 - 0.5);
+        rounded.max(set.splat(TWO_TO_23)).to_bits()
     }
 }
 
@@ -188,5 +208,27 @@ impl<L: Lanes> Sums<L> {
             *cost = LaneBounds::from_lanes(self.bounds[axis]).half_area() * self.n[axis] as f32;
         }
         costs
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn references_go_right_from_the_least_position_of_a_bin(
+            bin in 1_usize..32,
+            steps in -2_i32..=2,
+            anywhere in 0.0_f32..32.0,
+        ) {
+            let near = f32::from_bits((bin as f32).to_bits().wrapping_add_signed(steps));
+            for position in [near, anywhere] {
+                let own = (position - 0.5).round_ties_even() as usize;
+                prop_assert_eq!(CentroidGrid::least_position(bin) <= position, own >= bin);
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! counted in bins by their centers, and only the planes between bins are evaluated.
 
 use super::bounds::LaneBounds;
-use super::object_bins::{CentroidGrid, ObjectBins, TWO_TO_23};
+use super::object_bins::{CentroidGrid, ObjectBins};
 use super::reference::{Reference, map_reduce};
 use math::simd::{Arithmetic, InstructionSet, Simd, SimdKernel};
 
@@ -15,8 +15,8 @@ const PARALLEL: usize = 1 << 15;
 pub(super) struct ObjectSplit {
     axis: usize,
     grid: CentroidGrid,
-    /// References in the bins below this one go left; in the form of [`CentroidGrid::bin`].
-    first_right_bin: f32,
+    /// References from this position on go right.
+    first_right: f32,
     pub(super) n_left: usize,
     pub(super) left: LaneBounds,
     pub(super) right: LaneBounds,
@@ -51,7 +51,7 @@ impl ObjectSplit {
         Some(Self {
             axis,
             grid: *grid,
-            first_right_bin: first_right_bin as f32 + TWO_TO_23,
+            first_right: CentroidGrid::least_position(first_right_bin),
             n_left,
             left,
             right,
@@ -90,27 +90,21 @@ impl ObjectSplit {
         }
     }
 
-    /// Returns true if the reference goes left.
+    /// Returns true if the reference goes right.
     #[inline(always)]
-    pub(super) fn is_left(&self, reference: &Reference) -> bool {
-        self.position(reference) < self.first_right_bin
+    pub(super) fn is_right(&self, reference: &Reference) -> bool {
+        self.first_right <= self.grid.position(reference, self.axis)
     }
 
-    /// Returns the position of a reference, which goes left if this is less than `first_right_bin`.
+    /// Returns all lanes true if the reference with twice this center goes right, else none.
     #[inline(always)]
-    fn position(&self, reference: &Reference) -> f32 {
-        self.grid.bin(reference, self.axis)
-    }
-
-    /// Returns all lanes true for a reference on the left, all false for one on the right.
-    #[inline(always)]
-    pub(super) fn left_mask<I: InstructionSet>(
+    pub(super) fn right_mask<I: InstructionSet>(
         &self,
         set: I,
-        reference: &Reference,
+        center: I::Lanes,
     ) -> <I::Lanes as Arithmetic>::Mask {
-        let position = set.splat(self.position(reference));
-        position.lt(set.splat(self.first_right_bin))
+        let position = self.grid.position_of(set, center, self.axis);
+        set.splat(self.first_right).le(position)
     }
 }
 

@@ -91,19 +91,20 @@ impl SimdKernel for Scatter<'_, '_> {
 
     #[inline(always)]
     fn run<I: InstructionSet>(self, set: I) -> [LaneBounds; 2] {
-        let mut ends = [0; 2];
         let empty = set.splat(f32::NEG_INFINITY);
         let [mut left, mut right] = [empty; 2];
-        for reference in self.references {
-            // Append the reference to its side. No branch on the side: it is unpredictable.
-            let is_left = self.split.left_mask(set, reference);
-            let side = usize::from(is_left.bits() == 0);
-            self.to[side][ends[side]] = *reference;
-            ends[side] += 1;
-            // Enlarge the side's box around centers.
+        let mut n_right = 0;
+        for (i, reference) in self.references.iter().enumerate() {
             let center = center(reference.lanes(set));
-            left = left.max(I::Lanes::select(is_left, center, empty));
-            right = right.max(I::Lanes::select(is_left, empty, center));
+            let is_right = self.split.right_mask(set, center);
+            // Append the reference to its side. No branch on the side: it is unpredictable.
+            let side = usize::from(!is_right.none());
+            let end = if side == 0 { i - n_right } else { n_right };
+            self.to[side][end] = *reference;
+            n_right += side;
+            // Enlarge the side's box around centers.
+            left = left.max(I::Lanes::select(is_right, empty, center));
+            right = right.max(I::Lanes::select(is_right, center, empty));
         }
         [left, right].map(LaneBounds::from_lanes)
     }
@@ -136,7 +137,7 @@ pub(super) fn scatter_in_parallel(
 ) -> [LaneBounds; 2] {
     // Count the references of each chunk on the left.
     let chunks = references.par_chunks(CHUNK);
-    let n_left = |chunk: &[Reference]| chunk.iter().filter(|r| split.is_left(r)).count();
+    let n_left = |chunk: &[Reference]| chunk.iter().filter(|r| !split.is_right(r)).count();
     let n_left: Vec<usize> = chunks.clone().map(n_left).collect();
     // Give each chunk its slices.
     let [mut left, mut right] = to;

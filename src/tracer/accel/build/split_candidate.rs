@@ -101,8 +101,8 @@ impl SplitCandidate {
     fn is_on_sides(&self, reference: &Reference) -> [bool; 2] {
         match self {
             Self::Object(split) => {
-                let is_left = split.is_left(reference);
-                [is_left, !is_left]
+                let is_right = split.is_right(reference);
+                [!is_right, is_right]
             }
             Self::Spatial(split) => split.is_on_sides(reference),
             Self::Halves => [true; 2],
