@@ -114,7 +114,7 @@ impl<const N: usize> ObjectBins<N> {
             for axis in 0..3 {
                 // All bins are less than N; `%` removes the bits of 2^23 and the bounds check.
                 let bin = &mut bins[indices[4 + axis] as usize % N];
-                let sum = bin.boxes[axis].lanes(set).max(bounds);
+                let sum = bounds.max(bin.boxes[axis].lanes(set));
                 bin.boxes[axis] = LaneBounds::from_lanes(sum);
                 bin.counts[axis] += 1;
             }

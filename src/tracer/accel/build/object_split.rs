@@ -12,6 +12,7 @@ use math::simd::{Arithmetic, InstructionSet, Simd, SimdKernel};
 const PARALLEL: usize = 1 << 15;
 
 /// A split of references by the bins of their centers on one axis.
+#[derive(Clone, Copy)]
 pub(super) struct ObjectSplit {
     axis: usize,
     grid: CentroidGrid,

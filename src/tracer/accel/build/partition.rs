@@ -93,10 +93,12 @@ impl SimdKernel for Scatter<'_, '_> {
     fn run<I: InstructionSet>(self, set: I) -> [LaneBounds; 2] {
         let empty = set.splat(f32::NEG_INFINITY);
         let [mut left, mut right] = [empty; 2];
+        // A copy, so that it stays in registers while references are written.
+        let split = *self.split;
         let mut n_right = 0;
         for (i, reference) in self.references.iter().enumerate() {
             let center = center(reference.lanes(set));
-            let is_right = self.split.right_mask(set, center);
+            let is_right = split.right_mask(set, center);
             // Append the reference to its side. No branch on the side: it is unpredictable.
             let side = usize::from(!is_right.none());
             let end = if side == 0 { i - n_right } else { n_right };
