@@ -140,9 +140,9 @@ impl SpatialGrid {
 
     #[inline(always)]
     fn bin(&self, x: f32, axis: usize) -> usize {
-        // The conversion maps negative numbers to 0.
         let bin = (x - self.from.max(axis)) * self.bins_per_length.max(axis);
-        (bin as usize).min(N_BINS - 1)
+        // A conversion to `usize` would take more instructions.
+        (bin as i32).clamp(0, N_BINS as i32 - 1) as usize
     }
 
     /// Returns the least coordinate of a bin.
@@ -193,14 +193,20 @@ impl SimdKernel for BinParts<'_> {
         for reference in self.references {
             let own = reference.lanes(set);
             let numbers = self.grid.bins(set, reference);
+            let is_in_one = (0..3).all(|axis| numbers[axis] == numbers[4 + axis]);
+            let triangle = if is_in_one {
+                None
+            } else {
+                self.triangle(set, reference)
+            };
             for (axis, bins) in bins.iter_mut().enumerate() {
                 // Count the reference where it starts and where it ends.
                 let [first, last] = [0, 4].map(|half| numbers[half + axis] as usize % N_BINS);
                 bins.n_begin[first] += 1;
                 bins.n_end[last] += 1;
                 // Enlarge the box of each bin by the part of the reference inside it.
-                match self.primitives[reference.primitive() as usize].world_shape() {
-                    Some(Shape::Triangle(triangle)) if first < last => {
+                match &triangle {
+                    Some(triangle) if first < last => {
                         let cut = CutTriangle::new(set, triangle, axis);
                         cut.grow(set, self.grid, bins, [first, last], own);
                     }
@@ -209,6 +215,27 @@ impl SimdKernel for BinParts<'_> {
             }
         }
         SpatialBins(bins)
+    }
+}
+
+/// A triangle, and its vertices as boxes.
+type TriangleLanes<'a, L> = (&'a Triangle, [L; 3]);
+
+impl BinParts<'_> {
+    /// Returns the triangle of the reference, or `None` if it is to another primitive.
+    #[inline(always)]
+    fn triangle<I: InstructionSet>(
+        &self,
+        set: I,
+        reference: &Reference,
+    ) -> Option<TriangleLanes<'_, I::Lanes>> {
+        let primitive = &self.primitives[reference.primitive() as usize];
+        let Some(Shape::Triangle(triangle)) = primitive.world_shape() else {
+            return None;
+        };
+        let [a, b, c] = triangle.vertices.map(|vertex| vertex.to_array());
+        let corner = |vertex| LaneBounds::new(vertex, vertex).lanes(set);
+        Some((triangle, [corner(a), corner(b), corner(c)]))
     }
 }
 
@@ -225,7 +252,11 @@ struct CutTriangle<L> {
 
 impl<L: Lanes> CutTriangle<L> {
     #[inline(always)]
-    fn new<I: InstructionSet<Lanes = L>>(set: I, triangle: &Triangle, axis: usize) -> Self {
+    fn new<I: InstructionSet<Lanes = L>>(
+        set: I,
+        (triangle, corners): &TriangleLanes<L>,
+        axis: usize,
+    ) -> Self {
         // Sort without branches: they are unpredictable.
         let x = triangle.vertices.map(|vertex| vertex[axis]);
         let low = usize::from(x[1] < x[0]);
@@ -233,11 +264,7 @@ impl<L: Lanes> CutTriangle<L> {
         let high = usize::from(x[1] >= x[0]);
         let high = if x[2] >= x[high] { 2 } else { high };
         let order = [low, 3 - low - high, high];
-        let mut vertices = [set.splat(0.0); 3];
-        for (lanes, i) in vertices.iter_mut().zip(order) {
-            let vertex = triangle.vertices[i].to_array();
-            *lanes = LaneBounds::new(vertex, vertex).lanes(set);
-        }
+        let vertices = [corners[order[0]], corners[order[1]], corners[order[2]]];
         let mut slopes = [set.splat(0.0); 3];
         for (slope, [from, to]) in slopes.iter_mut().zip([[0, 2], [0, 1], [1, 2]]) {
             let length = x[order[to]] - x[order[from]];
@@ -265,7 +292,7 @@ impl<L: Lanes> CutTriangle<L> {
         // A part extends from one plane to the next, and around the vertices between them.
         let of_vertices = self.x.map(|x| grid.bin(x, self.axis));
         let mut below = set.splat(f32::NEG_INFINITY);
-        for bin in first..=last + 1 {
+        for bin in first..last + 2 {
             let mut above = set.splat(f32::NEG_INFINITY);
             if of_vertices[0] < bin && bin <= of_vertices[2] {
                 above = self.section(set, grid.position(bin, self.axis));
