@@ -44,13 +44,12 @@ pub(super) fn lines(
     }
     // Reuse the memory, or allocate it.
     let n_padded = n_lines + LEAF_WINDOW_LINES;
-    if n_padded <= lines.len() {
-        lines.truncate(n_padded);
-        lines[n_lines..].fill(CacheLine::zeroed());
-    } else {
+    if n_padded > lines.capacity() {
         drop(lines);
-        lines = bytemuck::zeroed_vec(n_padded);
+        lines = Vec::new();
     }
+    lines.truncate(n_lines);
+    extend(&mut lines, n_padded);
     let writer = Writer {
         simd,
         tree,
@@ -59,6 +58,12 @@ pub(super) fn lines(
     };
     writer.write_node(&roots, &mut lines[..n_lines], 0);
     Ok(lines)
+}
+
+/// Appends zeros until there are `n` lines, in parallel: new memory is mapped page by page.
+pub(super) fn extend(lines: &mut Vec<CacheLine>, n: usize) {
+    let n_new = n.saturating_sub(lines.len());
+    lines.par_extend(rayon::iter::repeat_n(CacheLine::zeroed(), n_new));
 }
 
 /// Writes nodes and leaves.
@@ -152,7 +157,10 @@ impl SimdKernel for MakeNode<'_> {
         // Prefetch the primitives, which are read when the leaves are written.
         for &subtree in self.subtrees {
             for reference in tree.leaf(subtree).unwrap_or_default() {
-                set.prefetch(&raw const primitives[reference.primitive() as usize]);
+                // Most are in two cache lines.
+                let primitive = &raw const primitives[reference.primitive() as usize];
+                set.prefetch(primitive);
+                set.prefetch(primitive.wrapping_add(1).cast::<u8>().wrapping_sub(1));
             }
         }
         let mut children = ArrayVec::<(f32, Aabb, TreePosition), N_LANES>::new();

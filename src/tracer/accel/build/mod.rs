@@ -91,7 +91,8 @@ pub(super) fn arena(
     // Build the binary tree.
     let split = SplitContext { primitives, simd };
     // The arena's memory serves the partition first.
-    let mut lines = bytemuck::zeroed_vec(RESERVED_LINES_PER_REFERENCE * references.len());
+    let mut lines = Vec::with_capacity(RESERVED_LINES_PER_REFERENCE * references.len());
+    emit::extend(&mut lines, references.len().div_ceil(2));
     let Some(tree) = binary_tree(split, references, whole, &mut lines, report) else {
         return Ok(Arena::default());
     };
@@ -185,7 +186,8 @@ mod tests {
             Shape::Triangle(Triangle { vertices })
         };
         let primitive = |i| Primitive::new(shape(i), None, ObjectId(0), MaterialId(0));
-        (0..20_000).map(primitive).collect()
+        // Enough to move them in parallel.
+        (0..40_000).map(primitive).collect()
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use rayon::prelude::*;
 
-use super::partition::{Enclose, Subset};
+use super::partition::Subset;
 use super::presplit;
 use super::reference::Reference;
 use crate::accel::Quality;
@@ -33,7 +33,8 @@ pub(super) fn references(
     unbounded: &[u32],
     quality: Quality,
 ) -> (Vec<Reference>, Subset) {
-    let (mut references, mut whole) = bounded_references(simd, primitives, unbounded);
+    let mut references = bounded_references(primitives, unbounded);
+    let mut whole = Subset::new(simd, &references);
     match quality {
         Quality::Fast => {}
         Quality::Balanced => {
@@ -50,22 +51,16 @@ pub(super) fn references(
 }
 
 /// Returns the references to all primitives except the `unbounded`, whose indices ascend.
-fn bounded_references(
-    simd: Simd,
-    primitives: &[Primitive],
-    unbounded: &[u32],
-) -> (Vec<Reference>, Subset) {
+fn bounded_references(primitives: &[Primitive], unbounded: &[u32]) -> Vec<Reference> {
     // Number of bounded primitives before each unbounded one.
     let n_before: Vec<usize> = (0..).zip(unbounded).map(|(i, &u)| u as usize - i).collect();
-    let mut references = bytemuck::zeroed_vec(primitives.len() - unbounded.len());
-    let chunks = references.par_chunks_mut(CHUNK).enumerate();
-    let of_chunk = |(chunk, slots): (usize, &mut [Reference])| {
-        for (i, slot) in (chunk * CHUNK..).zip(slots.iter_mut()) {
-            let index = i + n_before.partition_point(|&n| n <= i);
-            *slot = Reference::new(&primitives[index], index as u32);
-        }
-        simd.run(Enclose(slots))
+    let reference = |i| {
+        let index = i + n_before.partition_point(|&n| n <= i);
+        Reference::new(&primitives[index], index as u32)
     };
-    let whole = chunks.map(of_chunk).reduce(Subset::empty, Subset::union);
-    (references, whole)
+    (0..primitives.len() - unbounded.len())
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(reference)
+        .collect()
 }
