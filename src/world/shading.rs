@@ -24,7 +24,7 @@ use math::optics::Masking;
 pub struct Shading {
     /// The shading model.
     pub model: ShadingModel,
-    /// The ambient light, a color or a gray; 0.05 if not given, none in path tracing.
+    /// The ambient light, a color or a gray; 0.05 if not given, none but in `blinn_phong` and `seed`.
     pub ambient: Vec3,
     /// Maximum number of bounces along a path, 0 to 255; 8 if not given.
     pub max_depth: u8,
@@ -46,7 +46,7 @@ struct ShadingKeys {
     /// The shading model.
     #[serde(default)]
     model: ShadingModel,
-    /// The ambient light, in path tracing none by default; 0.05 if not given.
+    /// The ambient light of `blinn_phong` and `seed`; 0.05 if not given.
     #[serde(default, with = "values::Radiance")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().ambient.x)))]
     ambient: Option<Vec3>,
@@ -64,7 +64,7 @@ struct ShadingKeys {
     /// Length of the rays of ambient occlusion in world units; infinite if not given.
     #[serde(default, with = "values::Positive")]
     occlusion_distance: Option<f32>,
-    /// If true, objects cast shadows.
+    /// If true, objects cast shadows, in `blinn_phong`.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("default" = Shading::default().shadows)))]
     shadows: Option<bool>,

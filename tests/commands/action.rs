@@ -271,7 +271,7 @@ fn without_a_commit_before_the_change_is_caught_all_the_same() {
             summary.contains("There is no commit to compare with."),
             "{summary}"
         );
-        assert!(!checkout.out("index.html").exists());
+        assert!(!checkout.out("index.html").exists() && !summary.contains("index.html"));
     }
 }
 

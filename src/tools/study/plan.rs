@@ -69,7 +69,7 @@ pub struct StudyPlan {
     /// `roofline.svg`; no if not given.
     #[serde(default)]
     pub roofline: bool,
-    /// The replacements that `--quick` selects, to test the study.
+    /// The `vary`, `cases`, `flags` and `repeats` (3) of `--quick`, to test the study.
     #[serde(default)]
     pub quick: Option<QuickPlan>,
 }

@@ -269,11 +269,13 @@ struct MaterialKeys {
     /// The color of the diffuse reflection.
     #[serde(default)]
     color: Option<Texture>,
-    /// Fraction of the scene's ambient light, 0 to 1; 0 by default for a medium or a metal.
+    /// Fraction of the scene's ambient light, 0 to 1; 0 by default for a medium, a metal or a
+    /// lamp.
     #[serde(default, with = "values::Fraction")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     ambient: Option<f32>,
-    /// Fraction of the diffuse light, 0 to 1; 0 by default for a medium or a metal.
+    /// Fraction of the diffuse light, 0 to 1; 0 by default for a medium, a metal or a
+    /// lamp.
     #[serde(default, with = "values::Fraction")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = 1)))]
     diffuse: Option<f32>,
