@@ -10,6 +10,9 @@ use crate::common::{assert_success, in_repository, raycost};
 /// The greatest error of an estimate; a picture that is plain but for a few lines has more.
 const ERROR: f64 = 0.25;
 const ERROR_OF_PICTURES: f64 = 0.3;
+/// Of the estimate before the build, which counts the film beside the memory of the build, though that is
+/// free when the film is made.
+const ERROR_OF_ESTIMATE: f64 = 0.35;
 
 /// The program without a scene: typically, and at most.
 const PROGRAM: [f64; 2] = [13e6, 32e6];
@@ -59,7 +62,7 @@ fn assert_predicted(scene: &str, flags: &[&str]) -> f64 {
     ];
     println!("{scene} {flags:?}: files, pictures, peak, estimate {ratios:.3?} of {peak:.2e}");
     let n_compared = if peak > 1.2e8 { 4 } else { 2 };
-    let most = [ERROR, ERROR_OF_PICTURES, ERROR, ERROR];
+    let most = [ERROR, ERROR_OF_PICTURES, ERROR, ERROR_OF_ESTIMATE];
     for (ratio, most) in ratios.iter().zip(most).take(n_compared) {
         assert!((ratio - 1.0).abs() < most, "{scene} {flags:?}: {ratios:?}");
     }
