@@ -40,12 +40,14 @@ const STRETCHED: usize = size_of::<Transform>() + 96;
 pub struct Memory {
     /// The film's arrays, the times of repeated renderings, and the output buffers.
     pub film: u64,
-    /// Primitives, the acceleration structure, and the costs attributed to both.
+    /// Geometries, primitives and the acceleration structure.
     pub scene: u64,
+    /// Memory that only the build of the acceleration structure takes: the film takes its place.
+    pub build: u64,
     /// Rows of the picture in memory at a time; `None` for all.
     pub band_rows: Option<u32>,
-    /// The part of the scene's that is allocated after the rendering.
-    pub(crate) of_attribution: u64,
+    /// The costs of primitives and nodes, allocated after the rendering.
+    pub(crate) attribution: u64,
     /// Why the picture must be in memory as a whole, if that can be changed.
     pub(crate) against_bands: Option<&'static str>,
     pub(crate) n_primitives: usize,
@@ -81,7 +83,8 @@ impl Memory {
         let unit = StoredPicture::row_unit(&grid(config));
         let of_unit = u64::from(width) * u64::from(unit) * pixel_bytes(config);
         // A band, and the rows above it that are read again.
-        let n_units = (limit / 5 * 4).saturating_sub(fixed + self.scene) / of_unit;
+        let others = fixed + self.scene + self.attribution;
+        let n_units = (limit / 5 * 4).saturating_sub(others) / of_unit;
         let most = u64::from(height.div_ceil(unit));
         let n_units = n_units.saturating_sub(1).clamp(1, most);
         let film = fixed + (n_units + 1) * of_unit;
@@ -116,16 +119,19 @@ impl Memory {
         of_attribution: usize,
     ) -> Self {
         let n_primitives = geometries.n_primitives();
+        let of_primitives = |n_bytes: usize| (n_primitives * n_bytes) as u64;
+        let [lasting, of_build] = primitive_bytes(config).map(of_primitives);
         Self {
             film: 0,
             // The geometries as read, and their attributes in render space.
-            scene: n_primitives as u64 * primitive_bytes(config, of_attribution)
+            scene: lasting
                 + (geometries.n_instances() * size_of::<Instance>()) as u64
                 + (geometries.n_stretched(config) * STRETCHED) as u64
                 + 2 * geometries.n_bytes()
                 + geometries.picture_bytes(),
+            build: of_build,
             band_rows: None,
-            of_attribution: (n_primitives * of_attribution) as u64,
+            attribution: of_primitives(of_attribution),
             against_bands: None,
             n_primitives,
             repeats: config.repeats,
@@ -134,18 +140,25 @@ impl Memory {
 
     /// Estimates the memory of an instance of a mesh.
     pub fn instance_bytes(config: &Config) -> u64 {
-        primitive_bytes(config, 0) + size_of::<Instance>() as u64
+        let of_primitive: usize = primitive_bytes(config).iter().sum();
+        (of_primitive + size_of::<Instance>()) as u64
     }
 
     /// Returns an upper bound of the memory: the estimate with its error.
     pub fn at_most(&self) -> u64 {
-        (self.film + self.scene) / 4 * 5
+        let [built, written] = self.stages();
+        built.max(written) / 4 * 5
+    }
+
+    /// Returns the expected memory while the hierarchy is built, and from there to the last file.
+    pub(crate) fn stages(&self) -> [u64; 2] {
+        [self.build, self.film + self.attribution].map(|of_stage| self.scene + of_stage)
     }
 
     /// Returns the expected resident memory at the peak of a rendering in a process that has built
     /// the hierarchy; `None` where the system does not report this process's.
     pub(crate) fn peak(&self) -> Option<u64> {
-        let later = self.film + self.of_attribution;
+        let later = self.film + self.attribution;
         Some(peak_memory_bytes()?.max(resident_memory()? + later))
     }
 }
@@ -188,15 +201,14 @@ fn pixel_bytes(config: &Config) -> u64 {
     film_bytes(config) + others as u64
 }
 
-/// Returns the bytes of a primitive, its share of the acceleration structure, and its costs, which
-/// take the place of what the build leaves free.
-fn primitive_bytes(config: &Config, of_attribution: usize) -> u64 {
+/// Returns the bytes of a primitive with its share of the acceleration structure, and of the build.
+fn primitive_bytes(config: &Config) -> [usize; 2] {
     let [lasting, of_build] = match config.acceleration {
         Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
         Acceleration::BruteForce => [size_of::<u32>(), 0],
     };
     let own = size_of::<Primitive>() + size_of::<SurfaceClass>();
-    (own + lasting + of_build.max(of_attribution)) as u64
+    [own + lasting, of_build]
 }
 
 /// Returns the bytes of all tiles without their pixels.
@@ -211,7 +223,7 @@ fn file_bytes(config: &Config) -> u64 {
     let n_pixels = config.image.n_pixels() as u64;
     let of_codec = match config.compress {
         Codec::None => 0,
-        _ => compressed::BYTES_PER_ARRAY.min(n_pixels * size_of::<[f32; 3]>() as u64),
+        _ => (compressed::BYTES_PER_ARRAY / 4 * 5).min(n_pixels * size_of::<[f32; 3]>() as u64),
     };
     let of_bars = if has_bars(config) { 3 * n_pixels } else { 0 };
     of_codec + of_bars

@@ -51,7 +51,13 @@ impl Memory {
         if needed <= available {
             return Ok(());
         }
-        let (section, what, mut help) = if self.film <= self.scene {
+        let [built, written] = self.stages();
+        let of_objects = if built < written {
+            written - self.film
+        } else {
+            built
+        };
+        let (section, what, mut help) = if self.film <= of_objects {
             ("objects", "scene", fewer.to_owned())
         } else {
             ("image", "image", self.image_advice())
@@ -61,7 +67,7 @@ impl Memory {
             let enough = (limit.saturating_sub(available) + needed).div_ceil(MIB) + 1;
             help += &format!("; or give `--memory {enough}M` or more");
         }
-        let of_section = self.film.max(self.scene) / 4 * 5;
+        let of_section = self.film.max(of_objects) / 4 * 5;
         let [of_section, _] = memory_sizes([of_section, available]);
         let [needed, left] = memory_sizes([needed, available]);
         let left_of = limit.map_or("free", |_| "left of `--memory`");

@@ -71,6 +71,7 @@ fn memory_json(checked: &CheckedScene) -> Value {
         "at_most": memory.at_most(),
         "film": memory.film,
         "scene": memory.scene,
+        "build": memory.build,
         "available": limits::available(),
         "rows_at_a_time": memory.band_rows,
     })

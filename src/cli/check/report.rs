@@ -96,10 +96,11 @@ fn peak(config: &Config, memory: &Memory, expected: &Prediction) -> String {
     let peak = expected.peak_memory;
     let at_the_peak = peak.map(|peak| format!("about {} at the peak: ", bytes(peak)));
     format!(
-        "{}film {}, scene {}{}; at most {} beside the program, {} free",
+        "{}film {}, scene {}, its build {}{}; at most {} beside the program, {} free",
         at_the_peak.unwrap_or_default(),
         bytes(memory.film),
         bytes(memory.scene),
+        bytes(memory.build),
         per_instance(config),
         bytes(memory.at_most()),
         bytes(limits::available())
