@@ -3,13 +3,15 @@
 use std::fmt;
 use std::mem::{self, ManuallyDrop};
 use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Instant;
 
 use glam::Vec3;
 
 use crate::library::{DeviceFault, GROUP, LaunchQueue, LoadedProgram};
+use crate::multiprocessors::MultiprocessorTimes;
 use crate::opened::{Device, DeviceError, failed};
 use crate::paths::{N_RESULTS, N_START, RecordedPaths};
-use crate::program::{self, Kernel};
+use crate::program::{self, Kernel, NONE};
 use crate::scene::SceneArrays;
 use base::locked;
 use base::stop::Cancellation;
@@ -22,8 +24,6 @@ use world::camera::RayCone;
 use world::geometry::{Ray, RayStream};
 use world::scene::InstanceId;
 
-/// No primitive, object or hit.
-const NONE: u32 = u32::MAX;
 /// Words of a ray.
 const N_IN: usize = 8;
 /// Words of an answer.
@@ -73,6 +73,7 @@ impl Device {
             paths: paths.map(|_| (formulas.sampler, formulas.cone)),
             workers: Mutex::default(),
             kernels: Mutex::default(),
+            multiprocessors: Mutex::new(MultiprocessorTimes::new(Instant::now())),
             failure: OnceLock::new(),
             cancellation: cancellation.clone(),
         })
@@ -113,6 +114,8 @@ pub struct DeviceScene<'a> {
     workers: Mutex<Vec<ManuallyDrop<Worker>>>,
     /// The work of each kernel that was launched.
     kernels: Mutex<Vec<KernelWork>>,
+    /// When each multiprocessor followed paths.
+    multiprocessors: Mutex<MultiprocessorTimes>,
     failure: OnceLock<DeviceFault>,
     cancellation: Cancellation,
 }
@@ -148,17 +151,12 @@ impl DeviceScene<'_> {
         }
     }
 
-    /// Returns the work of each kernel since the last call.
-    pub fn take_kernels(&self) -> Vec<KernelWork> {
-        mem::take(&mut *locked(&self.kernels))
-    }
-
-    /// Returns the device with the work of each kernel since the last call of
-    /// [`take_kernels`](Self::take_kernels).
-    pub fn used(&self) -> UsedDevice {
+    /// Returns the device with its work since the last call.
+    pub fn take_work(&self) -> UsedDevice {
         UsedDevice {
             name: self.device.name().to_owned(),
-            kernels: self.take_kernels(),
+            kernels: mem::take(&mut *locked(&self.kernels)),
+            multiprocessors: locked(&self.multiprocessors).take(),
             processor_shades_because_of: self.paths.as_ref().err().cloned(),
         }
     }
@@ -228,6 +226,10 @@ impl DeviceScene<'_> {
         of.input.extend(rays.flatten());
         of.output.resize(N * n, 0);
         let ns = of.queue.launch(kernel, &of.input, &mut of.output, n)?;
+        if kernel == Kernel::PATH {
+            let (results, _) = of.output.as_chunks();
+            locked(&self.multiprocessors).add(results, Instant::now());
+        }
         let launch = self.add(kernel, &mut *of.queue, ns, of.output.as_chunks::<N>().0)?;
         Ok((worker, launch))
     }
@@ -327,7 +329,7 @@ fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
     let [red, green, blue, t, primitive, instance, rest @ ..] = *result;
     let [n_visits, n_tests, n_shadows, rest @ ..] = rest;
     let [n_reflected, n_refracted, n_diffuse, rest @ ..] = rest;
-    let [depth, bounces @ .., cycles, sm] = rest;
+    let [depth, bounces @ .., _, _, _, cycles, sm] = rest;
     let path = FollowedPath {
         color: Vec3::from([red, green, blue].map(f32::from_bits)),
         cost: Cost {

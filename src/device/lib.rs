@@ -24,6 +24,7 @@ mod opencl;
 mod cuda;
 mod proof;
 mod opened;
+mod multiprocessors;
 mod device_scene;
 
 pub use device_scene::DeviceScene;

@@ -13,7 +13,7 @@ use crate::step::{N_SLOTS, PathStep, record, slot};
 use crate::tape::{Register, Tables, Tape};
 
 /// Words of a followed path.
-pub(crate) const N_RESULTS: usize = 15 + N_BOUNCES;
+pub(crate) const N_RESULTS: usize = 18 + N_BOUNCES;
 /// Words of a path at its start: its ray, pixel, sample and media.
 pub(crate) const N_START: usize = 8 + N_MEDIA;
 /// Places for the media of a path.

@@ -57,7 +57,7 @@ impl Session {
         }
         let n_pixels = config.image.n_pixels() as u64;
         // Render the passes onto the film.
-        device.as_ref().map(DeviceScene::take_kernels);
+        device.as_ref().map(DeviceScene::take_work);
         let n_rendered = u64::from(least_repeats(config)) * plan.n_pixels();
         let (mut film, schedule, repeats) =
             options.reported("render", n_rendered, |report: OnProgress| {
@@ -65,7 +65,7 @@ impl Session {
                 repeat_within(limits, config.repeats, tracer, &plan, &meter, report)
             });
         stages.end("render");
-        let used_device = device.as_ref().map(DeviceScene::used);
+        let used_device = device.as_ref().map(DeviceScene::take_work);
         device.as_ref().map_or(Ok(()), DeviceScene::check)?;
         stop::check()?;
         scope.check()?;

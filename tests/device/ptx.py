@@ -18,7 +18,7 @@ TO_WHOLE = {"rmi": "std::floor", "rzi": "std::trunc", "rpi": "std::ceil", "rni":
 
 def name(word):
     """A register, label or variable as a name of C++. Registers are arrays: names by the thousand take a compiler long."""
-    if word == "%clock64":
+    if word in ("%clock64", "%globaltimer"):
         return "clock64()"
     numbered = re.fullmatch(r"%([a-z]+)(\d+)", word)
     return f"_{numbered[1]}[{numbered[2]}]" if numbered else re.sub(r"\W", "_", word)

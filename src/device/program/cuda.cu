@@ -13,6 +13,7 @@ typedef unsigned long ulong;
 #define SQRT(x) sqrt(x)
 #define CYCLES ((ulong)clock64())
 #define SM number_of_sm()
+#define TIME time_ns()
 #define INFINITY FLOAT_OF(0x7f800000u)
 #define round(x) rounded_half_away(x)
 
@@ -20,6 +21,13 @@ FUNCTION uint number_of_sm(void) {
   uint number;
   asm volatile("mov.u32 %0, %%smid;" : "=r"(number));
   return number;
+}
+
+/* The nanoseconds of the clock that all multiprocessors share. */
+FUNCTION ulong time_ns(void) {
+  ulong ns;
+  asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(ns));
+  return ns;
 }
 
 /* CUDA's own function adds in another mode of rounding. */

@@ -31,6 +31,9 @@ impl Kernel {
     }
 }
 
+/// No primitive, object, hit or multiprocessor.
+pub(crate) const NONE: u32 = u32::MAX;
+
 /// The kind of an instance in a record, after the kinds of shapes.
 pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
 
@@ -43,7 +46,7 @@ pub(crate) fn text(world_levels: usize, mesh_levels: Option<usize>, paths: Optio
     let stack = |n_levels: usize| 7 * n_levels.next_multiple_of(LEVEL_STEP) + 9;
     let kind = |kind: ShapeKind| kind as u32;
     let mut text = format!(
-        "#define NONE 0xffffffffu
+        "#define NONE {NONE}u
 #define END 3u
 #define ID_BIT {ID_BIT}u
 #define CAPSULE_BIT {CAPSULE_BIT}u

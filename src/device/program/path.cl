@@ -3,12 +3,14 @@
    own_light, light, shadow, reflected, next_ray, late_ray, split, passage, background, flight and fade are recorded
    (paths.rs). They read the state of a path by its slots: ORIGIN, DIRECTION, and so on. */
 
-/* The clock of the device's cycles, and the multiprocessor; 0 and NONE where the language has none. */
+/* The clock of the device's cycles, its time in nanoseconds, and the multiprocessor; 0 and NONE where the language has
+   none. */
 #ifndef CYCLES
 #define CYCLES 0ul
 #endif
 #ifndef SM
 #define SM NONE
+#define TIME 0ul
 #endif
 
 /* Places for rays that continue a path that splits, and for what its rays add. */
@@ -298,7 +300,7 @@ KERNEL void path(WORLD_ARRAYS, GLOBAL const uint *surfaces, GLOBAL const uint *a
   if (id >= n) return;
   Scene scene = {WORLD, surfaces, all_data, places, tables};
   GLOBAL uint *result = out + (ulong)N_RESULTS * id;
-  ulong begin = CYCLES;
+  ulong begin = CYCLES, begin_ns = TIME;
   PathCost cost, no_cost = {0u};
   float color[3] = {0.0f};
 
@@ -352,7 +354,10 @@ KERNEL void path(WORLD_ARRAYS, GLOBAL const uint *surfaces, GLOBAL const uint *a
   for (uint i = 0; i < 3u; i++) result[9u + i] = cost.n_rays[i];
   result[12] = cost.depth;
   for (uint i = 0; i < N_BOUNCES; i++) result[13u + i] = cost.bounces[i];
-  ulong cycles = CYCLES - begin;
+  ulong cycles = CYCLES - begin, ns = TIME - begin_ns;
+  result[N_RESULTS - 5u] = (uint)begin_ns;
+  result[N_RESULTS - 4u] = (uint)(begin_ns >> 32);
+  result[N_RESULTS - 3u] = ns < NONE ? (uint)ns : NONE;
   result[N_RESULTS - 2u] = cycles < NONE ? (uint)cycles : NONE;
   result[N_RESULTS - 1u] = SM;
 }

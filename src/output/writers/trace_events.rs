@@ -28,7 +28,8 @@ pub(super) const FILE: OutputFile = OutputFile {
 /// The row of the stages in the timeline; the rows of the threads follow.
 const STAGES: u32 = 0;
 
-/// Writes the stages so far, and every tile in the row of its thread, one event per line of text.
+/// Writes the stages so far, every tile in the row of its thread, and the paths of every launch on a
+/// device in the row of their multiprocessor, one event per line of text.
 /// Times are in microseconds since the start of the program.
 fn write(
     rendering: &RenderingView,
@@ -53,6 +54,15 @@ fn write(
         let line = (run.rank, line_of(run.thread));
         event(&format!("tile {number}"), line, span, args)
     });
+    // Convert the runs of the device's multiprocessors, whose rows follow those of the ranks.
+    let device = rendering.device.iter();
+    let of_device = device
+        .flat_map(|device| &device.multiprocessors)
+        .map(|run| {
+            let [start, end] = [run.begin, run.end].map(since_begin);
+            let line = (schedule.n_ranks(), run.number);
+            event("paths", line, start..end, json!({ "paths": run.paths }))
+        });
     // Write the header, then one event per line.
     let partial = rendering.partial;
     let partial = partial.map(|partial| format!(",\"partial\":\"{partial}\""));
@@ -65,6 +75,7 @@ fn write(
         .into_iter()
         .chain(of_stages)
         .chain(of_tiles)
+        .chain(of_device)
         .enumerate()
     {
         if i > 0 {
@@ -100,7 +111,30 @@ fn name_rows(rendering: &RenderingView) -> Vec<Value> {
         let line = (rank, line_of(thread));
         name("thread_name", line, &format!("thread {thread}"))
     });
-    ranks.chain(stages).chain(threads).collect()
+    ranks
+        .chain(stages)
+        .chain(threads)
+        .chain(name_multiprocessors(rendering))
+        .collect()
+}
+
+/// Returns the names of the device, which follows the ranks, and of its rows.
+fn name_multiprocessors(rendering: &RenderingView) -> Vec<Value> {
+    let Some(device) = rendering
+        .device
+        .filter(|device| !device.multiprocessors.is_empty())
+    else {
+        return Vec::new();
+    };
+    let process = rendering.schedule.n_ranks();
+    let numbers = device.multiprocessors.iter().map(|run| run.number);
+    let numbers: BTreeSet<u32> = numbers.collect();
+    let rows = numbers.into_iter().map(|number| {
+        let text = format!("multiprocessor {number}");
+        name("thread_name", (process, number), &text)
+    });
+    let device = [name("process_name", (process, 0), &device.name)];
+    device.into_iter().chain(rows).collect()
 }
 
 /// Returns a metadata event: the name of a rank's process or of one of its rows.

@@ -1,5 +1,7 @@
 //! Launches of kernels on a device.
 
+use std::time::Instant;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -38,9 +40,24 @@ pub struct UsedDevice {
     pub name: String,
     /// The launches, by kernel.
     pub kernels: Vec<KernelWork>,
+    /// When each multiprocessor followed paths; empty if the device does not say.
+    pub multiprocessors: Vec<MultiprocessorRun>,
     /// The part of the scene because of which the processor shades; `None` if the device follows
     /// whole paths.
     pub processor_shades_because_of: Option<String>,
+}
+
+/// The paths of a launch that one multiprocessor followed, or of some launches after each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MultiprocessorRun {
+    /// The number of the multiprocessor.
+    pub number: u32,
+    /// Number of paths.
+    pub paths: u64,
+    /// The start of the first path.
+    pub begin: Instant,
+    /// The end of the last path.
+    pub end: Instant,
 }
 
 /// The launches of one kernel on a device.

@@ -25,7 +25,7 @@ pub use clock::Clock;
 pub use cost_mode::CostMode;
 pub use counter::{Counter, StepCounter, StepCounts};
 pub use counters::Counters;
-pub use launch::{DeviceLaunch, FollowedPath, KernelWork, UsedDevice};
+pub use launch::{DeviceLaunch, FollowedPath, KernelWork, MultiprocessorRun, UsedDevice};
 pub use meter::Meter;
 pub use metric::{Aggregation, Metric, MetricSource, MetricUnit};
 pub use probe::{ByPixel, NoProbe, PixelProbe, Probe, StreamProbe};
