@@ -9,6 +9,7 @@ use crate::compressed;
 use crate::data_set::DataSet;
 use crate::encoding::Encoding;
 use crate::header::{LabeledDataSet, Offsets};
+use crate::windows;
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the last one up to the
 /// opening tag of the arrays. With expat 2.6, or an older one with its security fixes, many
@@ -16,6 +17,10 @@ use crate::header::{LabeledDataSet, Offsets};
 /// among them ParaView 5.12.0 and the ParaView of Debian 12 and of Ubuntu 22.04 to 24.04. Blanks
 /// are accepted.
 const N_BLANKS: usize = 2 * 4096;
+
+/// Bytes of a raw array that are generated while others are written: with less, the threads wait for each
+/// other more often than the cache saves.
+const WINDOW: usize = 1 << 20;
 
 /// Writes a whole file to `out`, which must be empty.
 ///
@@ -38,7 +43,7 @@ fn write_raw(labeled: &LabeledDataSet, out: &mut impl Write) -> io::Result<()> {
     write_head(&labeled.xml(&Offsets::OfRaw(offsets(&arrays)))?, out)?;
     for array in arrays {
         out.write_all(&array.n_bytes.to_ne_bytes())?;
-        array.write_to(out)?;
+        windows::for_each(array, WINDOW, |window| out.write_all(window))?;
     }
     write_tail(out)
 }

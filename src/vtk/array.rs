@@ -10,7 +10,7 @@ use vtkio::model::{CellType, ScalarType};
 const CHUNK: usize = 1 << 14;
 
 /// A function that writes the bytes of an array.
-pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+pub(crate) type WriteBytes<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + Sync + 'a>;
 
 /// An array whose bytes are generated while the file is written.
 pub struct Array<'a> {
@@ -59,7 +59,7 @@ impl<'a> Array<'a> {
     pub fn new<E: Entry, I: Iterator<Item = E>>(
         name: &'a str,
         n: usize,
-        entries: impl Fn() -> I + 'a,
+        entries: impl Fn() -> I + Sync + 'a,
     ) -> Self {
         Self {
             name,
@@ -118,7 +118,7 @@ impl Integers {
         self,
         name: &'static str,
         n: usize,
-        write: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
+        write: impl Fn(&mut dyn Write) -> io::Result<()> + Sync + 'a,
     ) -> Array<'a> {
         let (scalar, n_bytes) = match self {
             Self::I32 => (ScalarType::I32, 4 * n as u64),

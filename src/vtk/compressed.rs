@@ -6,14 +6,15 @@ use rayon::prelude::*;
 
 use crate::array::Array;
 use crate::codec::{BLOCK, Compressor};
+use crate::windows::{self, N_WINDOWS};
 
 /// Bytes that are compressed at a time: enough blocks for many threads, and little memory compared
 /// with a film.
 const WINDOW: usize = 16 * BLOCK;
 
-/// Upper bound of the memory to compress an array, in bytes: a window of blocks, and the compressed
-/// blocks.
-pub const BYTES_PER_ARRAY: u64 = 3 * WINDOW as u64;
+/// Upper bound of the memory to compress an array, in bytes: windows of blocks, and the compressed
+/// blocks of one.
+pub const BYTES_PER_ARRAY: u64 = (N_WINDOWS + 2) as u64 * WINDOW as u64;
 
 /// Returns the numbers before the lengths of an array's compressed blocks: the number of blocks,
 /// the size of a block, and the size of the last block if it is shorter, else 0.
@@ -36,62 +37,23 @@ pub(super) fn write(
     table.resize(table.len() + n_blocks, 0);
     out.write_all(bytemuck::cast_slice(&table))?;
 
-    let mut blocks = BlockWriter {
-        compressor,
-        out,
-        window: Vec::with_capacity(WINDOW.min(array.n_bytes as usize)),
-        lengths: Vec::with_capacity(n_blocks),
-    };
-    array.write_to(&mut blocks)?;
-    blocks.flush_window()?;
+    let mut lengths: Vec<u64> = Vec::with_capacity(n_blocks);
+    windows::for_each(array, WINDOW, |window| {
+        let blocks = window.par_chunks(BLOCK);
+        let packed: Vec<Vec<u8>> = blocks.map(|block| compressor.compress(block)).collect();
+        for block in &packed {
+            lengths.push(block.len() as u64);
+            out.write_all(block)?;
+        }
+        Ok(())
+    })?;
 
     // Go back and fill in the table.
-    let lengths = blocks.lengths;
     let end = out.stream_position()?;
     out.seek(SeekFrom::Start(begin + size_of_val(&table_head(0)) as u64))?;
     out.write_all(bytemuck::cast_slice(&lengths))?;
     out.seek(SeekFrom::Start(end))?;
     Ok(())
-}
-
-/// Collects a window of bytes; compresses and writes its blocks when it is full.
-struct BlockWriter<'a, W> {
-    compressor: &'a dyn Compressor,
-    out: &'a mut W,
-    window: Vec<u8>,
-    /// Bytes of each compressed block so far.
-    lengths: Vec<u64>,
-}
-
-impl<W: Write> BlockWriter<'_, W> {
-    fn flush_window(&mut self) -> io::Result<()> {
-        let blocks = self.window.par_chunks(BLOCK);
-        let packed: Vec<Vec<u8>> = blocks
-            .map(|block| self.compressor.compress(block))
-            .collect();
-        for block in &packed {
-            self.lengths.push(block.len() as u64);
-            self.out.write_all(block)?;
-        }
-        self.window.clear();
-        Ok(())
-    }
-}
-
-impl<W: Write> Write for BlockWriter<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let n = bytes.len().min(WINDOW - self.window.len());
-        self.window.extend_from_slice(&bytes[..n]);
-        if self.window.len() == WINDOW {
-            self.flush_window()?;
-        }
-        Ok(n)
-    }
-
-    /// Does nothing: only full blocks are written.
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -138,7 +100,7 @@ mod tests {
         let noise: Vec<u32> = (0..BLOCK as u32 / 4).map(noise).collect();
         for compressor in compressors() {
             let packed = compressor.compress(bytemuck::cast_slice(&noise));
-            let n_bytes = WINDOW + WINDOW / BLOCK * packed.capacity();
+            let n_bytes = N_WINDOWS * WINDOW + WINDOW / BLOCK * packed.capacity();
             assert!(n_bytes as u64 <= BYTES_PER_ARRAY, "{compressor:?}");
         }
     }

@@ -9,6 +9,7 @@
 
 mod codec;
 pub mod array;
+mod windows;
 pub mod data_set;
 mod field;
 pub mod encoding;

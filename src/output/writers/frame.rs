@@ -80,7 +80,7 @@ pub(super) fn bytes_per_point(film: &Film) -> u64 {
 pub(super) fn column_array<'a>(
     column: Column,
     n: u64,
-    write: impl Fn(&Column, &mut dyn Write) -> io::Result<()> + 'a,
+    write: impl Fn(&Column, &mut dyn Write) -> io::Result<()> + Sync + 'a,
 ) -> Array<'a> {
     Array {
         name: column.name,

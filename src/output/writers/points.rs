@@ -10,7 +10,7 @@ use world::geometry::{LENGTH_UNIT, RenderSpace};
 pub(super) fn points<'a, I: Iterator<Item = Vec3> + 'a>(
     space: &RenderSpace,
     n: usize,
-    points: impl Fn() -> I + 'a,
+    points: impl Fn() -> I + Sync + 'a,
 ) -> Array<'a> {
     let space = *space;
     let array = if space.is_centered() {

@@ -147,7 +147,7 @@ impl<'a> Rays<'a> {
     fn lengths<'s>(
         &'s self,
         name: &'static str,
-        length: impl Fn(&TracedRay) -> f32 + Copy + 's,
+        length: impl Fn(&TracedRay) -> f32 + Copy + Sync + 's,
     ) -> Array<'s> {
         let space = self.traced.scene.space;
         self.array(name, move |ray| space.world_length(length(ray)))
@@ -157,7 +157,7 @@ impl<'a> Rays<'a> {
     fn array<'s, E: Entry>(
         &'s self,
         name: &'static str,
-        value: impl Fn(&TracedRay) -> E + Copy + 's,
+        value: impl Fn(&TracedRay) -> E + Copy + Sync + 's,
     ) -> Array<'s> {
         Array::new(name, self.n, move || self.iter().map(value))
     }
@@ -165,7 +165,7 @@ impl<'a> Rays<'a> {
     fn cost<'s, E: Entry>(
         &'s self,
         metric: Metric,
-        value: impl Fn(&TracedRay) -> E + Copy + 's,
+        value: impl Fn(&TracedRay) -> E + Copy + Sync + 's,
     ) -> Array<'s> {
         self.array(metric.name, value).in_unit(metric.unit_label())
     }
@@ -197,7 +197,7 @@ impl<'a> Rays<'a> {
 
     fn pixel_array<'s, E: Entry>(
         &'s self,
-        number: impl Fn(i64, i64) -> E + Copy + 's,
+        number: impl Fn(i64, i64) -> E + Copy + Sync + 's,
     ) -> Array<'s> {
         Array::new("pixel", self.n, move || {
             self.traced.pixels.iter().flat_map(move |pixel| {

@@ -95,7 +95,7 @@ fn counters(schedule: &Schedule) -> impl Iterator<Item = Array<'_>> {
 fn array<'a, E: Entry>(
     name: &'static str,
     schedule: &'a Schedule,
-    value: impl Fn(usize, &TileRun) -> E + Copy + 'a,
+    value: impl Fn(usize, &TileRun) -> E + Copy + Sync + 'a,
 ) -> Array<'a> {
     let n_columns = schedule.grid.n_columns as usize;
     let runs = &schedule.runs;

@@ -107,7 +107,7 @@ fn costs(
 fn array<'a, E: Entry>(
     name: &'a str,
     side: &'a Side,
-    entries: impl Fn(Range<u32>) -> Result<Vec<E>, Diagnostic> + 'a,
+    entries: impl Fn(Range<u32>) -> Result<Vec<E>, Diagnostic> + Sync + 'a,
 ) -> Array<'a> {
     let [width, height] = side.size().map(|n| n as usize);
     Array {
