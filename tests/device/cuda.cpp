@@ -95,13 +95,16 @@ int cuModuleLoadDataEx(void **module, const char *ptx, unsigned, int *, void **)
   std::string base = folder;
   base += "/" + std::to_string(std::hash<std::string>()(ptx)) + (is("fuses") ? "-fused" : "");
   if (access((base + ".so").c_str(), R_OK)) {
-    FILE *file = fopen((base + ".ptx").c_str(), "w");
+    // Under names of its own: other processes may do the same, or load a file that is not yet whole.
+    std::string own = base + "." + std::to_string(getpid());
+    FILE *file = fopen((own + ".ptx").c_str(), "w");
     if (!file) return INVALID_PTX;
     fputs(ptx, file);
     fclose(file);
-    std::string command = "python3 tests/device/ptx.py " + base + ".ptx " + base + ".cpp && c++ -std=c++17 -w -shared ";
-    command += "-fPIC -ffp-contract=off -fwrapv -I tests/device -o " + base + ".so " + base + ".cpp";
-    if (is("fuses")) command += " -DFUSES";
+    std::string command = "python3 tests/device/ptx.py " + own + ".ptx " + own + ".cpp && c++ -std=c++17 -w -shared ";
+    command += "-fPIC -ffp-contract=off -fwrapv -I tests/device " + std::string(is("fuses") ? "-DFUSES " : "");
+    command += "-o " + own + ".so " + own + ".cpp && rm " + own + ".cpp";
+    command += " && mv " + own + ".ptx " + base + ".ptx && mv " + own + ".so " + base + ".so";
     if (system(command.c_str())) return INVALID_PTX;
   }
   *module = dlopen((base + ".so").c_str(), RTLD_NOW);
