@@ -4,8 +4,8 @@
 //!
 //! The codecs take turns in one process, so that a drift of the machine affects all of them
 //! equally. FOLDER is the output folder; the default is a folder in memory (/dev/shm if it exists,
-//! else the system's temporary folder), so that no disk is measured. Only compression uses more
-//! than one thread.
+//! else the system's temporary folder), so that no disk is measured. One thread
+//! generates an array, another writes it; compression uses all.
 
 use scene::build::{Geometries, Sensor};
 use std::fs::File;
