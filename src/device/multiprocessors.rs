@@ -14,7 +14,7 @@ const MAX_RUNS: usize = 1 << 17;
 /// The runs of all launches so far.
 #[derive(Debug)]
 pub(crate) struct MultiprocessorTimes {
-    runs: Vec<Run>,
+    runs: Vec<DeviceSpan>,
     /// A moment before all others.
     begin: Instant,
     /// Nanoseconds of the device's clock at that moment, at least: a launch is seen to have ended some
@@ -24,14 +24,14 @@ pub(crate) struct MultiprocessorTimes {
 
 /// The paths of a multiprocessor, in nanoseconds of the device's clock.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct DeviceSpan {
     number: u32,
     paths: u64,
     begin_ns: u64,
     end_ns: u64,
 }
 
-impl Run {
+impl DeviceSpan {
     fn with(self, other: Self) -> Self {
         Self {
             number: self.number,
@@ -54,13 +54,13 @@ impl MultiprocessorTimes {
 
     /// Adds a launch that had ended at the moment `seen`, given the results of its paths.
     pub(crate) fn add(&mut self, results: &[[u32; N_RESULTS]], seen: Instant) {
-        let mut runs: BTreeMap<u32, Run> = BTreeMap::new();
+        let mut runs: BTreeMap<u32, DeviceSpan> = BTreeMap::new();
         for &[.., low, high, ns, _, number] in results {
             if number == NONE {
                 return;
             }
             let begin_ns = u64::from(high) << 32 | u64::from(low);
-            let run = Run {
+            let run = DeviceSpan {
                 number,
                 paths: 1,
                 begin_ns,
@@ -84,7 +84,7 @@ impl MultiprocessorTimes {
         let mut open = BTreeMap::new();
         for run in mem::take(&mut self.runs) {
             match open.remove(&run.number) {
-                Some(i) => self.runs[i] = Run::with(self.runs[i], run),
+                Some(i) => self.runs[i] = DeviceSpan::with(self.runs[i], run),
                 None => {
                     open.insert(run.number, self.runs.len());
                     self.runs.push(run);

@@ -2,7 +2,9 @@
 //! is written.
 
 use std::io::{self, Write};
-use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
+use std::mem;
+use std::panic::resume_unwind;
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
 use crate::array::Array;
@@ -12,33 +14,50 @@ use host::start_in_scope;
 pub(super) const N_WINDOWS: usize = 2;
 
 /// Calls `consume` with all bytes of an array in windows of `size` bytes, the last one of what is
-/// left. Short arrays take one window and no thread.
+/// left. A program of one thread stays one, and a short array takes one window.
 ///
 /// # Errors
-/// The array has the wrong length, `consume` fails, or the system refuses the thread.
+/// The array has the wrong length, or `consume` fails.
 pub(super) fn for_each(
     array: &Array,
     size: usize,
     mut consume: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    if array.n_bytes <= size as u64 {
-        let mut window = Vec::with_capacity(array.n_bytes as usize);
-        array.write_to(&mut window)?;
-        return consume(&window);
+    if array.n_bytes <= size as u64 || rayon::current_num_threads() == 1 {
+        return consume_while_filling(array, size, &mut consume);
     }
     let (to_filler, empty) = mpsc::channel();
-    let (to_consumer, full) = mpsc::sync_channel(N_WINDOWS);
-    for _ in 0..N_WINDOWS {
+    let (to_consumer, full) = mpsc::channel();
+    for _ in 1..N_WINDOWS {
         let _ = to_filler.send(Vec::with_capacity(size));
     }
+    let exchange = move |window: Vec<u8>| {
+        to_consumer.send(window).map_err(io::Error::other)?;
+        empty.recv().map_err(io::Error::other)
+    };
     thread::scope(|scope| {
-        let filler = start_in_scope(scope, || Filler::fill(array, size, empty, to_consumer))?;
+        let fill = move || Windows::fill(array, size, exchange);
+        let Ok(filler) = start_in_scope(scope, fill) else {
+            // Refused: it would only have helped.
+            return consume_while_filling(array, size, &mut consume);
+        };
         let consumed = consume_all(full, to_filler, &mut consume);
-        // The filler stops where it fails to get a window, whose error says less.
-        let filled = filler
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let filled = filler.join().unwrap_or_else(|panic| resume_unwind(panic));
+        // The filler stops where it gets no window, which says less.
         consumed.and(filled)
+    })
+}
+
+/// Consumes each window on the thread that has filled it.
+fn consume_while_filling(
+    array: &Array,
+    size: usize,
+    consume: &mut impl FnMut(&[u8]) -> io::Result<()>,
+) -> io::Result<()> {
+    Windows::fill(array, size, |mut window| {
+        consume(&window)?;
+        window.clear();
+        Ok(window)
     })
 }
 
@@ -57,49 +76,43 @@ fn consume_all(
 }
 
 /// Fills windows with bytes.
-struct Filler {
+struct Windows<E> {
     size: usize,
     window: Vec<u8>,
-    empty: Receiver<Vec<u8>>,
-    to_consumer: SyncSender<Vec<u8>>,
+    /// Takes a full window, and returns an empty one.
+    exchange: E,
 }
 
-impl Filler {
-    fn fill(
-        array: &Array,
-        size: usize,
-        empty: Receiver<Vec<u8>>,
-        to_consumer: SyncSender<Vec<u8>>,
-    ) -> io::Result<()> {
-        let window = empty.recv().map_err(io::Error::other)?;
-        let mut filler = Self {
+impl<E: FnMut(Vec<u8>) -> io::Result<Vec<u8>>> Windows<E> {
+    /// Fills windows with the bytes of an array.
+    fn fill(array: &Array, size: usize, exchange: E) -> io::Result<()> {
+        let most = usize::try_from(array.n_bytes).unwrap_or(usize::MAX);
+        let mut windows = Self {
             size,
-            window,
-            empty,
-            to_consumer,
+            window: Vec::with_capacity(size.min(most)),
+            exchange,
         };
-        array.write_to(&mut filler)?;
-        filler.send()
+        array.write_to(&mut windows)?;
+        windows.exchange()
     }
 
-    fn send(&mut self) -> io::Result<()> {
-        let full = std::mem::take(&mut self.window);
-        self.to_consumer.send(full).map_err(io::Error::other)
+    fn exchange(&mut self) -> io::Result<()> {
+        self.window = (self.exchange)(mem::take(&mut self.window))?;
+        Ok(())
     }
 }
 
-impl Write for Filler {
+impl<E: FnMut(Vec<u8>) -> io::Result<Vec<u8>>> Write for Windows<E> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.window.len() == self.size {
-            self.send()?;
-            self.window = self.empty.recv().map_err(io::Error::other)?;
+            self.exchange()?;
         }
         let n = bytes.len().min(self.size - self.window.len());
         self.window.extend_from_slice(&bytes[..n]);
         Ok(n)
     }
 
-    /// Does nothing: only full windows are sent.
+    /// Does nothing: only full windows are exchanged.
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
@@ -109,46 +122,60 @@ impl Write for Filler {
 mod tests {
     use super::*;
 
+    /// Calls a function in a pool of this many threads.
+    fn with_threads<T: Send>(n_threads: usize, work: impl FnOnce() -> T + Send) -> T {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads);
+        pool.build().unwrap().install(work)
+    }
+
     #[test]
     fn windows_have_all_bytes_in_their_order() {
-        for n in [0, 1, 4, 5, 8, 1000, 1003] {
-            let array = Array::new("bytes", n, || (0..n).map(|i| i as u8));
-            let mut lengths = Vec::new();
-            let mut all = Vec::new();
-            for_each(&array, 4, |window| {
-                lengths.push(window.len());
-                all.extend_from_slice(window);
-                Ok(())
-            })
-            .unwrap();
+        for (n, n_threads) in [0, 1, 4, 5, 8, 1000, 1003]
+            .into_iter()
+            .flat_map(|n| [(n, 1), (n, 2)])
+        {
+            let windows = with_threads(n_threads, || {
+                let array = Array::new("bytes", n, || (0..n).map(|i| i as u8));
+                let mut windows = Vec::new();
+                for_each(&array, 4, |window| {
+                    windows.push(window.to_vec());
+                    Ok(())
+                })
+                .unwrap();
+                windows
+            });
+            let all = windows.concat();
             assert!(all.iter().enumerate().all(|(i, byte)| *byte == i as u8));
             assert_eq!(all.len(), n);
-            let last = lengths.pop().unwrap();
-            assert!(lengths.iter().all(|length| *length == 4) && last <= 4);
+            let (last, others) = windows.split_last().unwrap();
+            assert!(others.iter().all(|window| window.len() == 4) && last.len() <= 4);
         }
     }
 
     #[test]
     fn the_first_error_ends_both_threads() {
-        let array = Array::new("bytes", 1 << 20, || std::iter::repeat_n(1_u8, 1 << 20));
-        let mut n = 0;
-        let error = for_each(&array, 1 << 10, |_| {
-            n += 1;
-            if n < 7 {
-                Ok(())
-            } else {
-                Err(io::Error::other("full"))
-            }
-        })
-        .unwrap_err();
-        assert_eq!((n, error.to_string().as_str()), (7, "full"));
-        // A wrong length.
-        let array = Array {
-            n_bytes: 1 << 21,
-            ..array
+        let written = |n_threads, n_bytes, n_good: u32| {
+            with_threads(n_threads, || {
+                let array = Array {
+                    n_bytes,
+                    ..Array::new("bytes", 1 << 20, || std::iter::repeat_n(1_u8, 1 << 20))
+                };
+                let mut n = 0;
+                let error = for_each(&array, 1 << 10, |_| {
+                    n += 1;
+                    if n <= n_good {
+                        Ok(())
+                    } else {
+                        Err(io::Error::other("full"))
+                    }
+                });
+                error.unwrap_err().to_string()
+            })
         };
-        let error = for_each(&array, 1 << 10, |_| Ok(())).unwrap_err();
-        let expected = "bytes: 1048576 bytes instead of 2097152";
-        assert_eq!(error.to_string(), expected);
+        for n_threads in [1, 2] {
+            assert_eq!(written(n_threads, 1 << 20, 7), "full");
+            let wrong_length = "bytes: 1048576 bytes instead of 2097152";
+            assert_eq!(written(n_threads, 1 << 21, 1 << 20), wrong_length);
+        }
     }
 }

@@ -306,7 +306,7 @@ fn the_limit_of_the_process_is_free_memory() {
     let scene = in_repository("configs/million_spheres.yaml");
     let command = format!(
         "ulimit -v {} && exec '{}' check '{}'",
-        300 << 10,
+        250 << 10,
         env!("CARGO_BIN_EXE_raycost"),
         scene.display()
     );
