@@ -5,7 +5,7 @@
 //! The codecs take turns in one process, so that a drift of the machine affects all of them
 //! equally. FOLDER is the output folder; the default is a folder in memory (/dev/shm if it exists,
 //! else the system's temporary folder), so that no disk is measured. One thread
-//! generates an array, another writes it; compression uses all.
+//! generates an array, another writes it; compression uses all threads.
 
 use scene::build::{Geometries, Sensor};
 use std::fs::File;

@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use crate::library::{DeviceFault, GROUP, LaunchQueue, LoadedProgram};
-use crate::multiprocessors::MultiprocessorTimes;
+use crate::multiprocessors::{self, MultiprocessorTimes};
 use crate::opened::{Device, DeviceError, failed};
 use crate::paths::{N_RESULTS, N_START, RecordedPaths};
 use crate::program::{self, Kernel, NONE};
@@ -114,7 +114,7 @@ pub struct DeviceScene<'a> {
     workers: Mutex<Vec<ManuallyDrop<Worker>>>,
     /// The work of each kernel that was launched.
     kernels: Mutex<Vec<KernelWork>>,
-    /// When each multiprocessor followed paths.
+    /// Times at which each multiprocessor followed paths.
     multiprocessors: Mutex<MultiprocessorTimes>,
     failure: OnceLock<DeviceFault>,
     cancellation: Cancellation,
@@ -227,8 +227,9 @@ impl DeviceScene<'_> {
         of.output.resize(N * n, 0);
         let ns = of.queue.launch(kernel, &of.input, &mut of.output, n)?;
         if kernel == Kernel::PATH {
-            let (results, _) = of.output.as_chunks();
-            locked(&self.multiprocessors).add(results, Instant::now());
+            let seen = Instant::now();
+            let runs = multiprocessors::runs_of(of.output.as_chunks().0);
+            locked(&self.multiprocessors).add(runs, seen);
         }
         let launch = self.add(kernel, &mut *of.queue, ns, of.output.as_chunks::<N>().0)?;
         Ok((worker, launch))

@@ -1,6 +1,5 @@
-//! When each multiprocessor of a device followed paths, by the device's clock.
+//! Times at which each multiprocessor of a device followed paths, by the device's clock.
 
-use std::collections::BTreeMap;
 use std::mem;
 use std::time::{Duration, Instant};
 
@@ -10,36 +9,28 @@ use tracer::cost::MultiprocessorRun;
 
 /// Greatest number of runs that are kept: timelines of more cannot be shown.
 const MAX_RUNS: usize = 1 << 17;
+/// Shorter pauses do not end a run, in nanoseconds.
+const LEAST_PAUSE_NS: u64 = 10_000;
 
 /// The runs of all launches so far.
 #[derive(Debug)]
 pub(crate) struct MultiprocessorTimes {
     runs: Vec<DeviceSpan>,
+    least_pause_ns: u64,
     /// A moment before all others.
     begin: Instant,
-    /// Nanoseconds of the device's clock at that moment, at least: a launch is seen to have ended some
-    /// time after its last path, so the least difference of both clocks is the nearest.
+    /// Lower bound of the device's clock at `begin`, in nanoseconds: the end of a launch is seen late,
+    /// so the greatest bound is the nearest.
     begin_ns: u64,
 }
 
 /// The paths of a multiprocessor, in nanoseconds of the device's clock.
 #[derive(Debug, Clone, Copy)]
-struct DeviceSpan {
+pub(crate) struct DeviceSpan {
     number: u32,
     paths: u64,
     begin_ns: u64,
     end_ns: u64,
-}
-
-impl DeviceSpan {
-    fn with(self, other: Self) -> Self {
-        Self {
-            number: self.number,
-            paths: self.paths + other.paths,
-            begin_ns: self.begin_ns.min(other.begin_ns),
-            end_ns: self.end_ns.max(other.end_ns),
-        }
-    }
 }
 
 impl MultiprocessorTimes {
@@ -47,75 +38,88 @@ impl MultiprocessorTimes {
     pub(crate) fn new(begin: Instant) -> Self {
         Self {
             runs: Vec::new(),
+            least_pause_ns: LEAST_PAUSE_NS,
             begin,
             begin_ns: 0,
         }
     }
 
-    /// Adds a launch that had ended at the moment `seen`, given the results of its paths.
-    pub(crate) fn add(&mut self, results: &[[u32; N_RESULTS]], seen: Instant) {
-        let mut runs: BTreeMap<u32, DeviceSpan> = BTreeMap::new();
-        for &[.., low, high, ns, _, number] in results {
-            if number == NONE {
-                return;
-            }
-            let begin_ns = u64::from(high) << 32 | u64::from(low);
-            let run = DeviceSpan {
-                number,
-                paths: 1,
-                begin_ns,
-                end_ns: begin_ns + u64::from(ns),
-            };
-            (runs.entry(number))
-                .and_modify(|one| *one = one.with(run))
-                .or_insert(run);
-        }
-        let end_ns = runs.values().map(|run| run.end_ns).max().unwrap_or(0);
+    /// Adds the runs of a launch that had ended at the moment `seen`.
+    pub(crate) fn add(&mut self, runs: Vec<DeviceSpan>, seen: Instant) {
+        let end_ns = runs.iter().map(|run| run.end_ns).max().unwrap_or(0);
         let since_begin = (seen - self.begin).as_nanos() as u64;
         self.begin_ns = self.begin_ns.max(end_ns.saturating_sub(since_begin));
-        self.runs.extend(runs.into_values());
-        if self.runs.len() > MAX_RUNS {
-            self.join();
+        self.runs.extend(runs);
+        while self.runs.len() > MAX_RUNS {
+            join(&mut self.runs, self.least_pause_ns);
+            self.least_pause_ns *= 2;
         }
     }
 
-    /// Joins the runs of each multiprocessor two by two.
-    fn join(&mut self) {
-        let mut open = BTreeMap::new();
-        for run in mem::take(&mut self.runs) {
-            match open.remove(&run.number) {
-                Some(i) => self.runs[i] = DeviceSpan::with(self.runs[i], run),
-                None => {
-                    open.insert(run.number, self.runs.len());
-                    self.runs.push(run);
-                }
-            }
-        }
-    }
-
-    /// Returns the runs since the last call.
+    /// Returns the runs since the last call. Those of a multiprocessor do not overlap.
     pub(crate) fn take(&mut self) -> Vec<MultiprocessorRun> {
+        let mut runs = mem::take(&mut self.runs);
+        join(&mut runs, self.least_pause_ns);
         let moment = |ns: u64| self.begin + Duration::from_nanos(ns.saturating_sub(self.begin_ns));
-        let runs = self.runs.iter().map(|run| MultiprocessorRun {
+        let runs = runs.into_iter().map(|run| MultiprocessorRun {
             number: run.number,
             paths: run.paths,
             begin: moment(run.begin_ns),
             end: moment(run.end_ns),
         });
-        let runs = runs.collect();
-        self.runs.clear();
-        runs
+        runs.collect()
     }
+}
+
+/// Returns the runs of a launch, given the results of its paths; none if the device does not say.
+pub(crate) fn runs_of(results: &[[u32; N_RESULTS]]) -> Vec<DeviceSpan> {
+    let run = |&[.., low, high, ns, _, number]: &[u32; N_RESULTS]| {
+        let begin_ns = u64::from(high) << 32 | u64::from(low);
+        DeviceSpan {
+            number,
+            paths: 1,
+            begin_ns,
+            end_ns: begin_ns + u64::from(ns),
+        }
+    };
+    let is_known = |run: &DeviceSpan| run.number != NONE;
+    let mut runs: Vec<DeviceSpan> = results.iter().map(run).take_while(is_known).collect();
+    join(&mut runs, LEAST_PAUSE_NS);
+    runs
+}
+
+/// Sorts runs by multiprocessor and time, and joins those of a multiprocessor that overlap, as in
+/// launches of several threads, or that shorter pauses separate.
+fn join(runs: &mut Vec<DeviceSpan>, least_pause_ns: u64) {
+    runs.sort_unstable_by_key(|run| (run.number, run.begin_ns));
+    runs.dedup_by(|next, last| {
+        let is_same = next.number == last.number
+            && next.begin_ns < last.end_ns.saturating_add(least_pause_ns);
+        if is_same {
+            last.paths += next.paths;
+            last.end_ns = last.end_ns.max(next.end_ns);
+        }
+        is_same
+    });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Returns the results of a path.
-    fn path(number: u32, begin_ns: u64, ns: u32) -> [u32; N_RESULTS] {
+    const MS: u64 = 1_000_000;
+
+    /// Returns the results of a path that begins at the millisecond `begin` and takes `ns`.
+    fn path(number: u32, begin: u64, ns: u64) -> [u32; N_RESULTS] {
+        let begin_ns = begin * MS;
         let mut result = [0; N_RESULTS];
-        let times = [begin_ns as u32, (begin_ns >> 32) as u32, ns, 0, number];
+        let times = [
+            begin_ns as u32,
+            (begin_ns >> 32) as u32,
+            ns as u32,
+            0,
+            number,
+        ];
         result[N_RESULTS - 5..].copy_from_slice(&times);
         result
     }
@@ -123,19 +127,17 @@ mod tests {
     #[test]
     fn the_device_ends_a_launch_before_that_is_seen() {
         let begin = Instant::now();
-        let after = |ns| begin + Duration::from_nanos(ns);
+        let after = |ms| begin + Duration::from_millis(ms);
         let mut times = MultiprocessorTimes::new(begin);
-        // A clock that started long ago, and launches that are seen 700 and 300 ns late.
-        let now = 7 << 40;
-        times.add(
-            &[
-                path(3, now + 100, 50),
-                path(0, now + 120, 180),
-                path(3, now + 110, 90),
-            ],
-            after(1000),
-        );
-        times.add(&[path(0, now + 1000, 500)], after(1800));
+        // A clock that started long ago, and launches that are seen 700 and 300 ms late.
+        let now = 1 << 23;
+        let paths = [
+            path(3, now + 100, 50 * MS),
+            path(0, now + 120, 180 * MS),
+            path(3, now + 110, 90 * MS),
+        ];
+        times.add(runs_of(&paths), after(1000));
+        times.add(runs_of(&[path(0, now + 1000, 500 * MS)]), after(1800));
         let run = |number, paths, [begin, end]: [u64; 2]| MultiprocessorRun {
             number,
             paths,
@@ -144,38 +146,51 @@ mod tests {
         };
         let expected = [
             run(0, 1, [420, 600]),
-            run(3, 2, [400, 500]),
             run(0, 1, [1300, 1800]),
+            run(3, 2, [400, 500]),
         ];
         assert_eq!(times.take(), expected);
         assert_eq!(times.take(), []);
-        times.add(&[path(NONE, 0, 0)], after(2000));
+        times.add(runs_of(&[path(NONE, 0, 0)]), after(2000));
         assert_eq!(times.take(), []);
     }
 
     #[test]
-    fn joined_runs_span_both() {
-        let mut times = MultiprocessorTimes::new(Instant::now());
-        for launch in 0..5 {
-            let results = [0, 1].map(|number| path(number, 1000 * (launch + 1), 10));
-            times.add(&results, times.begin + Duration::from_secs(1));
+    fn runs_of_a_multiprocessor_do_not_overlap() {
+        let begin = Instant::now();
+        let mut times = MultiprocessorTimes::new(begin);
+        let launches = [
+            [path(1, 0, 5 * MS), path(2, 1, 5 * MS)],
+            [path(1, 4, 5 * MS), path(2, 7, 5 * MS)],
+            // A pause of 9 µs.
+            [path(1, 9, MS), path(2, 13, MS - 9000)],
+        ];
+        for launch in launches {
+            times.add(runs_of(&launch), begin + Duration::from_secs(1));
         }
-        times.join();
         let runs = times.take();
-        let spans = runs
-            .iter()
-            .map(|run| (run.number, run.paths, (run.end - run.begin).as_nanos()));
-        let spans: Vec<_> = spans.collect();
-        assert_eq!(
-            spans,
-            [
-                (0, 2, 1010),
-                (1, 2, 1010),
-                (0, 2, 1010),
-                (1, 2, 1010),
-                (0, 1, 10),
-                (1, 1, 10)
-            ]
-        );
+        let runs = runs.iter().map(|run| {
+            let ns = (run.end - run.begin).as_nanos() as u64;
+            (run.number, run.paths, ns)
+        });
+        let expected = [
+            (1, 3, 10 * MS),
+            (2, 1, 5 * MS),
+            (2, 1, 5 * MS),
+            (2, 1, MS - 9000),
+        ];
+        assert_eq!(runs.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn too_many_runs_become_longer() {
+        let begin = Instant::now();
+        let mut times = MultiprocessorTimes::new(begin);
+        let n = MAX_RUNS as u64 + 1000;
+        let paths: Vec<_> = (0..n).map(|i| path(7, i, MS / 2)).collect();
+        times.add(runs_of(&paths), begin + Duration::from_secs(1000));
+        let runs = times.take();
+        assert!(runs.len() < MAX_RUNS, "{}", runs.len());
+        assert_eq!(runs.iter().map(|run| run.paths).sum::<u64>(), n);
     }
 }

@@ -16,7 +16,7 @@ use scene::build::Geometries;
 use scene::config::{Acceleration, Config, Image, OptionalOutput, Repeats};
 use tracer::accel::Bvh;
 use tracer::cost::StepCounts;
-use vtk::{Codec, compressed};
+use vtk::{Codec, appended, compressed};
 use world::geometry::Transform;
 use world::scene::{Instance, Primitive, SurfaceClass};
 
@@ -47,7 +47,7 @@ pub struct Memory {
     /// Rows of the picture in memory at a time; `None` for all.
     pub band_rows: Option<u32>,
     /// The costs of primitives and nodes, allocated after the rendering.
-    pub(crate) attribution: u64,
+    pub attribution: u64,
     /// Why the picture must be in memory as a whole, if that can be changed.
     pub(crate) against_bands: Option<&'static str>,
     pub(crate) n_primitives: usize,
@@ -147,10 +147,11 @@ impl Memory {
     /// Returns an upper bound of the memory: the estimate with its error.
     pub fn at_most(&self) -> u64 {
         let [built, written] = self.stages();
-        built.max(written) / 4 * 5
+        with_error(built.max(written))
     }
 
-    /// Returns the expected memory while the hierarchy is built, and from there to the last file.
+    /// Returns the expected memory while the hierarchy is built, and afterwards, until the last file is
+    /// written.
     pub(crate) fn stages(&self) -> [u64; 2] {
         [self.build, self.film + self.attribution].map(|of_stage| self.scene + of_stage)
     }
@@ -161,6 +162,11 @@ impl Memory {
         let later = self.film + self.attribution;
         Some(peak_memory_bytes()?.max(resident_memory()? + later))
     }
+}
+
+/// Returns an upper bound of estimated bytes.
+pub(crate) fn with_error(n_bytes: u64) -> u64 {
+    n_bytes / 4 * 5
 }
 
 /// Returns a lower bound of the bytes on the disk, whatever the camera sees and however well it
@@ -201,7 +207,8 @@ fn pixel_bytes(config: &Config) -> u64 {
     film_bytes(config) + others as u64
 }
 
-/// Returns the bytes of a primitive with its share of the acceleration structure, and of the build.
+/// Returns the bytes of a primitive with its share of the acceleration structure, and the bytes that
+/// its build takes.
 fn primitive_bytes(config: &Config) -> [usize; 2] {
     let [lasting, of_build] = match config.acceleration {
         Acceleration::Bvh(quality) => Bvh::bytes_per_primitive(quality),
@@ -217,16 +224,17 @@ fn tile_bytes(config: &Config) -> u64 {
     u64::from(grid(config).n_tiles()) * per_tile as u64
 }
 
-/// Returns the bytes to write files, apart from those per pixel of the film: the windows of two
-/// arrays that are compressed at a time, to about half, and a picture with color bars.
+/// Returns the bytes to write files, apart from the film's per pixel: the windows of two arrays that
+/// are written at a time, and a picture with color bars.
 fn file_bytes(config: &Config) -> u64 {
     let n_pixels = config.image.n_pixels() as u64;
-    let of_codec = match config.compress {
-        Codec::None => 0,
-        _ => (compressed::BYTES_PER_ARRAY / 4 * 5).min(n_pixels * size_of::<[f32; 3]>() as u64),
+    let of_array = match config.compress {
+        Codec::None => appended::BYTES_PER_ARRAY,
+        _ => compressed::BYTES_PER_ARRAY,
     };
+    let of_windows = (2 * of_array).min(n_pixels * size_of::<[f32; 3]>() as u64);
     let of_bars = if has_bars(config) { 3 * n_pixels } else { 0 };
-    of_codec + of_bars
+    of_windows + of_bars
 }
 
 /// Returns true if the picture shows color bars.

@@ -1,6 +1,6 @@
 //! Refuses what may not fit into memory, before it is allocated.
 
-use crate::estimate::{Memory, has_bars};
+use crate::estimate::{Memory, has_bars, with_error};
 use base::numbers::memory_sizes;
 use host::text::Diagnostic;
 use host::{memory_limit, resident_memory};
@@ -52,23 +52,20 @@ impl Memory {
             return Ok(());
         }
         let [built, written] = self.stages();
-        let of_objects = if built < written {
-            written - self.film
+        let others = written - self.film;
+        // A smaller picture does not help if the build does not fit.
+        let is_of_scene = with_error(built) > available || self.film <= others;
+        let (section, what, mut help, n_bytes) = if is_of_scene {
+            ("objects", "scene", fewer.to_owned(), built.max(others))
         } else {
-            built
-        };
-        let (section, what, mut help) = if self.film <= of_objects {
-            ("objects", "scene", fewer.to_owned())
-        } else {
-            ("image", "image", self.image_advice())
+            ("image", "image", self.image_advice(), self.film)
         };
         let limit = memory_limit();
         if let Some(limit) = limit {
             let enough = (limit.saturating_sub(available) + needed).div_ceil(MIB) + 1;
             help += &format!("; or give `--memory {enough}M` or more");
         }
-        let of_section = self.film.max(of_objects) / 4 * 5;
-        let [of_section, _] = memory_sizes([of_section, available]);
+        let [of_section, _] = memory_sizes([with_error(n_bytes), available]);
         let [needed, left] = memory_sizes([needed, available]);
         let left_of = limit.map_or("free", |_| "left of `--memory`");
         let message =
@@ -145,6 +142,24 @@ fn limit_of_still(set: Option<u64>, available: u64, n_read: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_image_is_too_large_only_if_a_smaller_one_would_fit() {
+        let memory = Memory {
+            film: 550 * MIB,
+            scene: 100 * MIB,
+            build: 500 * MIB,
+            band_rows: None,
+            attribution: 0,
+            against_bands: None,
+            n_primitives: 1,
+            repeats: Repeats::ONCE,
+        };
+        let message = |available| memory.check(available).unwrap_err().message;
+        assert!(message(600 * MIB).starts_with("the scene is too large"));
+        assert!(message(780 * MIB).starts_with("the image is too large"));
+        assert!(memory.check(820 * MIB).is_ok());
+    }
 
     #[test]
     fn pieces_of_a_picture_depend_on_the_limit_and_not_on_chance() {

@@ -9,7 +9,7 @@ use crate::compressed;
 use crate::data_set::DataSet;
 use crate::encoding::Encoding;
 use crate::header::{LabeledDataSet, Offsets};
-use crate::windows;
+use crate::windows::{self, N_WINDOWS};
 
 /// Blanks before the arrays. VTK feeds its XML parser blocks of 4096 bytes, the last one up to the
 /// opening tag of the arrays. With expat 2.6, or an older one with its security fixes, many
@@ -18,9 +18,12 @@ use crate::windows;
 /// are accepted.
 const N_BLANKS: usize = 2 * 4096;
 
-/// Bytes of a raw array that are generated while others are written: with less, the threads wait for each
-/// other more often than the cache saves.
+/// Bytes of a raw array that are generated while others are written: with less, the threads wait for
+/// each other more often than the cache saves.
 const WINDOW: usize = 1 << 20;
+
+/// Memory to write a raw array, in bytes.
+pub const BYTES_PER_ARRAY: u64 = (N_WINDOWS * WINDOW) as u64;
 
 /// Writes a whole file to `out`, which must be empty.
 ///

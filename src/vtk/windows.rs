@@ -8,13 +8,15 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 
 use crate::array::Array;
+use host::affinity::allowed_cpus;
 use host::start_in_scope;
 
 /// Number of windows in memory: one is filled while another is written.
 pub(super) const N_WINDOWS: usize = 2;
 
-/// Calls `consume` with all bytes of an array in windows of `size` bytes, the last one of what is
-/// left. A program of one thread stays one, and a short array takes one window.
+/// Calls `consume` with all bytes of an array in windows of `size` bytes; the last one may be shorter.
+/// Starts no thread in a pool of one, on a thread that may run on one CPU, or for an array of one
+/// window.
 ///
 /// # Errors
 /// The array has the wrong length, or `consume` fails.
@@ -23,7 +25,7 @@ pub(super) fn for_each(
     size: usize,
     mut consume: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    if array.n_bytes <= size as u64 || rayon::current_num_threads() == 1 {
+    if array.n_bytes <= size as u64 || !has_room() {
         return consume_while_filling(array, size, &mut consume);
     }
     let (to_filler, empty) = mpsc::channel();
@@ -38,14 +40,20 @@ pub(super) fn for_each(
     thread::scope(|scope| {
         let fill = move || Windows::fill(array, size, exchange);
         let Ok(filler) = start_in_scope(scope, fill) else {
-            // Refused: it would only have helped.
+            // The system refuses the thread: work without it.
             return consume_while_filling(array, size, &mut consume);
         };
         let consumed = consume_all(full, to_filler, &mut consume);
         let filled = filler.join().unwrap_or_else(|panic| resume_unwind(panic));
-        // The filler stops where it gets no window, which says less.
+        // If `consume` has failed, the filler's error only follows from that.
         consumed.and(filled)
     })
+}
+
+/// Returns true if a second thread would run beside the calling one.
+fn has_room() -> bool {
+    let is_pinned = || allowed_cpus().is_ok_and(|cpus| cpus.len() == 1);
+    rayon::current_num_threads() > 1 && !is_pinned()
 }
 
 /// Consumes each window on the thread that has filled it.
@@ -120,6 +128,8 @@ impl<E: FnMut(Vec<u8>) -> io::Result<Vec<u8>>> Write for Windows<E> {
 
 #[cfg(test)]
 mod tests {
+    use std::panic::catch_unwind;
+
     use super::*;
 
     /// Calls a function in a pool of this many threads.
@@ -149,6 +159,29 @@ mod tests {
             assert_eq!(all.len(), n);
             let (last, others) = windows.split_last().unwrap();
             assert!(others.iter().all(|window| window.len() == 4) && last.len() <= 4);
+        }
+    }
+
+    #[test]
+    fn a_panic_of_either_thread_reaches_the_caller() {
+        for is_of_consumer in [false, true] {
+            let result = catch_unwind(|| {
+                with_threads(2, || {
+                    let array = Array::new("bytes", 1 << 20, || {
+                        (0..1 << 20).map(|i: u32| {
+                            assert!(is_of_consumer || i < 100_000);
+                            i as u8
+                        })
+                    });
+                    let mut n = 0;
+                    let _ = for_each(&array, 1 << 10, |_| {
+                        n += 1;
+                        assert!(!is_of_consumer || n < 7);
+                        Ok(())
+                    });
+                });
+            });
+            assert!(result.is_err());
         }
     }
 

@@ -261,6 +261,9 @@ fn a_refused_thread_is_a_message() {
     let file = path.join("study.yaml");
     fs::write(&file, study).unwrap();
     let render = |name: &str, flag: &str| format!("{} {flag}", small(&path.join(name)));
+    // Files that two threads would write.
+    let large = render("large", "--resume");
+    let large = large.replace("--width 64 --height 48", "--width 640 --height 480");
     let study = format!(
         "study '{}' --out '{}'",
         file.display(),
@@ -269,6 +272,7 @@ fn a_refused_thread_is_a_message() {
     // The threads that a command takes; a study has two, and its run three.
     let commands = [
         (render("kept", "--resume"), 3),
+        (large, 3),
         (render("watched", "--while-input-is-open"), 4),
         (study, 5),
     ];

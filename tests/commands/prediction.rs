@@ -92,6 +92,16 @@ fn memory_and_disk_are_estimated_within_a_quarter() {
         ),
         // The hierarchy.
         ("million_spheres", &["--spp=1", "--cost=counters"]),
+        // A film as large as the build.
+        (
+            "million_spheres",
+            &[
+                "--width=1800",
+                "--height=1400",
+                "--spp=1",
+                "--cost=counters",
+            ],
+        ),
         // The costs of primitives and nodes.
         (
             "million_spheres",

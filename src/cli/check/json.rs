@@ -72,6 +72,7 @@ fn memory_json(checked: &CheckedScene) -> Value {
         "film": memory.film,
         "scene": memory.scene,
         "build": memory.build,
+        "attribution": memory.attribution,
         "available": limits::available(),
         "rows_at_a_time": memory.band_rows,
     })

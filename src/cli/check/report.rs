@@ -94,13 +94,18 @@ fn rays(config: &Config) -> String {
 
 fn peak(config: &Config, memory: &Memory, expected: &Prediction) -> String {
     let peak = expected.peak_memory;
+    let of_costs = match memory.attribution {
+        0 => String::new(),
+        n_bytes => format!(", its costs {}", bytes(n_bytes)),
+    };
     let at_the_peak = peak.map(|peak| format!("about {} at the peak: ", bytes(peak)));
     format!(
-        "{}film {}, scene {}, its build {}{}; at most {} beside the program, {} free",
+        "{}film {}, scene {}, its build {}{}{}; at most {} beside the program, {} free",
         at_the_peak.unwrap_or_default(),
         bytes(memory.film),
         bytes(memory.scene),
         bytes(memory.build),
+        of_costs,
         per_instance(config),
         bytes(memory.at_most()),
         bytes(limits::available())

@@ -10,6 +10,8 @@
 #endif
 #ifndef SM
 #define SM NONE
+#endif
+#ifndef TIME
 #define TIME 0ul
 #endif
 

@@ -28,8 +28,8 @@ pub(super) const FILE: OutputFile = OutputFile {
 /// The row of the stages in the timeline; the rows of the threads follow.
 const STAGES: u32 = 0;
 
-/// Writes the stages so far, every tile in the row of its thread, and the paths of every launch on a
-/// device in the row of their multiprocessor, one event per line of text.
+/// Writes the stages so far, every tile in the row of its thread, and the paths on a device in the
+/// row of their multiprocessor, one event per line of text.
 /// Times are in microseconds since the start of the program.
 fn write(
     rendering: &RenderingView,
@@ -54,7 +54,7 @@ fn write(
         let line = (run.rank, line_of(run.thread));
         event(&format!("tile {number}"), line, span, args)
     });
-    // Convert the runs of the device's multiprocessors, whose rows follow those of the ranks.
+    // Convert the runs of the device's multiprocessors, in a process after the ranks.
     let device = rendering.device.iter();
     let of_device = device
         .flat_map(|device| &device.multiprocessors)

@@ -40,14 +40,15 @@ pub struct UsedDevice {
     pub name: String,
     /// The launches, by kernel.
     pub kernels: Vec<KernelWork>,
-    /// When each multiprocessor followed paths; empty if the device does not say.
+    /// Times at which each multiprocessor followed paths; empty if the device does not say. Runs of one
+    /// multiprocessor do not overlap.
     pub multiprocessors: Vec<MultiprocessorRun>,
     /// The part of the scene because of which the processor shades; `None` if the device follows
     /// whole paths.
     pub processor_shades_because_of: Option<String>,
 }
 
-/// The paths of a launch that one multiprocessor followed, or of some launches after each other.
+/// Paths that one multiprocessor followed without a pause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MultiprocessorRun {
     /// The number of the multiprocessor.
