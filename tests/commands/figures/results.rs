@@ -44,13 +44,12 @@ pub const FIGURES: &[(&str, Figure)] = &[
     }),
     ("embree-builds", |of| of.embree_builds("high")),
     ("embree-fast-builds", |of| of.embree_builds("fast")),
+    ("embree-fast-trees", Results::embree_fast_trees),
     ("povray", Results::povray),
     ("povray-ratio", |of| of.povray_ratio("raycost --no-cost")),
     ("povray-files", |of| of.povray_ratio("raycost")),
     ("mitsuba-race", Results::mitsuba_race),
-    ("mitsuba-ratio", |of| {
-        of.mitsuba_ratio("counters").map(digits)
-    }),
+    ("mitsuba-ratio", |of| of.mitsuba_ratio("counters")),
     ("numpy", Results::numpy),
     ("mirrors-pixels", |of| {
         of.share("hall_of_mirrors", "mirrors", "primary", "pixels")
@@ -347,6 +346,25 @@ impl Results {
         )
     }
 
+    /// "0.77 to 2.8 times Embree's rate, slower in 6 of 32 races": the rates of rays in trees built fast.
+    fn embree_fast_trees(&self) -> Option<String> {
+        let rows = self.list("embree", "rows")?.iter();
+        let is_race = |row: &&Value| {
+            let outcome = &row["outcome"];
+            row["n_threads"] == 2 && row["quality"][0] == "fast" && outcome["discipline"] != "build"
+        };
+        let ratios: Vec<&Value> = rows
+            .filter(is_race)
+            .map(|row| &row["outcome"]["ratio"])
+            .collect();
+        let is_slower = |ratio: &&&Value| ratio["interval"][1].as_f64() < Some(1.0);
+        let rates = range(ratios.iter().map(|ratio| ratio["estimate"].as_f64()), "")?;
+        let (n_slower, n) = (ratios.iter().filter(is_slower).count(), ratios.len());
+        Some(format!(
+            "{rates} times Embree's rate, slower in {n_slower} of {n} races"
+        ))
+    }
+
     /// A table: the ratios of rays a second to Embree's, on two threads.
     fn embree(&self) -> Option<String> {
         let scenes = ["spheres", "soup", "architecture"];
@@ -421,11 +439,11 @@ impl Results {
         Some(listed(&built.map(build).collect::<Option<Vec<_>>>()?))
     }
 
-    /// Returns the time of POV-Ray over that of a program.
+    /// Returns the time of POV-Ray over that of a program: both are ratios to one program of the same round.
     fn povray_ratio(&self, program: &str) -> Option<String> {
-        let ms = &self.0.get("povray")?["ms"];
-        let [all, own] = ["POV-Ray", program].map(|name| ms[name]["median"].as_f64());
-        Some(digits(all? / own?))
+        let ratios = &self.0.get("povray")?["ratios"];
+        let over = |name: &str| ratios[name]["median"].as_f64();
+        Some(digits(over("POV-Ray")? / over(program).unwrap_or(1.0)))
     }
 
     fn povray(&self) -> Option<String> {
@@ -448,22 +466,24 @@ impl Results {
         ))
     }
 
-    /// Returns the time of Mitsuba over that of raycost with a cost mode.
-    fn mitsuba_ratio(&self, cost: &str) -> Option<f64> {
+    /// "1.1 [0.95, 1.1]": the time of Mitsuba over that of raycost with a cost mode.
+    fn mitsuba_ratio(&self, cost: &str) -> Option<String> {
         let ratio = &self.0.get("mitsuba_race")?["ratios"][format!("raycost, {cost}")];
-        Some(1.0 / ratio["median"].as_f64()?)
+        let inverse = |end: &str| Some(digits(1.0 / ratio[end].as_f64()?));
+        let [median, low, high] = ["median", "high", "low"].map(inverse);
+        Some(format!("{} [{}, {}]", median?, low?, high?))
     }
 
-    /// "Mitsuba 3 takes 93 ms …; raycost is 1.1 times as fast with `cost: none`, …".
+    /// "Mitsuba 3 takes 93 ms …; raycost's rate over its: 1.1 [1.0, 1.2] with `cost: none`, …".
     fn mitsuba_race(&self) -> Option<String> {
         let race = self.0.get("mitsuba_race")?;
         let times = |cost: &str| {
-            let ratio = digits(self.mitsuba_ratio(cost)?);
-            Some(format!("{ratio} times as fast with `cost: {cost}`"))
+            let ratio = self.mitsuba_ratio(cost)?;
+            Some(format!("{ratio} with `cost: {cost}`"))
         };
         let modes = ["none", "counters", "time", "single_ray_time"].map(times);
         Some(format!(
-            "Mitsuba {} takes {} ms at {} x {} pixels with {} samples on {} threads; raycost is {}",
+            "Mitsuba {} takes {} ms at {} x {} pixels with {} samples on {} threads; raycost's rate over its: {}",
             race["mitsuba"].as_str()?,
             digits(race["ms"]["Mitsuba llvm_ad_rgb"]["median"].as_f64()?),
             race["width"],
