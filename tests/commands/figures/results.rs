@@ -474,7 +474,7 @@ impl Results {
         Some(format!("{} [{}, {}]", median?, low?, high?))
     }
 
-    /// "Mitsuba 3 takes 93 ms …; raycost's rate over its: 1.1 [1.0, 1.2] with `cost: none`, …".
+    /// "Mitsuba 3 takes 93 ms …; raycost's speed over it: 1.1 [1.0, 1.2] with `cost: none`, …".
     fn mitsuba_race(&self) -> Option<String> {
         let race = self.0.get("mitsuba_race")?;
         let times = |cost: &str| {
@@ -483,7 +483,7 @@ impl Results {
         };
         let modes = ["none", "counters", "time", "single_ray_time"].map(times);
         Some(format!(
-            "Mitsuba {} takes {} ms at {} x {} pixels with {} samples on {} threads; raycost's rate over its: {}",
+            "Mitsuba {} takes {} ms at {} x {} pixels with {} samples on {} threads; raycost's speed over it: {}",
             race["mitsuba"].as_str()?,
             digits(race["ms"]["Mitsuba llvm_ad_rgb"]["median"].as_f64()?),
             race["width"],
