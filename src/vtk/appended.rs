@@ -46,7 +46,7 @@ fn write_raw(labeled: &LabeledDataSet, out: &mut impl Write) -> io::Result<()> {
     write_head(&labeled.xml(&Offsets::OfRaw(offsets(&arrays)))?, out)?;
     for array in arrays {
         out.write_all(&array.n_bytes.to_ne_bytes())?;
-        windows::for_each(array, WINDOW, |window| out.write_all(window))?;
+        windows::for_each(array, WINDOW, 2, |window| out.write_all(window))?;
     }
     write_tail(out)
 }

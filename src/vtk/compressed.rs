@@ -12,6 +12,9 @@ use crate::windows::{self, N_WINDOWS};
 /// with a film.
 const WINDOW: usize = 16 * BLOCK;
 
+/// Two files are compressed at a time, by all threads: two threads have no time left to generate more.
+const LEAST_THREADS: usize = 3;
+
 /// Memory to compress an array, in bytes: windows of blocks, and the blocks of one, compressed to
 /// half.
 pub const BYTES_PER_ARRAY: u64 = (2 * N_WINDOWS + 1) as u64 * WINDOW as u64 / 2;
@@ -38,7 +41,7 @@ pub(super) fn write(
     out.write_all(bytemuck::cast_slice(&table))?;
 
     let mut lengths: Vec<u64> = Vec::with_capacity(n_blocks);
-    windows::for_each(array, WINDOW, |window| {
+    windows::for_each(array, WINDOW, LEAST_THREADS, |window| {
         let blocks = window.par_chunks(BLOCK);
         let packed: Vec<Vec<u8>> = blocks.map(|block| compressor.compress(block)).collect();
         for block in &packed {

@@ -15,17 +15,19 @@ use host::start_in_scope;
 pub(super) const N_WINDOWS: usize = 2;
 
 /// Calls `consume` with all bytes of an array in windows of `size` bytes; the last one may be shorter.
-/// Starts no thread in a pool of one, on a thread that may run on one CPU, or for an array of one
-/// window.
+/// Starts no thread in a pool of fewer than `least_threads`, on a thread that may run on one CPU, or for
+/// an array of one window.
 ///
 /// # Errors
 /// The array has the wrong length, or `consume` fails.
 pub(super) fn for_each(
     array: &Array,
     size: usize,
+    least_threads: usize,
     mut consume: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    if array.n_bytes <= size as u64 || !has_room() {
+    let has_room = rayon::current_num_threads() >= least_threads && !is_pinned();
+    if array.n_bytes <= size as u64 || !has_room {
         return consume_while_filling(array, size, &mut consume);
     }
     let (to_filler, empty) = mpsc::channel();
@@ -50,10 +52,9 @@ pub(super) fn for_each(
     })
 }
 
-/// Returns true if a second thread would run beside the calling one.
-fn has_room() -> bool {
-    let is_pinned = || allowed_cpus().is_ok_and(|cpus| cpus.len() == 1);
-    rayon::current_num_threads() > 1 && !is_pinned()
+/// Returns true if a second thread would run on the calling one's CPU.
+fn is_pinned() -> bool {
+    allowed_cpus().is_ok_and(|cpus| cpus.len() == 1)
 }
 
 /// Consumes each window on the thread that has filled it.
@@ -147,7 +148,7 @@ mod tests {
             let windows = with_threads(n_threads, || {
                 let array = Array::new("bytes", n, || (0..n).map(|i| i as u8));
                 let mut windows = Vec::new();
-                for_each(&array, 4, |window| {
+                for_each(&array, 4, 2, |window| {
                     windows.push(window.to_vec());
                     Ok(())
                 })
@@ -174,7 +175,7 @@ mod tests {
                         })
                     });
                     let mut n = 0;
-                    let _ = for_each(&array, 1 << 10, |_| {
+                    let _ = for_each(&array, 1 << 10, 2, |_| {
                         n += 1;
                         assert!(!is_of_consumer || n < 7);
                         Ok(())
@@ -194,7 +195,7 @@ mod tests {
                     ..Array::new("bytes", 1 << 20, || std::iter::repeat_n(1_u8, 1 << 20))
                 };
                 let mut n = 0;
-                let error = for_each(&array, 1 << 10, |_| {
+                let error = for_each(&array, 1 << 10, 2, |_| {
                     n += 1;
                     if n <= n_good {
                         Ok(())
