@@ -89,7 +89,8 @@ fn main() {
 fn compare(name: &str, film: &Film, writer: Writer, path: &Path, read: impl Fn()) -> Vec<Value> {
     let write = |codec| {
         let mut out = BufWriter::with_capacity(1 << 20, File::create(path).unwrap());
-        writer(film, codec, &mut out).unwrap();
+        // In the pool, as a rendering does.
+        rayon::scope(|_| writer(film, codec, &mut out)).unwrap();
         out.flush().unwrap();
     };
     write(Codec::None);

@@ -15,8 +15,8 @@ use host::start_in_scope;
 pub(super) const N_WINDOWS: usize = 2;
 
 /// Calls `consume` with all bytes of an array in windows of `size` bytes; the last one may be shorter.
-/// Starts no thread in a pool of fewer than `least_threads`, on a thread that may run on one CPU, or for
-/// an array of one window.
+/// Starts no thread outside of a pool, in a pool of fewer than `least_threads`, on a thread that may run
+/// on one CPU, or for an array of one window.
 ///
 /// # Errors
 /// The array has the wrong length, or `consume` fails.
@@ -26,7 +26,9 @@ pub(super) fn for_each(
     least_threads: usize,
     mut consume: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    let has_room = rayon::current_num_threads() >= least_threads && !is_pinned();
+    // The number of threads outside of a pool starts one.
+    let is_in_pool = rayon::current_thread_index().is_some();
+    let has_room = is_in_pool && rayon::current_num_threads() >= least_threads && !is_pinned();
     if array.n_bytes <= size as u64 || !has_room {
         return consume_while_filling(array, size, &mut consume);
     }

@@ -214,7 +214,12 @@ fn only_the_threads_that_are_wanted_start() {
         "'{scene}' --width 8 --height 6 --threads 1 --out '{}'",
         out.display()
     );
-    for command in ["render", "trace --pixel 3,3"] {
+    let large = words.replace("--width 8 --height 6", "--width 1200 --height 900");
+    for (command, words) in [
+        ("render", &words),
+        ("trace --pixel 3,3", &words),
+        ("trace --pixel 300,300", &large),
+    ] {
         let output = limited(refused, &format!("{command} {words}"));
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{command}: {error}");
