@@ -33,6 +33,22 @@ pub(crate) struct DeviceSpan {
     end_ns: u64,
 }
 
+impl DeviceSpan {
+    /// Returns true if both are of one multiprocessor, and overlap or are divided by a shorter pause.
+    fn continues(&self, other: &Self, least_pause_ns: u64) -> bool {
+        let pause_ns =
+            (self.begin_ns.max(other.begin_ns)).saturating_sub(self.end_ns.min(other.end_ns));
+        self.number == other.number && pause_ns < least_pause_ns
+    }
+
+    /// Adds the paths of another run of the same multiprocessor.
+    fn add(&mut self, other: &Self) {
+        self.paths += other.paths;
+        self.begin_ns = self.begin_ns.min(other.begin_ns);
+        self.end_ns = self.end_ns.max(other.end_ns);
+    }
+}
+
 impl MultiprocessorTimes {
     /// Creates a list without runs; `begin` is a moment before all of them.
     pub(crate) fn new(begin: Instant) -> Self {
@@ -56,7 +72,7 @@ impl MultiprocessorTimes {
         }
     }
 
-    /// Returns the runs since the last call. Those of a multiprocessor do not overlap.
+    /// Returns the runs since the last call; no two of a multiprocessor overlap.
     pub(crate) fn take(&mut self) -> Vec<MultiprocessorRun> {
         let mut runs = mem::take(&mut self.runs);
         join(&mut runs, self.least_pause_ns);
@@ -73,31 +89,36 @@ impl MultiprocessorTimes {
 
 /// Returns the runs of a launch, given the results of its paths; none if the device does not say.
 pub(crate) fn runs_of(results: &[[u32; N_RESULTS]]) -> Vec<DeviceSpan> {
-    let run = |&[.., low, high, ns, _, number]: &[u32; N_RESULTS]| {
+    let mut runs: Vec<DeviceSpan> = Vec::new();
+    for &[.., low, high, ns, _, number] in results {
+        if number == NONE {
+            break;
+        }
         let begin_ns = u64::from(high) << 32 | u64::from(low);
-        DeviceSpan {
+        let run = DeviceSpan {
             number,
             paths: 1,
             begin_ns,
             end_ns: begin_ns + u64::from(ns),
+        };
+        // A group's paths follow each other: few runs are left to sort.
+        match runs.last_mut() {
+            Some(last) if run.continues(last, LEAST_PAUSE_NS) => last.add(&run),
+            _ => runs.push(run),
         }
-    };
-    let is_known = |run: &DeviceSpan| run.number != NONE;
-    let mut runs: Vec<DeviceSpan> = results.iter().map(run).take_while(is_known).collect();
+    }
     join(&mut runs, LEAST_PAUSE_NS);
     runs
 }
 
-/// Sorts runs by multiprocessor and time, and joins those of a multiprocessor that overlap, as in
-/// launches of several threads, or that shorter pauses separate.
+/// Sorts runs by multiprocessor and time, and joins runs that continue one another, as in launches of
+/// several threads.
 fn join(runs: &mut Vec<DeviceSpan>, least_pause_ns: u64) {
     runs.sort_unstable_by_key(|run| (run.number, run.begin_ns));
     runs.dedup_by(|next, last| {
-        let is_same = next.number == last.number
-            && next.begin_ns < last.end_ns.saturating_add(least_pause_ns);
+        let is_same = next.continues(last, least_pause_ns);
         if is_same {
-            last.paths += next.paths;
-            last.end_ns = last.end_ns.max(next.end_ns);
+            last.add(next);
         }
         is_same
     });

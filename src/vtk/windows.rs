@@ -26,10 +26,7 @@ pub(super) fn for_each(
     least_threads: usize,
     mut consume: impl FnMut(&[u8]) -> io::Result<()>,
 ) -> io::Result<()> {
-    // The number of threads outside of a pool starts one.
-    let is_in_pool = rayon::current_thread_index().is_some();
-    let has_room = is_in_pool && rayon::current_num_threads() >= least_threads && !is_pinned();
-    if array.n_bytes <= size as u64 || !has_room {
+    if array.n_bytes <= size as u64 || !has_room(least_threads) {
         return consume_while_filling(array, size, &mut consume);
     }
     let (to_filler, empty) = mpsc::channel();
@@ -54,9 +51,12 @@ pub(super) fn for_each(
     })
 }
 
-/// Returns true if a second thread would run on the calling one's CPU.
-fn is_pinned() -> bool {
-    allowed_cpus().is_ok_and(|cpus| cpus.len() == 1)
+/// Returns true in a pool of at least this many threads, unless another thread would run on the same CPU.
+fn has_room(least_threads: usize) -> bool {
+    // Outside of a pool, asking for its threads would start one.
+    let is_in_pool = rayon::current_thread_index().is_some();
+    let is_pinned = || allowed_cpus().is_ok_and(|cpus| cpus.len() == 1);
+    is_in_pool && rayon::current_num_threads() >= least_threads && !is_pinned()
 }
 
 /// Consumes each window on the thread that has filled it.
@@ -72,7 +72,7 @@ fn consume_while_filling(
     })
 }
 
-/// Consumes windows until there are no more or one fails, and gives them back.
+/// Consumes windows up to the last one or the first error, and gives them back.
 fn consume_all(
     full: Receiver<Vec<u8>>,
     to_filler: Sender<Vec<u8>>,
