@@ -335,28 +335,15 @@ impl Results {
 
     /// The ratios of the rays a second on two threads to Embree's, in one kind of race.
     fn embree_ratios(&self, race: &str) -> Option<String> {
-        let rows = self.list("embree", "rows")?.iter();
-        let raced = rows.filter(|row| {
-            let is_race = race_of(&row["outcome"]["discipline"]).is_some_and(|(of, _)| of == race);
-            row["n_threads"] == 2 && row["quality"][0] == "high" && is_race
-        });
-        range(
-            raced.map(|row| row["outcome"]["ratio"]["estimate"].as_f64()),
-            "",
-        )
+        let races = self.embree_races("high")?.into_iter();
+        let raced = races.filter(|(of, ..)| *of == race);
+        range(raced.map(|(.., ratio)| ratio["estimate"].as_f64()), "")
     }
 
     /// "0.77 to 2.8 times Embree's rate, slower in 6 of 32 races": the rates of rays in trees built fast.
     fn embree_fast_trees(&self) -> Option<String> {
-        let rows = self.list("embree", "rows")?.iter();
-        let is_race = |row: &&Value| {
-            let outcome = &row["outcome"];
-            row["n_threads"] == 2 && row["quality"][0] == "fast" && outcome["discipline"] != "build"
-        };
-        let ratios: Vec<&Value> = rows
-            .filter(is_race)
-            .map(|row| &row["outcome"]["ratio"])
-            .collect();
+        let races = self.embree_races("fast")?.into_iter();
+        let ratios: Vec<&Value> = races.map(|(.., ratio)| ratio).collect();
         let is_slower = |ratio: &&&Value| ratio["interval"][1].as_f64() < Some(1.0);
         let rates = range(ratios.iter().map(|ratio| ratio["estimate"].as_f64()), "")?;
         let (n_slower, n) = (ratios.iter().filter(is_slower).count(), ratios.len());
@@ -369,7 +356,7 @@ impl Results {
     fn embree(&self) -> Option<String> {
         let scenes = ["spheres", "soup", "architecture"];
         let mut rows: Vec<([&str; 2], [Option<String>; 3])> = Vec::new();
-        for (race, kind, scene, ratio) in self.embree_races()? {
+        for (race, kind, scene, ratio) in self.embree_races("high")? {
             let at = scenes.iter().position(|name| *name == scene)?;
             let row = [kind, race];
             let found = rows.iter().position(|(of, _)| *of == row);
@@ -394,10 +381,10 @@ impl Results {
     }
 
     /// The race, the kind of rays, the scene and the ratio of each race with Embree on two threads, by hierarchies
-    /// of high quality.
-    fn embree_races(&self) -> Option<Vec<(&str, &str, &str, &Value)>> {
+    /// of a quality.
+    fn embree_races(&self, quality: &str) -> Option<Vec<(&str, &str, &str, &Value)>> {
         let rows = self.list("embree", "rows")?.iter();
-        let raced = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == "high");
+        let raced = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == quality);
         let races = raced.filter_map(|row| {
             let outcome = &row["outcome"];
             let (race, kind) = race_of(&outcome["discipline"])?;
@@ -409,7 +396,7 @@ impl Results {
     /// "0.61 [0.60, 0.61] (shadow, single rays, architecture)": the lowest ratio.
     fn embree_slowest(&self) -> Option<String> {
         let estimate = |ratio: &Value| ratio["estimate"].as_f64();
-        let races = self.embree_races()?.into_iter();
+        let races = self.embree_races("high")?.into_iter();
         let slowest = races.min_by(|a, b| estimate(a.3).partial_cmp(&estimate(b.3)).unwrap());
         let (race, kind, scene, ratio) = slowest?;
         Some(format!(
@@ -439,11 +426,14 @@ impl Results {
         Some(listed(&built.map(build).collect::<Option<Vec<_>>>()?))
     }
 
-    /// Returns the time of POV-Ray over that of a program: both are ratios to one program of the same round.
+    /// Returns the ratio of POV-Ray's time to a program's: both are ratios to the base program of their round.
     fn povray_ratio(&self, program: &str) -> Option<String> {
         let ratios = &self.0.get("povray")?["ratios"];
-        let over = |name: &str| ratios[name]["median"].as_f64();
-        Some(digits(over("POV-Ray")? / over(program).unwrap_or(1.0)))
+        let over_base = |name: &str| match name {
+            "raycost --no-cost" => Some(1.0),
+            _ => ratios[name]["median"].as_f64(),
+        };
+        Some(digits(over_base("POV-Ray")? / over_base(program)?))
     }
 
     fn povray(&self) -> Option<String> {
@@ -466,7 +456,7 @@ impl Results {
         ))
     }
 
-    /// "1.1 [0.95, 1.1]": the time of Mitsuba over that of raycost with a cost mode.
+    /// "1.1 [0.95, 1.1]": the ratio of Mitsuba's time to raycost's with a cost mode.
     fn mitsuba_ratio(&self, cost: &str) -> Option<String> {
         let ratio = &self.0.get("mitsuba_race")?["ratios"][format!("raycost, {cost}")];
         let inverse = |end: &str| Some(digits(1.0 / ratio[end].as_f64()?));
