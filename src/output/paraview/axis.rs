@@ -1,5 +1,5 @@
 //! Color scales and axes of ParaView: a formula over an array, a title with a unit, a range and a
-//! few round labels.
+//! few labels.
 
 use serde::{Deserialize, Serialize};
 
@@ -174,15 +174,34 @@ impl Axis {
     }
 
     /// Returns the `position` and the text of each label alternately, as ParaView stores
-    /// annotations.
+    /// annotations: of the round values, and of the ends that are apart from these.
     fn labels(&self, position: impl Fn(f64) -> f64) -> Vec<String> {
-        let labels = self.ticks().into_iter();
-        let label = |value| [position(value).to_string(), label_text(value)];
-        labels.flat_map(label).collect()
+        let (scale, ends) = self.scale_and_ends();
+        let ticks = self.ticks();
+        let min_gap = 0.6 / (self.n_labels as f64 - 0.5);
+        let is_apart = |end: &f64| {
+            let gap = |tick: &f64| scale.position(*end, ends) - scale.position(*tick, ends);
+            ticks.iter().all(|tick| gap(tick).abs() >= min_gap)
+        };
+        let ends = ends.into_iter().filter(is_apart);
+        let ends = ends.map(|end| [position(end).to_string(), label_text(two_digits(end))]);
+        let round = ticks
+            .iter()
+            .map(|&value| [position(value).to_string(), label_text(value)]);
+        round.chain(ends).flatten().collect()
+    }
+
+    fn scale_and_ends(&self) -> (Scale, [f64; 2]) {
+        match self.scale {
+            ColorScale::Logarithmic => (Scale::Logarithmic, [self.low, self.high]),
+            ColorScale::Linear => (Scale::Linear, [self.low, self.high]),
+            ColorScale::Diverging => (Scale::Linear, [-self.high, self.high]),
+        }
     }
 
     /// Returns at most `n_labels` round values between the ends.
     fn ticks(&self) -> Vec<f64> {
+        let (scale, ends) = self.scale_and_ends();
         match self.scale {
             ColorScale::Logarithmic => self.log_ticks(),
             ColorScale::Linear => {
@@ -190,9 +209,9 @@ impl Axis {
                 let min_step = if self.unit.is_none() { 1.0 } else { 0.0 };
                 let min_gap =
                     (min_step / (self.high - self.low)).max(1.0 / (self.n_labels as f64 - 1.0));
-                Scale::Linear.ticks([self.low, self.high], min_gap).major
+                scale.ticks(ends, min_gap).major
             }
-            ColorScale::Diverging => Scale::Linear.ticks([-self.high, self.high], 0.17).major,
+            ColorScale::Diverging => scale.ticks(ends, 0.17).major,
         }
     }
 
@@ -200,7 +219,7 @@ impl Axis {
     /// [`Scale::ticks`] keeps.
     fn log_ticks(&self) -> Vec<f64> {
         let min_gap = 1.0 / (self.n_labels as f64 - 0.5);
-        let (scale, ends) = (Scale::Logarithmic, [self.low, self.high]);
+        let (scale, ends) = self.scale_and_ends();
         let ticks = scale.ticks(ends, min_gap.min(0.14)).major;
         Ticks::spaced(&ticks, min_gap, |value| scale.position(value, ends)).major
     }
@@ -257,6 +276,11 @@ fn label_text(value: f64) -> String {
     format!("{sign}{rounded}{suffix}")
 }
 
+/// Rounds to two digits.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
 /// Interpolates at the fraction, from 0 to 1, at the start of `0.5)`, the rest of a key such as
 /// `at(0.5)`; `None` unless it is a number and a closing parenthesis.
 pub fn between(fraction: &str, interpolate: impl Fn(f64) -> f64) -> Option<f64> {
@@ -296,17 +320,20 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_round() {
+    fn labels_are_round_but_for_ends_apart_from_them() {
         let log = axis(ColorScale::Logarithmic, [52.0, 1900.0]).in_time_unit();
-        assert_eq!(texts(&log), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(texts(&log), ["0.1", "0.2", "0.5", "1", "0.052", "1.9"]);
         assert_eq!(
-            texts(&axis(ColorScale::Linear, [0.0, 23.0])),
-            ["0", "5", "10", "15", "20"]
+            texts(&axis(ColorScale::Linear, [0.0, 23.4])),
+            ["0", "5", "10", "15", "20", "23"]
         );
-        let around = axis(ColorScale::Diverging, [-700.0, 700.0]);
-        assert_eq!(texts(&around), ["−500", "0", "500"]);
+        let around = axis(ColorScale::Diverging, [-712.0, 712.0]);
+        assert_eq!(texts(&around), ["−500", "0", "500", "−710", "710"]);
         let wide = axis(ColorScale::Logarithmic, [1.0, 1e9]);
-        assert_eq!(texts(&wide), ["1", "100", "10k", "1M", "100M"]);
+        assert_eq!(texts(&wide), ["1", "100", "10k", "1M", "100M", "1G"]);
+        // No room at the low end.
+        let full = axis(ColorScale::Logarithmic, [0.9, 1900.0]);
+        assert_eq!(texts(&full), ["1", "10", "100", "1000"]);
     }
 
     #[test]
