@@ -6,6 +6,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::axis::{AxisRay, ChosenPart, EndKeys, Ends, ShapeAxis};
+use super::disk::circle_extent;
 use super::located::{Described, Located};
 use super::sampled::{Sampled, Seen, SurfaceSample, on_circle};
 use super::{Aabb, Intersectable, N_PARAMETERS, Patch, Project, Ray, RayTest, Transform};
@@ -114,8 +115,7 @@ impl Intersectable for Cone {
     fn bounds(&self) -> Aabb {
         let [from, to] = self.ends.0;
         let axis = (to - from).normalize_or(Vec3::Y);
-        // The extents of a disk, as in `Disk`.
-        let extent = (1.0 - axis * axis).max(Vec3::ZERO).map(f32::sqrt);
+        let extent = circle_extent(axis);
         let around = |center: Vec3, radius: f32| Aabb {
             min: center - radius * extent,
             max: center + radius * extent,

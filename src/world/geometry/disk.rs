@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 
 use super::located::{Described, Located, located};
@@ -75,6 +75,13 @@ impl RayTest for Disk {
     }
 }
 
+/// Returns the extent along each axis of a unit circle with this unit normal: the sine of the angle
+/// between the axis and the normal.
+pub(super) fn circle_extent(normal: Vec3) -> Vec3 {
+    let squared = normal * normal;
+    (squared.yzx() + squared.zxy()).map(f32::sqrt)
+}
+
 impl Intersectable for Disk {
     #[inline]
     fn intersect(&self, ray: &Ray, t_max: f32) -> Option<f32> {
@@ -82,12 +89,7 @@ impl Intersectable for Disk {
     }
 
     fn bounds(&self) -> Aabb {
-        // The circle's extent along an axis is r times the sine of the angle between the axis and
-        // the normal.
-        let extent = self.radius
-            * (1.0 - self.normal * self.normal)
-                .max(Vec3::ZERO)
-                .map(f32::sqrt);
+        let extent = self.radius * circle_extent(self.normal);
         Aabb {
             min: self.center - extent,
             max: self.center + extent,
@@ -163,6 +165,19 @@ fn area<R: Real>(radius: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_box_of_a_disk_that_hardly_slopes_has_its_height() {
+        let [slope, radius] = [1e-4, 2.0];
+        let (center, normal) = (Vec3::ZERO, Vec3::new(slope, 1.0, 0.0));
+        let bounds = Disk {
+            center,
+            normal,
+            radius,
+        }
+        .bounds();
+        assert_eq!(bounds.max, Vec3::new(radius, slope * radius, radius));
+    }
 
     #[test]
     fn a_disk_ends_at_its_radius() {
