@@ -105,6 +105,22 @@ proptest! {
         compare(&scene.primitives, &rays)?;
     }
 
+    /// From points on surfaces, or as far from them as the renderer starts rays.
+    #[test]
+    fn all_find_the_same_hits_of_rays_from_surfaces(scene in scene(), rays in prop::collection::vec(ray(), 40)) {
+        let brute = Accel::new(&scene, Acceleration::BruteForce);
+        let from_hit = |(ray, next): (&Ray, &Ray)| {
+            let hit = brute.nearest(ray, &mut NoProbe)?;
+            let primitive = &scene.primitives[hit.primitive as usize];
+            let (position, normal) = primitive.project(ray.at(hit.t));
+            let at = [position, normal];
+            let leaving = |error| Ray::leaving(at, error, next.direction);
+            Some([leaving(0.0), leaving(primitive.rounding(at))])
+        };
+        let rays: Vec<Ray> = rays.iter().zip(&rays[1..]).filter_map(from_hit).flatten().collect();
+        compare(&scene.primitives, &rays)?;
+    }
+
     #[test]
     fn all_find_the_same_hits_at_any_scale(
         shapes in prop::collection::vec(generators::shape(), 1..100),

@@ -6,7 +6,7 @@ use crate::common::generators::{
 use crate::common::twins::compare;
 use glam::Vec3;
 use proptest::prelude::*;
-use world::geometry::{Aabb, Cuboid, Plane, Ray, Shape, Triangle};
+use world::geometry::{Aabb, Cuboid, Plane, Ray, Rectangle, Shape, Triangle};
 
 /// Triangles, and rays in their planes or through their edges and vertices.
 fn aimed() -> impl Strategy<Value = (Vec<Triangle>, Vec<Ray>)> {
@@ -106,6 +106,26 @@ proptest! {
             Shape::Cuboid(Cuboid::new(Aabb { min, max: min + 1.0 }))
         });
         compare(&primitives(boxes), &rays)?;
+    }
+
+    /// Rays from edges and corners, or a little beside them.
+    #[test]
+    fn rays_from_edges_of_rectangles(
+        sides in prop::collection::vec((0..3_usize, prop::array::uniform3(0..3)), 1..30),
+        starts in prop::collection::vec((prop::array::uniform3(0..5), 0..3_usize, direction()), 1..40),
+        beside in prop::sample::select(vec![0.0_f32, 1e-30, -1e-18, 6e-8, -1e-7]),
+    ) {
+        let rectangle = |(axis, corner): (usize, [i32; 3])| {
+            let corner = Vec3::from(corner.map(|i| i as f32));
+            let [u, v] = [1, 2].map(|i| Vec3::AXES[(axis + i) % 3]);
+            Shape::Rectangle(Rectangle::new(corner, u, v))
+        };
+        let ray = |(halves, axis, direction): ([i32; 3], usize, Vec3)| {
+            let origin = Vec3::from(halves.map(|i| 0.5 * i as f32)) + beside * Vec3::AXES[axis];
+            Ray { origin, direction }
+        };
+        let rays: Vec<Ray> = starts.into_iter().map(ray).collect();
+        compare(&primitives(sides.into_iter().map(rectangle)), &rays)?;
     }
 
     /// Coordinates far from the origin have a coarse resolution.

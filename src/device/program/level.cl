@@ -74,7 +74,7 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
         }
         span(ray, box, search->limit, enter_and_exit);
         enter[i] = enter_and_exit[0];
-        entered |= (uint)(enter_and_exit[0] <= enter_and_exit[1]) << i;
+        entered |= (uint)(enter_and_exit[0] < enter_and_exit[1]) << i;
       }
       for (uint i = 0; i < 8u && entered; i++) {
         uint child = is_nearest ? BITS_OF(line[56u + i]) >> (3u * ray->octant) & 7u : i;
@@ -90,7 +90,7 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
     if (next == END) {
       do {
         next = stack[--top];
-      } while (is_nearest && enters[top] > search->limit);
+      } while (is_nearest && enters[top] >= search->limit);
       if (next == END) return;
     }
     current = next;

@@ -153,8 +153,8 @@ typedef struct {
   GLOBAL const uint *record;
 } Placement;
 
-/* InMesh::is_in_box: a hit on a mesh counts only within the slabs of the instance's box. */
-FUNCTION int is_in_box(Placement placement, float t) {
+/* InMesh::enters_box_before: a hit on a mesh counts only if the ray enters the instance's box before it. */
+FUNCTION int enters_box_before(Placement placement, float t) {
   Prepared ray = *placement.ray;
   prepare(&ray, FLOAT_OF(placement.record[4]));
   float box[16], enter_and_exit[2];
@@ -164,12 +164,12 @@ FUNCTION int is_in_box(Placement placement, float t) {
     box[3 + i] = FLOAT_OF(placement.record[(is_downward ? 5 : 8) + i]);
   }
   span(&ray, box, INFINITY, enter_and_exit);
-  return enter_and_exit[0] <= t && t <= enter_and_exit[1];
+  return enter_and_exit[0] < enter_and_exit[1] && enter_and_exit[0] < t;
 }
 
 /* Reports a hit on a triangle of an instance's mesh. */
 FUNCTION void found_in_mesh(const World *world, Search *search, int is_nearest, Placement placement, float t, uint i) {
-  if (is_in_box(placement, t)) found(world, search, is_nearest, t, placement.record[3] + i, placement.record[1]);
+  if (enters_box_before(placement, t)) found(world, search, is_nearest, t, placement.record[3] + i, placement.record[1]);
 }
 
 /* Tests a triangle of an instance's mesh. */

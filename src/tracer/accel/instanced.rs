@@ -7,9 +7,9 @@
 //! # Why the hierarchy of the upper level hides no hit
 //!
 //! Rounding in the space of the mesh may move a hit out of the instance's box in world space. So a
-//! hit counts only within the slabs of that box, whose margin is at most the margin of the
-//! hierarchy's boxes around it: their arithmetic is monotonic, so a ray that enters the box enters
-//! these, and not later. Brute force has the same rule.
+//! hit counts only if the ray enters that box before it. The margin of its slabs is at most the
+//! margin of the hierarchy's boxes around it: their arithmetic is monotonic, so a ray that enters
+//! the box enters these, and not later. Brute force has the same rule.
 
 use std::sync::Arc;
 
@@ -161,13 +161,13 @@ struct InMesh<'s, 'a, S> {
 }
 
 impl<S> InMesh<'_, '_, S> {
-    /// Returns true if a hit at `t` is within the slabs of the instance's box.
-    fn is_in_box(&self, t: f32) -> bool {
+    /// Returns true if the ray enters the instance's box before a hit at `t`.
+    fn enters_box_before(&self, t: f32) -> bool {
         let of_box = self.lower.instances.box_of(self.id);
         let bounds = self.lower.world.primitives[of_box as usize].bounds();
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         let (enter, exit) = Slabs::new(self.ray, largest).span_of(&bounds);
-        enter <= t && t <= exit
+        enter < exit && enter < t
     }
 }
 
@@ -207,7 +207,7 @@ impl<S: PlacedSearch> Search for InMesh<'_, '_, S> {
 
     #[inline(always)]
     fn found(&mut self, t: f32, primitive: u32) {
-        if self.is_in_box(t) {
+        if self.enters_box_before(t) {
             self.outer.found_in(self.id, t, self.first + primitive);
         }
     }

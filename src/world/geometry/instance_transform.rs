@@ -6,8 +6,7 @@ use super::aabb::Aabb;
 use super::ray::Ray;
 use super::surface::N_PARAMETERS;
 
-/// Margin of an instance's box, relative to its largest coordinate: 84 units in the last place, as
-/// for the boxes of a hierarchy.
+/// Margin of an instance's box, relative to its largest coordinate: 84 units in the last place.
 const MARGIN: f64 = 5e-6;
 /// Maximum factor of a length, and the inverse of the minimum one.
 const MAX_SCALE: f64 = 1e9;

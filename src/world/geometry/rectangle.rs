@@ -105,8 +105,10 @@ impl Intersectable for Rectangle {
         (t > 0.0 && t < t_max).then_some(t)
     }
 
+    /// Rounded outward.
     fn bounds(&self) -> Aabb {
-        Aabb::from_points(self.corners())
+        let [corner, u, v] = [self.corner, self.edges[0], self.edges[1]].map(|v| v.as_dvec3());
+        Aabb::around([corner, corner + u, corner + u + v, corner + v])
     }
 
     fn transformed(&self, transform: &Transform) -> Option<Self> {

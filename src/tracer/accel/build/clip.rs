@@ -9,8 +9,7 @@ use world::geometry::Triangle;
 /// including the plane; [`LaneBounds::EMPTY`] for an empty part.
 ///
 /// Rounding may enlarge the boxes but never shrinks them: the points where edges cross the plane
-/// are computed with 53 bits and rounded outward. The error of those 53 bits is a billionth of the
-/// margin of the ray-box test.
+/// are computed with 53 bits and rounded outward.
 pub(super) fn split(triangle: &Triangle, axis: usize, position: f32) -> [LaneBounds; 2] {
     let [mut below, mut above] = [LaneBounds::EMPTY; 2];
     let [a, b, c] = triangle.vertices;
@@ -39,7 +38,8 @@ fn crossing(from: Vec3, to: Vec3, axis: usize, position: f32) -> LaneBounds {
     let [a, b] = [from.as_dvec3(), to.as_dvec3()];
     let fraction = (f64::from(position) - a[axis]) / (b[axis] - a[axis]);
     let mut point = (a + fraction * (b - a)).as_vec3();
-    let mut rounding = f32::EPSILON * point.abs();
+    // Of 24 bits, and of 53.
+    let mut rounding = f32::EPSILON * point.abs() + 1e-15 * from.abs().max(to.abs()).max_element();
     (point[axis], rounding[axis]) = (position, 0.0);
     LaneBounds::new((point - rounding).into(), (point + rounding).into())
 }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::emit::{PARALLEL, write_leaf};
 use super::order;
+use super::reference::box_of;
 use crate::accel::arena::Arena;
 use crate::accel::layout::{self, CacheLine, LeafKind, NODE_LINES, NodeRef, WideNode};
 use math::simd::{InstructionSet, N_LANES, Simd, SimdKernel};
@@ -129,7 +130,7 @@ impl Refitter<'_> {
             if LeafKind::new(primitive) != kind {
                 return None;
             }
-            all = all.union(primitive.bounds());
+            all = all.union(box_of(primitive));
         }
         let n_lines = kind.n_lines(indices.len());
         write_leaf(kind, &indices, self.primitives, &mut lines[..n_lines]);

@@ -29,14 +29,14 @@ pub(super) unsafe fn push_entered<I: InstructionSet, S: Search, const N: usize>(
         let enter = enter.permute(&node.order, shift);
         let exit = exit.permute(&node.order, shift);
         // Keep those with a non-empty span, and push them all at once.
-        let entered = enter.le(exit);
+        let entered = enter.lt(exit);
         let n = entered.bits().count_ones() as usize;
         let enter = enter.compress(entered).to_array();
         // SAFETY: the caller's promise.
         unsafe { stacks.push_sorted(top, children.compress(entered).to_bits(), enter, n) };
     } else {
         // Any order will do: push the children that are entered.
-        let entered = enter.le(exit);
+        let entered = enter.lt(exit);
         let n = entered.bits().count_ones() as usize;
         // SAFETY: the caller's promise.
         unsafe { stacks.push_all(top, children.compress(entered).to_bits(), n) };

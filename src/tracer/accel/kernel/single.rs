@@ -95,7 +95,7 @@ fn test_boxes<I: InstructionSet>(
     let (enter, exit) = slabs.span(set, node, limit);
     BoxTests {
         n: node.n_children() as u8,
-        n_hits: enter.le(exit).bits().count_ones() as u8,
+        n_hits: enter.lt(exit).bits().count_ones() as u8,
     }
 }
 
@@ -114,7 +114,7 @@ unsafe fn descend<I: InstructionSet, S: Search>(
 ) -> Option<NodeRef> {
     // Intersect the ray with the eight boxes.
     let (enter, exit) = slabs.span(set, node, limit);
-    let entered = enter.le(exit).bits();
+    let entered = enter.lt(exit).bits();
     // No child is hit.
     if entered == 0 {
         return None;
@@ -165,7 +165,7 @@ fn pop_within_limit<S: Search>(
         // SAFETY: the sentinel is popped last; a search for the nearest hit pushes parameters.
         let (node_ref, is_late) = unsafe {
             let node_ref = stacks.pop(top);
-            let is_late = S::NEAREST_FIRST && stacks.popped_enter(top) > search.limit();
+            let is_late = S::NEAREST_FIRST && stacks.popped_enter(top) >= search.limit();
             (node_ref, is_late)
         };
         if !is_late {

@@ -114,13 +114,13 @@ impl<const N: usize> Stacks<N> {
         unsafe { *ref_at(&mut self.enter, top.0) }
     }
 
-    /// Removes from stack `i % N` the children that the ray enters beyond `limit`, which is finite,
+    /// Removes from stack `i % N` the children that the ray does not enter before `limit`, which is finite,
     /// without a branch per child.
     ///
     /// # Safety
     /// `top` is the top of this stack.
     #[inline(always)]
-    pub(super) unsafe fn keep_up_to<I: InstructionSet>(
+    pub(super) unsafe fn keep_before<I: InstructionSet>(
         &mut self,
         set: I,
         i: usize,
@@ -140,7 +140,7 @@ impl<const N: usize> Stacks<N> {
             while next < top.0 {
                 let node_refs = set.load_bits(ref_at(&mut self.node_refs, next));
                 let enter = set.load(ref_at(&mut self.enter, next));
-                let kept = enter.le(limit);
+                let kept = enter.lt(limit);
                 // Never past what was read.
                 *ref_at(&mut self.node_refs, n_kept) = node_refs.compress(kept).to_bits();
                 *ref_at(&mut self.enter, n_kept) = enter.compress(kept).to_array();

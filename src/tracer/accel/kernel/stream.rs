@@ -239,7 +239,7 @@ impl<S: Search> RayState<S> {
         if S::NEAREST_FIRST && self.search.limit() < limit {
             // Drop the children past the new hit.
             // SAFETY: this is the ray's stack.
-            unsafe { stacks.keep_up_to(set, i, &mut self.top, self.search.limit()) };
+            unsafe { stacks.keep_before(set, i, &mut self.top, self.search.limit()) };
         }
         // Pop the next node or leaf; an occlusion search may end here.
         // SAFETY: the ray has not popped the sentinel yet.

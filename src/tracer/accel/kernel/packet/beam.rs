@@ -17,7 +17,7 @@ use math::simd::{Arithmetic, InstructionSet, Lanes, Mask, N_LANES};
 /// origin, is a lower bound for the ray. Likewise the greater of the two, for the least origin, is
 /// an upper bound. Where the rays point down, the product decreases with the difference, and the
 /// origins are exchanged. Maxima, minima and the largest limit are monotonic, too. So if a ray has
-/// `enter <= exit`, then `enter(beam) <= enter <= exit <= exit(beam)`.
+/// `enter < exit`, then `enter(beam) <= enter < exit <= exit(beam)`.
 pub(super) struct Beam<I: InstructionSet> {
     axes: [BeamAxis<I>; 3],
     /// The shift that selects the order of a node's children for these rays.
@@ -64,13 +64,13 @@ impl<I: InstructionSet> Beam<I> {
         let enter = near_x.max(near_y.max(near_z)).max(set.splat(0.0));
         let exit = far_x.min(far_y).min(far_z.min(set.splat(farthest)));
         if !S::NEAREST_FIRST {
-            return (enter.le(exit).bits(), enter.to_array());
+            return (enter.lt(exit).bits(), enter.to_array());
         }
         let shift = set.splat_bits(self.order_shift);
         // Put the boxes into reverse order of the visits.
         let enter = enter.permute(&node.order, shift);
         let exit = exit.permute(&node.order, shift);
-        (enter.le(exit).bits(), enter.to_array())
+        (enter.lt(exit).bits(), enter.to_array())
     }
 
     /// Returns the lane of the child at this position of the reverse order of the visits.

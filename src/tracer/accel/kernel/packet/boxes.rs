@@ -16,7 +16,7 @@ impl<I: InstructionSet> PacketRays<'_, I> {
         for part in 0..I::Wide::N_PARTS {
             let limits = self.set.load_wide(limits, part);
             let (enter, exit) = self.slabs(part).span(near, far, limits);
-            entering |= I::Wide::bits(enter.le(exit)) << (rays_per_part::<I>() * part);
+            entering |= I::Wide::bits(enter.lt(exit)) << (rays_per_part::<I>() * part);
         }
         entering
     }

@@ -17,8 +17,8 @@
 //! - The order of a node's children depends only on the signs of the ray's direction, which all
 //!   rays of a packet share. So a ray visits the nodes that the packet visits, except where it is
 //!   inactive, in the packet's order.
-//! - A single ray visits a child if `enter <= exit`, and `enter` is at most its limit at the visit
-//!   to the parent and at most its limit when the child is popped. Limits never grow, so one test
+//! - A single ray visits a child if `enter < exit`, and `enter` is below its limit at the visit
+//!   to the parent and below its limit when the child is popped. Limits never grow, so one test
 //!   against the latter limit, of the rays that were active in the parent, selects the same rays.
 //!   Both take the same [`span`](super::slab::SlabSetup::span).
 //! - The beam rejects no child that a ray of the packet enters: see [`Beam`](beam::Beam).

@@ -108,7 +108,7 @@ impl<'r, I: InstructionSet, Q: Queries> Packet<'r, I, Q> {
                     return gain;
                 };
                 // Skip a child past the farthest limit.
-                if entry.enter > self.searches.farthest {
+                if entry.enter >= self.searches.farthest {
                     continue;
                 }
                 // Find the rays that enter its box; skip the child if none does.
