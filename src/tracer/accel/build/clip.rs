@@ -39,7 +39,7 @@ fn crossing(from: Vec3, to: Vec3, axis: usize, position: f32) -> LaneBounds {
     let fraction = (f64::from(position) - a[axis]) / (b[axis] - a[axis]);
     let mut point = (a + fraction * (b - a)).as_vec3();
     // Of 24 bits, and of 53.
-    let mut rounding = f32::EPSILON * point.abs() + 1e-15 * from.abs().max(to.abs()).max_element();
+    let mut rounding = f32::EPSILON * point.abs() + 1e-15 * (to - from).abs();
     (point[axis], rounding[axis]) = (position, 0.0);
     LaneBounds::new((point - rounding).into(), (point + rounding).into())
 }
