@@ -114,7 +114,7 @@ impl<'a> SceneArrays<'a> {
         self.records
             .extend([INSTANCE, id.0 + 1, instance.mesh + 1, first]);
         let bounds = bounds.bounds();
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let largest = bounds.largest();
         self.push_numbers(&[largest]);
         self.push_vectors(&[bounds.min, bounds.max]);
         self.push_vectors(&instance.transform.mesh_from_world());

@@ -179,18 +179,17 @@ impl Axis {
         let (scale, ends) = self.scale_and_ends();
         let ticks = self.ticks();
         let min_gap = 0.6 / (self.n_labels as f64 - 0.5);
-        let is_apart = |end: &f64| {
-            let gap = |tick: &f64| scale.position(*end, ends) - scale.position(*tick, ends);
-            ticks.iter().all(|tick| gap(tick).abs() >= min_gap)
-        };
+        let at = |value: f64| scale.position(value, ends);
+        let is_far = |end: f64, tick: f64| (at(end) - at(tick)).abs() >= min_gap;
+        let is_apart = |end: &f64| ticks.iter().all(|tick| is_far(*end, *tick));
+        let label = |value: f64, shown| [position(value).to_string(), label_text(shown)];
+        let round = ticks.iter().map(|&value| label(value, value));
         let ends = ends.into_iter().filter(is_apart);
-        let ends = ends.map(|end| [position(end).to_string(), label_text(two_digits(end))]);
-        let round = ticks
-            .iter()
-            .map(|&value| [position(value).to_string(), label_text(value)]);
-        round.chain(ends).flatten().collect()
+        let labels = round.chain(ends.map(|end| label(end, two_digits(end))));
+        labels.flatten().collect()
     }
 
+    /// Returns how values lie along the axis, and the values at both ends.
     fn scale_and_ends(&self) -> (Scale, [f64; 2]) {
         match self.scale {
             ColorScale::Logarithmic => (Scale::Logarithmic, [self.low, self.high]),

@@ -33,7 +33,7 @@ impl Arena {
             check(&lines, NodeRef::ROOT)
         };
         assert!(n_levels <= MAX_DEPTH + 1, "paths are short");
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let largest = bounds.largest();
         Self {
             lines,
             largest,

@@ -165,7 +165,7 @@ impl<S> InMesh<'_, '_, S> {
     fn enters_box_before(&self, t: f32) -> bool {
         let of_box = self.lower.instances.box_of(self.id);
         let bounds = self.lower.world.primitives[of_box as usize].bounds();
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let largest = bounds.largest();
         let (enter, exit) = Slabs::new(self.ray, largest).span_of(&bounds);
         enter < exit && enter < t
     }

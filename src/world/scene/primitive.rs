@@ -155,8 +155,7 @@ impl Primitive {
         if self.is_unbounded() {
             return self.project(Vec3::ZERO).0.is_finite();
         }
-        let bounds = self.bounds();
-        bounds.min.abs().max(bounds.max.abs()).max_element() <= 1e16
+        self.bounds().largest() <= 1e16
     }
 
     /// Returns true if it has an extent in render space.

@@ -113,14 +113,14 @@ impl Reference {
 /// along an axis to which they are perpendicular.
 pub(super) fn box_of(primitive: &Primitive) -> Aabb {
     let bounds = primitive.bounds();
-    let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let margin = |share: f32| Vec3::splat(share * bounds.largest());
     let margin = match primitive.world_shape() {
-        Some(Shape::Triangle(_) | Shape::Cuboid(_)) => Vec3::ZERO,
+        Some(Shape::Triangle(_) | Shape::Cuboid(_)) => return bounds,
         Some(Shape::Rectangle(_)) => {
             let is_flat = bounds.min.cmpeq(bounds.max);
-            Vec3::select(is_flat, Vec3::ZERO, Vec3::splat(f32::EPSILON * largest))
+            Vec3::select(is_flat, Vec3::ZERO, margin(f32::EPSILON))
         }
-        _ => Vec3::splat(8e-6 * largest),
+        _ => margin(8e-6),
     };
     Aabb {
         min: bounds.min - margin,

@@ -39,18 +39,18 @@ const ROWS: [[u32; 3]; 8] = {
 /// product (`2`). Where 32 bits decide, the areas add `36`: they are weights of depths that differ
 /// by up to `2 l`. The sum of the weighted depths (`6`), the sum of the areas (`4`) and their
 /// quotient (`2`) add `12`. The error of the planes here is `6 e l` for three roundings and `e l`
-/// for the displaced origin. The total is `75 e l`, or 4.47e-6 of `l`. In the boxes of a triangle's
-/// parts the areas count twice: the part with the hit may be next to that of the point computed.
-/// Then the total is `111 e l`, or 6.62e-6.
+/// for the displaced origin. The total is `75 e l`, or 4.47e-6 of `l`. If a triangle is split, the
+/// areas count twice, since the hit and the computed point may lie in neighboring parts: the total
+/// is `111 e l`, or 6.62e-6.
 ///
 /// **The far plane of the direction's dominant axis has no margin**, so that a ray that leaves a
 /// surface does not enter the boxes behind it, such as flat ones of the same surface. Differences
 /// keep their sign when they are rounded: no depth of a triangle that ends before the origin on that
-/// axis is positive, nor is their mean. If only a part of it ends there, a hit computed is close to
-/// the next part, as above. Other primitives keep to their boxes, too: see `box_of`. Along this axis, which shear leaves as it is, a hit exceeds the depths by at
-/// most the `12 e l` of the mean, and the error of the plane is `7 e l`: together 1.14e-6 of `l`.
-/// The ray moves most along this axis, so the near planes of the others make up for it with a
-/// margin that is larger by a fifth.
+/// axis is positive, nor is their mean. If only a part of it ends there, the computed hit is close
+/// to the next part, as above. Other primitives keep to their boxes, too: see `box_of`. Along this
+/// axis, which shear leaves as it is, a hit exceeds the depths by at most the `12 e l` of the mean,
+/// and the error of the plane is `7 e l`: together 1.14e-6 of `l`. The ray moves most along this
+/// axis, so the near planes of the others make up for it with a margin that is larger by a fifth.
 ///
 /// The margin costs nothing per box: it displaces the origin, once for the near planes and once for
 /// the far ones.

@@ -114,8 +114,8 @@ impl<const N: usize> Stacks<N> {
         unsafe { *ref_at(&mut self.enter, top.0) }
     }
 
-    /// Removes from stack `i % N` the children that the ray does not enter before `limit`, which is finite,
-    /// without a branch per child.
+    /// Removes from stack `i % N` the children that the ray does not enter before `limit`, which is
+    /// finite, without a branch per child.
     ///
     /// # Safety
     /// `top` is the top of this stack.
