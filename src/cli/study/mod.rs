@@ -10,7 +10,7 @@ mod report;
 mod scene_files;
 mod steps;
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -27,7 +27,7 @@ use super::{Cli, Failure, thread_pool};
 use base::numbers;
 use base::stop;
 use host::default_threads;
-use host::folder::{Replace, lock_folder, refuse_file, write_file};
+use host::folder::{Lock, Replace, lock_folder, refuse_file, write_file};
 use host::text::{self, Diagnostic};
 use render::instruments::MachineLimits;
 use scene::yaml::{self, Fault, Source};
@@ -120,7 +120,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<(), Failure> {
     let measured_by = made_by::describe_measurements(&made_by)?;
     // Open all studies before the first run: a foreign file in one of them stops all.
     let locks = studies.iter().map(|study| study.lock());
-    let _locks = locks.collect::<Result<Vec<File>, Failure>>()?;
+    let _locks = locks.collect::<Result<Vec<Lock>, Failure>>()?;
     let opened = studies.iter().map(|study| study.open(&measured_by));
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
     let mut n_left = 0;
@@ -195,7 +195,7 @@ impl Study {
 
     /// Locks the output folder and checks that it has no foreign table or plot. A folder with a log
     /// of runs belongs to a study.
-    fn lock(&self) -> Result<File, Failure> {
+    fn lock(&self) -> Result<Lock, Failure> {
         let lock = lock_folder(&self.out)?;
         if !self.out.join(RUN_LOG).exists() {
             let failed = |error| cannot_write(&self.out, &error);

@@ -1,4 +1,4 @@
-//! The lock of a folder, held by one run at a time.
+//! The lock of a folder or a file, held by one run at a time.
 //!
 //! It is an advisory lock (`flock`) on the folder itself: it leaves no file behind, and ends with
 //! the process that holds it. A commit may give the folder's name to another folder, which the same
@@ -11,23 +11,45 @@ use std::path::Path;
 /// Maximum number of attempts to lock a folder that is being exchanged.
 const N_TRIES: usize = 100;
 
+/// A locked file or folder. The lock ends when this is dropped, also if a process that another thread
+/// starts has a copy of the descriptor.
+#[derive(Debug)]
+pub struct Lock(File);
+
+impl Lock {
+    /// Locks an open file or folder; returns `None` if another run holds the lock.
+    ///
+    /// # Errors
+    /// An I/O error; none on a file system without locks, where a run without a lock is better than
+    /// none.
+    pub fn take(file: File) -> io::Result<Option<Self>> {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => Ok(None),
+            Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
+                Err(error)
+            }
+            _ => Ok(Some(Self(file))),
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
+}
+
 /// Locks a folder; returns `None` if another run holds the lock.
 ///
 /// # Errors
 /// An I/O error.
-pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
+pub(super) fn lock(folder: &Path) -> io::Result<Option<Lock>> {
     for _ in 0..N_TRIES {
-        let file = open(folder)?;
-        match file.try_lock() {
-            Ok(()) if is_same(&file.metadata()?, &fs::metadata(folder)?) => return Ok(Some(file)),
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Ok(None),
-            // On a file system without locks, a run without a lock is better
-            // than none.
-            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {
-                return Ok(Some(file));
-            }
-            Err(TryLockError::Error(error)) => return Err(error),
+        let Some(lock) = Lock::take(open(folder)?)? else {
+            return Ok(None);
+        };
+        if is_same(&lock.0.metadata()?, &fs::metadata(folder)?) {
+            return Ok(Some(lock));
         }
     }
     Ok(None)
@@ -35,9 +57,9 @@ pub(super) fn lock(folder: &Path) -> io::Result<Option<File>> {
 
 /// Locks the folder of a process that was killed; `None` if it is in use, which is unknown on a file
 /// system without locks.
-pub(super) fn lock_left(folder: &Path) -> Option<File> {
+pub(super) fn lock_left(folder: &Path) -> Option<Lock> {
     let file = open(folder).ok()?;
-    file.try_lock().is_ok().then_some(file)
+    file.try_lock().is_ok().then(|| Lock(file))
 }
 
 #[cfg(unix)]
@@ -74,6 +96,15 @@ mod tests {
         let first = lock(folder.path()).unwrap();
         assert!(first.is_some());
         assert!(lock(folder.path()).unwrap().is_none());
+        drop(first);
+        assert!(lock(folder.path()).unwrap().is_some());
+    }
+
+    #[test]
+    fn a_lock_ends_though_its_descriptor_was_copied() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = lock(folder.path()).unwrap().unwrap();
+        let _of_another_process = first.0.try_clone().unwrap();
         drop(first);
         assert!(lock(folder.path()).unwrap().is_some());
     }

@@ -37,7 +37,7 @@ mod written;
 #[cfg(test)]
 mod tests;
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -45,6 +45,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 pub use error::WriteError;
+pub use lock::Lock;
 pub use own::{Own, foreign as refuse_file};
 pub use single::{Replace, refuse_foreign_file, write_file, write_file_at};
 pub use staging::Staging;
@@ -68,7 +69,7 @@ pub struct OutputFolder {
     /// True if files are flushed to the disk.
     sync: bool,
     /// The lock on the folder that currently has the name.
-    lock: Mutex<Option<File>>,
+    lock: Mutex<Option<Lock>>,
 }
 
 /// Longest time that a reader waits while a run replaces files one by one.
@@ -193,7 +194,7 @@ pub fn create_within(folder: &Path, inner: &Path) -> Result<PathBuf, WriteError>
 ///
 /// # Errors
 /// The folder is locked by another run, or an error of the system.
-pub fn lock_folder(path: &Path) -> Result<File, WriteError> {
+pub fn lock_folder(path: &Path) -> Result<Lock, WriteError> {
     Ok(locked(path, Duration::ZERO)?.1)
 }
 
@@ -201,13 +202,13 @@ pub fn lock_folder(path: &Path) -> Result<File, WriteError> {
 ///
 /// # Errors
 /// Another run holds the lock for a minute, or an error of the system.
-pub fn lock_folder_in_turn(path: &Path) -> Result<File, WriteError> {
+pub fn lock_folder_in_turn(path: &Path) -> Result<Lock, WriteError> {
     Ok(locked(path, PATIENCE_OF_WRITERS)?.1)
 }
 
 /// Creates a folder if it does not exist, locks it, and cleans up after killed runs; returns its
 /// canonical path and the lock.
-fn locked(path: &Path, patience: Duration) -> Result<(PathBuf, File), WriteError> {
+fn locked(path: &Path, patience: Duration) -> Result<(PathBuf, Lock), WriteError> {
     let fail = |error| WriteError::new(path, error);
     refuse_unprintable(path)?;
     refuse_root(path)?;

@@ -1,6 +1,5 @@
 //! New files of an output folder: written to a workspace, then committed.
 
-use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use super::OutputFolder;
 use super::commit::Commit;
 use super::disk;
 use super::error::WriteError;
+use super::lock::Lock;
 use super::own::Own;
 use super::workspace::{self, Workspace};
 use super::writer::FileWriter;
@@ -19,7 +19,7 @@ pub struct Staging<'a> {
     pub(super) folder: &'a OutputFolder,
     pub(super) workspace: Workspace,
     /// The lock on the folder of new files, which may become the output folder.
-    pub(super) lock: Option<File>,
+    pub(super) lock: Option<Lock>,
 }
 
 impl Staging<'_> {

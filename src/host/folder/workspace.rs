@@ -13,7 +13,7 @@
 //! elsewhere.
 
 use std::ffi::OsStr;
-use std::fs::{self, File, Metadata};
+use std::fs::{self, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use super::SUMMARY;
 use super::disk::change;
 use super::listing::{is_marked, listed_in};
-use super::lock::{lock, lock_left, number_of};
+use super::lock::{Lock, lock, lock_left, number_of};
 use crate::provenance::checksum;
 
 /// The prefix of the names of all workspaces.
@@ -37,7 +37,7 @@ const N_TRIES: usize = 100;
 pub(super) struct Workspace {
     pub(super) place: WorkspacePlace,
     /// The lock, held while the workspace is in use.
-    lock: Option<File>,
+    lock: Option<Lock>,
     /// True if it remains when dropped.
     pub(super) remains: bool,
 }

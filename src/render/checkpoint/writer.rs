@@ -9,6 +9,7 @@ use super::block::{self, BlockKind, PREFIX};
 use super::file::{CheckpointFile, MAGIC, RunSpan, StoredTile};
 use super::{Header, TileRecord};
 use host::files;
+use host::folder::Lock;
 
 /// Appends blocks to a file.
 #[derive(Debug)]
@@ -19,6 +20,8 @@ pub(super) struct TileWriter {
     block: Vec<u8>,
     /// The last flush to the system.
     pub(super) flushed: Instant,
+    /// The lock on the file, which ends after the file is written.
+    _lock: Lock,
 }
 
 impl TileWriter {
@@ -26,11 +29,9 @@ impl TileWriter {
     pub(super) fn create(path: &Path, header: &Header) -> io::Result<Self> {
         // Not truncated before it is locked: another run may be writing it.
         let mut options = OpenOptions::new();
-        options.write(true).create(true).truncate(false);
-        let file = files::open_to_change(&mut options, path)?;
-        lock(&file)?;
+        let (file, lock) = open_locked(options.create(true).truncate(false), path)?;
         file.set_len(0)?;
-        let mut this = Self::new(file, [0, MAGIC.len() as u64]);
+        let mut this = Self::new(file, lock, [0, MAGIC.len() as u64]);
         this.file.write_all(MAGIC)?;
         let header = serde_json::to_vec(header)?;
         this.append(BlockKind::Header, |bytes| bytes.extend(&header))?;
@@ -40,19 +41,19 @@ impl TileWriter {
 
     /// Continues after the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
-        let mut file = files::open_to_change(OpenOptions::new().write(true), &found.path)?;
-        lock(&file)?;
+        let (mut file, lock) = open_locked(&mut OpenOptions::new(), &found.path)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;
-        Ok(Self::new(file, [found.n_blocks, found.n_bytes]))
+        Ok(Self::new(file, lock, [found.n_blocks, found.n_bytes]))
     }
 
-    fn new(file: File, [n_blocks, n_bytes]: [u64; 2]) -> Self {
+    fn new(file: File, lock: Lock, [n_blocks, n_bytes]: [u64; 2]) -> Self {
         Self {
             file: BufWriter::with_capacity(1 << 18, file),
             n_blocks,
             n_bytes,
             block: Vec::new(),
+            _lock: lock,
             flushed: Instant::now(),
         }
     }
@@ -107,14 +108,10 @@ impl TileWriter {
     }
 }
 
-/// Locks a file until it is closed.
-fn lock(file: &File) -> io::Result<()> {
-    use std::fs::TryLockError;
-    match file.try_lock() {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(io::Error::other("another run is writing it")),
-        // Better without a lock than not at all.
-        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(()),
-        Err(TryLockError::Error(error)) => Err(error),
-    }
+/// Opens a file to write and locks it.
+fn open_locked(options: &mut OpenOptions, path: &Path) -> io::Result<(File, Lock)> {
+    let file = files::open_to_change(options.write(true), path)?;
+    let lock = Lock::take(file.try_clone()?)?;
+    let lock = lock.ok_or_else(|| io::Error::other("another run is writing it"))?;
+    Ok((file, lock))
 }

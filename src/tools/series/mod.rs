@@ -11,7 +11,7 @@ mod pvd;
 mod states;
 mod video;
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ use crate::study::RunMetrics;
 use base::numbers::counted;
 use host::files;
 use host::folder::{
-    Replace, WriteError, lock_folder_in_turn, refuse_file, refuse_foreign_file, write_file,
+    Lock, Replace, WriteError, lock_folder_in_turn, refuse_file, refuse_foreign_file, write_file,
 };
 use host::provenance::{Hasher, RunId};
 use host::text::one_line;
@@ -174,7 +174,7 @@ impl FrameSeries {
     ///
     /// # Errors
     /// If another run holds the lock for a minute, or an error of the system.
-    pub fn lock(folder: &Path) -> Result<File, WriteError> {
+    pub fn lock(folder: &Path) -> Result<Lock, WriteError> {
         lock_folder_in_turn(folder)
     }
 
