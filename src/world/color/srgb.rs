@@ -39,32 +39,31 @@ const BRIGHTEST: f32 = 1.0 - f32::EPSILON / 2.0;
 /// that no bucket has more than two levels.
 const BUCKET_BITS: u32 = f32::MANTISSA_DIGITS - 1 - 7;
 
+/// Numbers in a bucket.
+const BUCKET: u32 = 1 << BUCKET_BITS;
+
 const N_BUCKETS: usize = ((1_f32.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS) as usize;
 
 static LEVELS: LazyLock<Levels> = LazyLock::new(Levels::new);
 
 /// Maps linear light to the nearest of 256 levels: 255 times [`encoded`], rounded. Light is clamped
 /// to 0..1; NaN becomes 0.
-pub(super) struct Levels {
-    /// The least light of each level, and infinity.
-    least: [f32; 257],
-    /// The level of the least light of each bucket.
-    in_bucket: [u8; N_BUCKETS],
-}
+///
+/// A bucket has the level of its first number in the high bits. The low bits are such that the sum
+/// with the low bits of a number carries from the least light of the next level on.
+pub(super) struct Levels([u32; N_BUCKETS]);
 
 impl Levels {
     fn new() -> Self {
-        let mut least = [f32::INFINITY; 257];
-        for (level, light) in least[..256].iter_mut().enumerate() {
-            *light = least_light(level);
+        let least: [_; 256] = std::array::from_fn(|level| least_light(level).to_bits());
+        let begins = (DARKEST.to_bits()..).step_by(BUCKET as usize);
+        let mut buckets = [0; N_BUCKETS];
+        for (bucket, begin) in buckets.iter_mut().zip(begins) {
+            let next = least.partition_point(|&light| light <= begin);
+            let to_next = least.get(next).map_or(BUCKET, |light| light - begin);
+            *bucket = ((next as u32 - 1) << BUCKET_BITS) + BUCKET - to_next.min(BUCKET);
         }
-        let mut in_bucket = [0; N_BUCKETS];
-        for (bucket, level) in in_bucket.iter_mut().enumerate() {
-            let bits = DARKEST.to_bits() + ((bucket as u32) << BUCKET_BITS);
-            let begin = f32::from_bits(bits);
-            *level = (least.partition_point(|&light| light <= begin) - 1) as u8;
-        }
-        Self { least, in_bucket }
+        Self(buckets)
     }
 
     /// Returns the levels of the channels.
@@ -82,9 +81,9 @@ impl Levels {
         // One instruction each; NaN becomes the darkest.
         let light = if light > DARKEST { light } else { DARKEST };
         let light = if light < BRIGHTEST { light } else { BRIGHTEST };
-        let bucket = (light.to_bits() - DARKEST.to_bits()) >> BUCKET_BITS;
-        let level = self.in_bucket[bucket as usize];
-        level + u8::from(light >= self.least[usize::from(level) + 1])
+        let bits = light.to_bits() - DARKEST.to_bits();
+        let bucket = self.0[(bits >> BUCKET_BITS) as usize];
+        ((bucket + bits % BUCKET) >> BUCKET_BITS) as u8
     }
 }
 
@@ -126,8 +125,8 @@ mod tests {
 
     #[test]
     fn no_bucket_has_more_than_two_levels() {
-        let Levels { in_bucket, .. } = &*LEVELS;
-        assert!(in_bucket.windows(2).all(|pair| pair[1] - pair[0] <= 1));
+        let first = LEVELS.0.map(|bucket| bucket >> BUCKET_BITS);
+        assert!(first.windows(2).all(|pair| pair[1] - pair[0] <= 1));
     }
 
     #[test]
