@@ -4,16 +4,20 @@
 
 A mesh on a floor, one point light, shadow rays, 1600 x 1200 pixels, 4 samples each, two threads on
 both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
-its scene do not count; raycost starts anew each time. Compares the fastest renderings; FILE gets the
-wall times of all rounds. The shading
+its scene do not count; raycost starts anew each time, or renders three frames, of which the last one, whose
+memory is mapped, counts. Where the processor has AVX-512, both also race with AVX2. Compares the fastest renderings; FILE gets the wall times of all rounds. The shading
 models differ in constants, the rays and their number do not: fails if lit pixels are elsewhere.
 Without a mesh, renders configs/meshes/spot.obj; the goal is that of the Stanford bunny, whose license
 keeps it out of this repository.
 """
 
 import argparse
+import contextlib
+import ctypes
 import json
+import multiprocessing
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,6 +29,7 @@ from PIL import Image
 WIDTH, HEIGHT, SAMPLES, N_THREADS = 1600, 1200, 4, 2
 FOV_Y_DEG = 40
 PEER = "Mitsuba llvm_ad_rgb"
+OF_AVX2, PEER_OF_AVX2 = "raycost, counters, AVX2", f"{PEER}, AVX2"
 GOALS = {"counters": 1.0, "time": 0.5, "single_ray_time": 0.5}
 # Share of all pixels: the patterns of samples differ, and with them the edges.
 MOST_ELSEWHERE = 0.02
@@ -128,24 +133,81 @@ class Mitsuba:
         return self.picture[..., :3].max(axis=2) > 0.02
 
 
+class MitsubaAvx2:
+    """Mitsuba's LLVM variant compiled for eight lanes of AVX2, in a process of its own: the kernels of a
+    process are of one width."""
+
+    def __init__(self, setting):
+        spawned = multiprocessing.get_context("spawn")
+        self.pipe, pipe = spawned.Pipe()
+        spawned.Process(target=self.serve, args=[pipe, setting], daemon=True).start()
+        pipe.close()
+
+    @staticmethod
+    def serve(pipe, setting):
+        import drjit
+        import mitsuba
+
+        mitsuba.set_variant("llvm_ad_rgb")
+        core = ctypes.CDLL(str(next(pathlib.Path(drjit.__file__).parent.glob("libdrjit-core.*"))))
+        # jit_llvm_set_target(processor, features, lanes): Haswell is the first processor with AVX2.
+        core["_Z19jit_llvm_set_targetPKcS0_j"](b"haswell", None, 8)
+        racer = Mitsuba("llvm_ad_rgb", setting)
+        # Until the pipe is closed.
+        with contextlib.suppress(EOFError):
+            while True:
+                pipe.send(getattr(racer, pipe.recv())())
+
+    def ask(self, request):
+        self.pipe.send(request)
+        return self.pipe.recv()
+
+    def render_ms(self):
+        return self.ask("render_ms")
+
+    def lit(self):
+        return self.ask("lit")
+
+
 class Raycost:
     """The program, a process for each rendering."""
 
-    def __init__(self, program, cost, folder, setting):
-        self.scene, self.out = folder / f"{cost}.yaml", folder / cost
-        self.scene.write_text(setting.yaml())
-        options = ["--cost", cost, "--repeats=1", "--threads", str(N_THREADS), "--quiet"]
+    # The folder of the output in `out`.
+    frame = "."
+
+    def __init__(self, program, folder, setting, *options):
+        self.scene, self.out = folder / "scene.yaml", folder / "_".join([type(self).__name__, *options])
+        self.text = setting.yaml()
+        options = ["--repeats=1", f"--threads={N_THREADS}", "--quiet", *options]
         self.command = [program, "render", self.scene, *options, "--out", self.out]
 
     def render_ms(self):
         """Wall time and CPU time."""
+        self.scene.write_text(self.text)
         subprocess.run(self.command, check=True)
-        stages = json.loads((self.out / "summary.json").read_text())["stages"]
+        stages = json.loads((self.out / self.frame / "summary.json").read_text())["stages"]
         render = next(stage for stage in stages if stage["name"] == "render")
         return render["wall_ms"], render["cpu_ms"]
 
     def lit(self):
-        return np.asarray(Image.open(self.out / "image.png").convert("RGB")).max(axis=2) > 5
+        image = Image.open(self.out / self.frame / "image.png")
+        return np.asarray(image.convert("RGB")).max(axis=2) > 5
+
+
+class ThirdFrame(Raycost):
+    """The same picture as the last one of an animation's three."""
+
+    frame = "frames/0002"
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        keyframes = f"camera.look_at.fov_y_deg: [{{ frame: 0, value: {FOV_Y_DEG} }}]"
+        self.text += f"animation:\n  frames: 3\n  keyframes:\n    {keyframes}\n"
+
+    def render_ms(self):
+        # Complete frames are not rendered again.
+        shutil.rmtree(self.out, ignore_errors=True)
+        return super().render_ms()
 
 
 def race(racers, n_rounds):
@@ -172,7 +234,13 @@ def main():
         peers |= {PEER: "llvm_ad_rgb"}
         costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "time", "single_ray_time"]}
         program = options.raycost.resolve()
-        racers = {name: Raycost(program, cost, folder, setting) for name, cost in costs.items()}
+        racers = {name: Raycost(program, folder, setting, f"--cost={cost}") for name, cost in costs.items()}
+        racers["raycost, counters, third frame"] = ThirdFrame(program, folder, setting, "--cost=counters")
+        bases = {}
+        if "avx512f" in pathlib.Path("/proc/cpuinfo").read_text():
+            racers[OF_AVX2] = Raycost(program, folder, setting, "--cost=counters", "--simd=avx2")
+            racers[PEER_OF_AVX2] = MitsubaAvx2(setting)
+            bases[OF_AVX2] = PEER_OF_AVX2
         racers |= {name: Mitsuba(variant, setting) for name, variant in peers.items()}
         times = race(racers, options.rounds)
         lit = [racer.lit() for racer in racers.values()]
@@ -187,6 +255,7 @@ def main():
     if options.json:
         walls = {name: [wall for wall, _ in pairs] for name, pairs in times.items()}
         setup = {"mitsuba": racers[PEER].mitsuba.__version__, "mesh": setting.mesh.stem, "threads": N_THREADS}
+        setup |= {"bases": bases}
         setup |= {"width": WIDTH, "height": HEIGHT, "samples": SAMPLES}
         options.json.write_text(json.dumps({**setup, "times_ms": walls}))
     elsewhere = max(np.mean(lit[0] != other) for other in lit)
