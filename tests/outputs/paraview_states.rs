@@ -175,6 +175,14 @@ fn noise_and_efficiency_are_shown_if_files_have_no_other_cost() {
 
 #[test]
 #[ignore = "needs ParaView: run tests/with-paraview"]
+fn idle_lanes_are_shown_beside_the_cost() {
+    let scene = in_repository("configs/glass.yaml");
+    let out = render(&scene, "lanes", &[&SMALL[..], &["--also=lanes"]].concat());
+    load_own(&out, &[("heatmap", "time_ns,idle_lanes")]);
+}
+
+#[test]
+#[ignore = "needs ParaView: run tests/with-paraview"]
 fn a_state_without_measured_cost_shows_the_distance() {
     let scene = in_repository("configs/seed_extended.yaml");
     let out = render(&scene, "no cost", &[&SMALL[..], &["--no-cost"]].concat());

@@ -29,7 +29,9 @@ impl TileWriter {
     pub(super) fn create(path: &Path, header: &Header) -> io::Result<Self> {
         // Not truncated before it is locked: another run may be writing it.
         let mut options = OpenOptions::new();
-        let (file, lock) = open_locked(options.create(true).truncate(false), path)?;
+        options.write(true).create(true).truncate(false);
+        let file = files::open_to_change(&mut options, path)?;
+        let lock = lock(&file)?;
         file.set_len(0)?;
         let mut this = Self::new(file, lock, [0, MAGIC.len() as u64]);
         this.file.write_all(MAGIC)?;
@@ -41,7 +43,8 @@ impl TileWriter {
 
     /// Continues after the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
-        let (mut file, lock) = open_locked(&mut OpenOptions::new(), &found.path)?;
+        let mut file = files::open_to_change(OpenOptions::new().write(true), &found.path)?;
+        let lock = lock(&file)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;
         Ok(Self::new(file, lock, [found.n_blocks, found.n_bytes]))
@@ -108,10 +111,8 @@ impl TileWriter {
     }
 }
 
-/// Opens a file to write and locks it.
-fn open_locked(options: &mut OpenOptions, path: &Path) -> io::Result<(File, Lock)> {
-    let file = files::open_to_change(options.write(true), path)?;
+/// Locks a file.
+fn lock(file: &File) -> io::Result<Lock> {
     let lock = Lock::take(file.try_clone()?)?;
-    let lock = lock.ok_or_else(|| io::Error::other("another run is writing it"))?;
-    Ok((file, lock))
+    lock.ok_or_else(|| io::Error::other("another run is writing it"))
 }

@@ -176,14 +176,17 @@ impl Film {
     }
 
     /// Returns the metrics that are shown of the film's VTK files, two if they have two; metrics
-    /// that are not zero come first.
+    /// that are not zero come first, and idle lanes second.
     pub fn metrics_in_files(&self) -> [Option<Metric>; 2] {
         let is_in_files = |metric: &Metric| self.columns().any(|column| column.name == metric.name);
         let in_files = || Metric::with_own(self.extra.metrics).filter(is_in_files);
         let counted = in_files().filter(|&metric| self.has_any(metric));
         let zero = in_files().filter(|&metric| !self.has_any(metric));
         let mut metrics = counted.chain(zero);
-        [metrics.next(), metrics.next()]
+        let first = metrics.next();
+        let lanes = in_files().filter(|&metric| metric == Metric::IDLE_LANES);
+        let second = lanes.chain(metrics).find(|&metric| Some(metric) != first);
+        [first, second]
     }
 
     /// Returns true if a metric is not zero in the whole picture.

@@ -490,7 +490,10 @@ impl Results {
     fn mitsuba_causes(&self) -> Option<String> {
         let [avx2, later] = ["AVX2", "third frame"]
             .map(|with| self.mitsuba_ratio(&format!("raycost, counters, {with}")));
-        let later = format!("{} in the third frame of an animation, whose memory is mapped", later?);
+        let later = format!(
+            "{} in the third frame of an animation, whose memory is mapped",
+            later?
+        );
         Some(match avx2 {
             Some(avx2) => format!("{avx2} with AVX2 on both sides, {later}"),
             None => later,
