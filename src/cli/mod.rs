@@ -4,6 +4,7 @@ mod budget;
 mod charges;
 mod check;
 mod completions;
+mod device;
 mod diff;
 mod failure;
 mod hints;

@@ -31,9 +31,9 @@ const N_OUT: usize = 5;
 
 impl Device {
     /// Copies a scene to the device's memory; where all of its formulas can be recorded, the device
-    /// will follow whole paths, else it traces rays. If the device fails later, the rays of the scene
-    /// stay without hits, `cancellation` stops the work, and [`DeviceScene::check`] returns the
-    /// reason.
+    /// will follow whole paths, else it traces rays. Its program counts steps and rays if `counts`; else
+    /// all counters are 0. If the device fails later, the rays of the scene stay without hits,
+    /// `cancellation` stops the work, and [`DeviceScene::check`] returns the reason.
     ///
     /// # Errors
     /// The scene is too large, the device has not enough memory, or it fails.
@@ -41,6 +41,7 @@ impl Device {
         &self,
         accel: &Accel,
         formulas: &PathFormulas,
+        counts: bool,
         cancellation: &Cancellation,
     ) -> Result<DeviceScene<'_>, DeviceError> {
         let arrays = SceneArrays::new(accel).map_err(|part| {
@@ -64,7 +65,7 @@ impl Device {
             ))));
         }
         let functions = paths.as_ref().ok().map(|paths| &paths.text[..]);
-        let text = program::text(arrays.world_levels, arrays.mesh_levels, functions);
+        let text = program::text(arrays.world_levels, arrays.mesh_levels, functions, counts);
         let program = self.program(text);
         let loaded = program.and_then(|program| program.load(&all));
         Ok(DeviceScene {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use math::simd::{Arithmetic, Real, Vector};
+use math::simd::{Real, Vector};
 use tracer::accel::SlabSetup;
 use world::geometry::{
     Areas, Capsule, Cone, Cuboid, Disk, N_PARAMETERS, Plane, RayTest, ShapeKind, Sphere,
@@ -15,10 +15,10 @@ use crate::tape::{Program, Register, Tape};
 /// Returns the functions of all formulas.
 pub(crate) fn functions() -> String {
     let mut text = String::new();
-    text += &function("prepared", &prepared());
-    text += &function("box_span", &box_span());
-    text += &function("triangle_test", &triangle_test());
-    text += &function("sphere_test", &sphere_test());
+    text += &function("prepared", &recorded(|numbers| prepared(numbers)));
+    text += &function("box_span", &recorded(|numbers| box_span(numbers)));
+    text += &function("triangle_test", &recorded(|numbers| triangle_test(numbers)));
+    text += &function("sphere_test", &recorded(|numbers| sphere_test(numbers)));
     // Shapes by their kind.
     let mut cases = String::new();
     for (number, &kind) in ShapeKind::ALL.iter().enumerate() {
@@ -49,12 +49,24 @@ pub(crate) fn number<R: Real>(like: R, mask: R::Mask) -> R {
     R::select(mask, like.splat(1.0), like.splat(0.0))
 }
 
+/// Records a formula of `N` numbers.
+fn recorded<const N: usize>(
+    formula: impl for<'t> Fn([Register<'t>; N]) -> Vec<Register<'t>>,
+) -> Program {
+    let tape = Tape::default();
+    tape.program(&formula(tape.inputs(0)))
+}
+
+/// Returns the vectors that start at these numbers.
+fn vectors_at<R: Copy, const N: usize>(numbers: &[R], first: [usize; N]) -> [Vector<R>; N] {
+    first.map(|first| vector([0, 1, 2].map(|i| numbers[first + i])))
+}
+
 /// Origin, direction, largest coordinate of the boxes → the set-up of slabs, the origin with permuted
 /// axes, the shear, the squared length and its reciprocal, if y and if z is the dominant axis.
-fn prepared() -> Program {
-    let tape = Tape::default();
-    let [origin, direction] = [0, 3].map(|first| vector(tape.inputs(first)));
-    let [largest] = tape.inputs(6);
+fn prepared<R: Real>(numbers: [R; 7]) -> Vec<R> {
+    let [origin, direction] = vectors_at(&numbers, [0, 3]);
+    let largest = numbers[6];
     let slabs = SlabSetup::new(origin, direction, largest);
     let axis = dominant_axis(direction);
     let vectors = [
@@ -67,47 +79,41 @@ fn prepared() -> Program {
     let (squared, inverse) = squared_length(direction);
     let is = [axis.0, axis.1].map(|mask| number(largest, mask));
     let vectors = vectors.into_iter().flat_map(coordinates);
-    let results: Vec<_> = vectors.chain([squared, inverse]).chain(is).collect();
-    tape.program(&results)
+    vectors.chain([squared, inverse]).chain(is).collect()
 }
 
 /// Near planes, far planes, the set-up of slabs, limit → where a ray enters a box and leaves it.
-fn box_span() -> Program {
-    let tape = Tape::default();
+fn box_span<R: Real>(numbers: [R; 16]) -> Vec<R> {
     let [near, far, inverse_direction, origin_of_near, origin_of_far] =
-        [0, 3, 6, 9, 12].map(|first| vector(tape.inputs(first)));
-    let [limit] = tape.inputs(15);
+        vectors_at(&numbers, [0, 3, 6, 9, 12]);
     let slabs = SlabSetup {
         inverse_direction,
         origin_of_near,
         origin_of_far,
     };
-    let (enter, exit) = slabs.span(near, far, limit);
-    tape.program(&[enter, exit])
+    let (enter, exit) = slabs.span(near, far, numbers[15]);
+    vec![enter, exit]
 }
 
 /// Vertices, origin and shear, all with permuted axes → the parameter of the hit, if there is one,
 /// if that is unsure, and the sheared vertices.
-fn triangle_test() -> Program {
-    let tape = Tape::default();
-    let [a, b, c, origin, shear] = [0, 3, 6, 9, 12].map(|first| vector(tape.inputs(first)));
+fn triangle_test<R: Real>(numbers: [R; 15]) -> Vec<R> {
+    let [a, b, c, origin, shear] = vectors_at(&numbers, [0, 3, 6, 9, 12]);
     let vertices = [a, b, c].map(|vertex| sheared(vertex - origin, shear));
     let test = Areas::new(&vertices).test(shear.z);
     let is = [test.hits, test.is_unsure].map(|mask| number(shear.z, mask));
     let vertices = vertices.into_iter().flat_map(coordinates);
-    let results: Vec<_> = [test.t].into_iter().chain(is).chain(vertices).collect();
-    tape.program(&results)
+    [test.t].into_iter().chain(is).chain(vertices).collect()
 }
 
 /// Center, squared radius, origin, direction, its squared length and the reciprocal → the parameter
 /// of the hit, or 0.
-fn sphere_test() -> Program {
-    let tape = Tape::default();
-    let [center, origin, direction] = [0, 4, 7].map(|first| vector(tape.inputs(first)));
-    let ([r2], [a, inverse_a]) = (tape.inputs(3), tape.inputs(10));
-    let equation = SphereEquation::new(center - origin, r2, direction, (a, inverse_a));
-    let t = Register::select(equation.hits(), equation.first(), r2.splat(0.0));
-    tape.program(&[t])
+fn sphere_test<R: Real>(numbers: [R; 12]) -> Vec<R> {
+    let [center, origin, direction] = vectors_at(&numbers, [0, 4, 7]);
+    let lengths = (numbers[10], numbers[11]);
+    let equation = SphereEquation::new(center - origin, numbers[3], direction, lengths);
+    let none = numbers[3].splat(0.0);
+    vec![R::select(equation.hits(), equation.first(), none)]
 }
 
 /// Parameters, origin, direction → the parameter of the hit on a kind of shape; not a positive
@@ -115,18 +121,14 @@ fn sphere_test() -> Program {
 /// `traversal.cl`.
 fn shape_test(kind: ShapeKind) -> Option<Program> {
     let tape = Tape::default();
-    let parameters: [_; N_PARAMETERS] = tape.inputs(0);
-    let vectors = [0, 3].map(|first| vector(tape.inputs(N_PARAMETERS + first)));
-    let t = hits(kind, &parameters, vectors)?;
+    let t = hits(kind, tape.inputs(0))?;
     Some(tape.program(&[t]))
 }
 
-/// Returns the parameter of the hit of a ray, given its origin and direction.
-fn hits<R: Real>(
-    kind: ShapeKind,
-    parameters: &[R; N_PARAMETERS],
-    [origin, direction]: [Vector<R>; 2],
-) -> Option<R> {
+/// Returns the parameter of the hit, given the shape's parameters and the ray's origin and direction.
+fn hits<R: Real>(kind: ShapeKind, numbers: [R; N_PARAMETERS + 6]) -> Option<R> {
+    let [origin, direction] = vectors_at(&numbers, [N_PARAMETERS, N_PARAMETERS + 3]);
+    let parameters = numbers.first_chunk()?;
     let hits = match kind {
         ShapeKind::Sphere => Sphere::hits,
         ShapeKind::Plane => Plane::hits,
@@ -143,25 +145,36 @@ fn hits<R: Real>(
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use proptest::test_runner::TestCaseResult;
+
+    /// The slow twin of a recorded formula is the formula for single numbers.
+    fn same(program: &Program, input: &[f32], expected: &[f32]) -> TestCaseResult {
+        let found = program.evaluate([input, &[], &[]]);
+        let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+        let are_same = found.len() == expected.len() && found.iter().zip(expected).all(is_same);
+        prop_assert!(are_same, "{found:?} is not {expected:?} for {input:?}");
+        Ok(())
+    }
 
     proptest! {
-        /// The slow twin of a recorded program is its formula for single numbers.
         #[test]
         fn programs_compute_what_their_formulas_compute(
-            input in prop::array::uniform15(-2.0_f32..2.0),
+            input in prop::array::uniform16(-2.0_f32..2.0),
             scale in prop::sample::select(&[1.0_f32, 1e-20, 1e20, 0.0][..]),
         ) {
             let input = input.map(|number| if number < -1.5 { scale * number } else { number });
-            let [a, b, c, d, e, f, g, h, i, ox, oy, oz, dx, dy, dz] = input;
-            let parameters = [a, b, c, d, e, f, g, h, i];
-            let (x, y) = ([ox, oy, oz], [dx, dy, dz]);
-            let vectors = [x, y].map(|[x, y, z]| Vector { x, y, z });
+            macro_rules! check {
+                ($($formula:ident),*) => {$(
+                    let numbers = *input.first_chunk().unwrap();
+                    same(&recorded(|numbers| $formula(numbers)), &input, &$formula(numbers))?;
+                )*};
+            }
+            check!(prepared, box_span, triangle_test, sphere_test);
             for &kind in ShapeKind::ALL {
-                let Some(program) = shape_test(kind) else { continue };
-                let expected = hits(kind, &parameters, vectors).unwrap();
-                let found = program.evaluate([&input, &[], &[]])[0];
-                let is_same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
-                prop_assert!(is_same, "{kind:?}: {found} is not {expected} for {input:?}");
+                if let Some(program) = shape_test(kind) {
+                    let expected = hits(kind, *input.first_chunk().unwrap()).unwrap();
+                    same(&program, &input, &[expected])?;
+                }
             }
         }
     }

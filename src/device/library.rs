@@ -91,8 +91,8 @@ pub(crate) trait LaunchQueue: Send {
     /// Runs a kernel for `n` items, at least one: its arguments are its arrays, the input, the
     /// output and `n`. Returns the nanoseconds that it took on the device.
     ///
-    /// After an error, the device may still write to the queue's memory and to the output: neither
-    /// must be dropped.
+    /// After an error, the device may still read the input, and write to the queue's memory and to the
+    /// output: none of them must be dropped.
     fn launch(
         &mut self,
         kernel: Kernel,

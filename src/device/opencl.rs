@@ -205,11 +205,11 @@ impl LaunchQueue for OpenClQueue {
             }
         }
         // SAFETY: the kernels' parameters are such arrays in this order, the buffers are large enough,
-        // and input and output outlive the commands, for which `wait` waits; a device that hangs gets
-        // memory that is never freed.
+        // and input and output outlive the commands, which do not block and for which `wait` waits; a
+        // device that hangs gets memory that is never freed.
         unsafe {
             self.queue
-                .enqueue_write_buffer(&mut self.input, 1, 0, input, &[])?;
+                .enqueue_write_buffer(&mut self.input, 0, 0, input, &[])?;
             let mut launch = ExecuteKernel::new(&self.kernels[index].1);
             for array in &arrays[..kernel.n_arrays] {
                 launch.set_arg(array);
@@ -220,17 +220,20 @@ impl LaunchQueue for OpenClQueue {
                 .set_arg(&(n as u32));
             launch.set_global_work_size(n.next_multiple_of(GROUP));
             launch.set_local_work_size(GROUP);
-            let done = launch.enqueue_nd_range(&self.queue)?;
+            let launched = launch.enqueue_nd_range(&self.queue)?;
+            let done =
+                self.queue
+                    .enqueue_read_buffer(&self.output, 0, 0, output, &[launched.get()])?;
             self.queue.flush()?;
-            wait(|| match done.command_execution_status()?.0 {
-                failure @ ..0 => Err(ClError(failure).into()),
-                status => Ok(status == CL_COMPLETE),
-            })?;
-            self.queue
-                .enqueue_read_buffer(&self.output, 1, 0, output, &[])?;
+            for event in [&launched, &done] {
+                wait(|| match event.command_execution_status()?.0 {
+                    failure @ ..0 => Err(ClError(failure).into()),
+                    status => Ok(status == CL_COMPLETE),
+                })?;
+            }
             let [begin, end] = [
-                done.profiling_command_start()?,
-                done.profiling_command_end()?,
+                launched.profiling_command_start()?,
+                launched.profiling_command_end()?,
             ];
             Ok(end.saturating_sub(begin) as f64)
         }

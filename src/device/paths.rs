@@ -19,7 +19,7 @@ pub(crate) const N_START: usize = 8 + N_MEDIA;
 /// Places for the media of a path.
 const N_MEDIA: usize = 4;
 /// Numbers of an instance.
-const N_PLACE: usize = 23;
+pub(crate) const N_PLACE: usize = 23;
 
 /// What a device needs to follow the paths of a scene.
 pub(crate) struct RecordedPaths {

@@ -7,17 +7,23 @@ use crate::library::{DeviceFault, LibraryDevice};
 use crate::program::Kernel;
 
 /// Number of triples of numbers.
-const N_TRIPLES: usize = 1 << 19;
-/// Results of a triple, and their names.
-const RESULTS: [&str; 8] = [
+const N_TRIPLES: usize = 1 << 20;
+/// The names of the results of a triple.
+const RESULTS: [&str; 14] = [
     "x / y",
     "sqrt(x)",
     "x * y + z",
     "x * y - z",
     "x * y + z in double precision",
+    "x * y - z in double precision",
     "x * y / z in double precision",
+    "x * y in double precision, rounded",
     "comparisons of x and y",
-    "x + y",
+    "floor(x)",
+    "trunc(x * y) in double precision",
+    "x as an integer",
+    "the bits of x, an integer, as a float",
+    "sqrt(x * y) in double precision",
 ];
 
 /// Returns the first result that the device computes differently, as text; `None` if all agree.
@@ -25,21 +31,22 @@ pub(crate) fn refute(device: &dyn LibraryDevice) -> Result<Option<String>, Devic
     let input: Vec<u32> = (0..3 * N_TRIPLES as u64).map(number).collect();
     let output = vec![0; RESULTS.len() * N_TRIPLES];
     let program = device.compile(include_str!("program/arithmetic.cl"))?;
-    // After an error, both stay.
-    let mut held = ManuallyDrop::new((program.load(&[])?.queue()?, output));
-    let (queue, output) = &mut *held;
-    queue.launch(Kernel::ARITHMETIC, &input, output, N_TRIPLES)?;
-    let (_, output) = ManuallyDrop::into_inner(held);
-    let (triples, results_of_all) = (input.as_chunks::<3>().0, output.as_chunks::<8>().0);
+    // After an error, all stay.
+    let mut held = ManuallyDrop::new((program.load(&[])?.queue()?, input, output));
+    let (queue, input, output) = &mut *held;
+    queue.launch(Kernel::ARITHMETIC, input, output, N_TRIPLES)?;
+    let (_, input, output) = ManuallyDrop::into_inner(held);
+    let (triples, results_of_all) = (
+        input.as_chunks::<3>().0,
+        output.as_chunks::<{ RESULTS.len() }>().0,
+    );
     for (triple, found) in triples.iter().zip(results_of_all) {
         let [x, y, z] = triple.map(f32::from_bits);
         for ((name, expected), &found) in RESULTS.iter().zip(results(x, y, z)).zip(found) {
-            if !is_same(expected, found) {
-                let found = f32::from_bits(found);
+            if expected != found {
                 return Ok(Some(format!(
-                    "it computes {name} as {found:e} for x = {x:e}, y = {y:e}, z = {z:e}, where IEEE 754 \
-                     gives {:e}",
-                    f32::from_bits(expected)
+                    "it computes {name} as {found:#010x} for x = {x:e}, y = {y:e}, z = {z:e}, where IEEE 754 \
+                     gives {expected:#010x}"
                 )));
             }
         }
@@ -47,25 +54,41 @@ pub(crate) fn refute(device: &dyn LibraryDevice) -> Result<Option<String>, Devic
     Ok(None)
 }
 
-/// The bits of a NaN may differ.
-fn is_same(expected: u32, found: u32) -> bool {
-    expected == found || f32::from_bits(expected).is_nan() && f32::from_bits(found).is_nan()
+/// Returns the processor's results.
+fn results(x: f32, y: f32, z: f32) -> [u32; RESULTS.len()] {
+    let (product, wide) = (f64::from(x) * f64::from(y), f64::from(z));
+    let is_small = (-2_147_483_648.0..2_147_483_648.0).contains(&x);
+    [
+        bits(x / y),
+        bits(x.sqrt()),
+        bits(x * y + z),
+        bits(x * y - z),
+        folded(product + wide),
+        folded(product - wide),
+        folded(product / wide),
+        bits(product as f32),
+        u32::from(x < y) | u32::from(x <= y) << 1 | u32::from(x > y) << 2,
+        bits(x.floor()),
+        folded(product.trunc()),
+        if is_small { x as i32 as u32 } else { 0 },
+        bits(x.to_bits() as i32 as f32),
+        folded(product.sqrt()),
+    ]
 }
 
-/// Returns the processor's results.
-fn results(x: f32, y: f32, z: f32) -> [u32; 8] {
-    let product = f64::from(x) * f64::from(y);
-    let comparisons = u32::from(x < y) | u32::from(x <= y) << 1 | u32::from(x > y) << 2;
-    [
-        (x / y).to_bits(),
-        x.sqrt().to_bits(),
-        (x * y + z).to_bits(),
-        (x * y - z).to_bits(),
-        ((product + f64::from(z)) as f32).to_bits(),
-        ((product / f64::from(z)) as f32).to_bits(),
-        comparisons,
-        (x + y).to_bits(),
-    ]
+/// Returns the bits of a number; 0 for NaN, whose bits may differ.
+fn bits(x: f32) -> u32 {
+    if x.is_nan() { 0 } else { x.to_bits() }
+}
+
+/// Returns the halves of a number's bits as one word; 0 for NaN.
+fn folded(x: f64) -> u32 {
+    let bits = x.to_bits();
+    if x.is_nan() {
+        0
+    } else {
+        bits as u32 ^ (bits >> 32) as u32
+    }
 }
 
 /// Returns the bits of number `i` of a sequence: every other one of any bits, with all exponents,

@@ -286,6 +286,7 @@ pub(crate) mod tests {
     use world::scene::Scene;
 
     use super::*;
+    use crate::paths::N_PLACE;
 
     /// Returns a scene of surfaces whose formulas look nothing up.
     fn scene(model: &str) -> Scene {
@@ -295,22 +296,50 @@ pub(crate) mod tests {
         } else {
             ", two_sided: false, emission: 2, opacity: 0.4"
         };
+        let of_glass = match model {
+            "seed" => "color: [0.8, 1, 0.9], specular: 0.6, exponent: 90",
+            _ => "dielectric: { index: 1.5, absorption: [0, 0.1, 0.5] }",
+        };
+        let (of_frosted, sampling) = match model {
+            "path" => (
+                "principled: { metallic: 0.2, roughness: 0.3, transmission: 0.5, index: 1.45 }, multiple_scattering: false",
+                ", light_sampling: each",
+            ),
+            _ => ("diffuse: 0.3, reflection: 0.5", ""),
+        };
+        let octahedron = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../tests/device/octahedron.obj"
+        );
         let text = format!(
-            "shading: {{ model: {model} }}
+            "shading: {{ model: {model}{sampling} }}
 materials:
   checker: {{ color: {{ checker: {{ even: 1, odd: 0.2, size: 0.4 }} }} }}
   glossy: {{ color: [0.2, 0.5, 0.3], diffuse: 0.5, specular: 0.3, exponent: 40, reflection: 0.2, multiple_scattering: false }}
   mirror: {{ conductor: gold }}
   metal: {{ conductor: copper, roughness: {roughness}, multiple_scattering: false }}
   card: {{ color: 0.6{of_card} }}
+  glass: {{ {of_glass} }}
+  frosted: {{ color: [1, 0.9, 0.8], {of_frosted} }}
 lights:
   - point: {{ position: [2, 3, 4], intensity: 9, falloff: inverse_square }}
+  - spot: {{ position: [0, 5, 0], target: [0, 0, 1], angle_deg: 40, soft_edge: 0.2, intensity: 20, falloff: inverse }}
+  - directional: {{ direction: [-1, -2, 1], color: [2, 2, 2] }}
 objects:
   - {{ plane: {{ point: [0, -1, 0], normal: [0, 1, 0] }}, material: checker }}
   - {{ sphere: {{ center: [0, 0, 0], radius: 0.5 }}, material: glossy }}
   - {{ sphere: {{ center: [1, 0, 0], radius: 0.5 }}, transform: [{{ scale: [1, 2, 1] }}, {{ rotate: {{ axis: [1, 2, 0], angle_deg: 20 }} }}], material: metal }}
   - {{ box: {{ min: [1, 1, 1], max: [2, 2, 2] }}, material: mirror }}
   - {{ disk: {{ center: [-1, 0, 0], normal: [1, 2, 3], radius: 0.6 }}, material: card }}
+  - {{ rectangle: {{ corner: [-1, 4, -1], edges: [[2, 0, 0], [0, 0, 2]] }}, material: glass }}
+  - {{ cylinder: {{ ends: [[0, 0, 2], [0, 3, 2]], radius: 0.2 }}, material: frosted }}
+  - {{ cone: {{ ends: [[0, 3, 2], [0, 4, 2]], radius: [0.4, 0.1] }}, material: glossy }}
+  - {{ capsule: {{ ends: [[1, 0, 2], [2, 0, 2]], radius: [0.2, 0.1] }}, material: glass }}
+  - {{ triangle: {{ vertices: [[-1, 0, 2], [1, 0, 2], [0, 1, 2]] }}, material: metal }}
+  - instances:
+      mesh: {{ file: {octahedron}, normals: smooth }}
+      places: [[{{ scale: [-1, 1, 0.5] }}, {{ rotate: {{ axis: [0, 1, 0], angle_deg: 30 }} }}, {{ translate: [2, 0, 0] }}]]
+    material: glossy
 "
         );
         built(&text)
@@ -353,24 +382,35 @@ camera: { look_at: { eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 } }
             }
             let scene = scene(model);
             let formulas = &Shader::new(&scene, Sampler::new(PixelPattern::Sobol, 1, 7)).formulas(None);
+            let mut places = Vec::new();
+            formulas.push_instances(&mut places);
+            places.resize(places.len().max(N_PLACE), 0.0);
             for primitive in 0..formulas.n_primitives() {
-                let kind = formulas.kind(primitive).unwrap();
+                // The box of instances is no surface.
+                let Some(kind) = formulas.kind(primitive) else { continue };
                 let mut data = Vec::new();
                 formulas.push_data(kind, primitive, &mut data);
-                let numbers: [&dyn Fn(u32) -> f32; 2] = [&|i| data[i as usize], &|_| 0.0];
+                let numbers: [&dyn Fn(u32) -> f32; 2] = [&|i| data[i as usize], &|i| places[i as usize]];
                 let plain = PathStep { formulas, state, numbers };
                 macro_rules! check {
                     ($step:ident.$method:ident($($of:expr),*)) => {
                         let tape = Tape::default();
                         let program = record(formulas, &tape, |$step| $step.$method($($of),*));
                         prop_assert_eq!(tape.refusal(), None);
-                        let found = program.evaluate([&state, &data, &[]]);
+                        let found = program.evaluate([&state, &data, &places]);
                         let expected = plain.$method($($of),*);
-                        prop_assert!(is_same(&found, &expected), "{} of {:?}", stringify!($method), kind);
+                        prop_assert!(
+                            is_same(&found, &expected),
+                            "{} of {kind:?}: {found:?} is not {expected:?}",
+                            stringify!($method),
+                        );
                     };
                 }
                 check!(step.point(kind));
-                check!(step.light(0));
+                check!(step.own_light(kind));
+                for light in 0..formulas.rules().n_lights {
+                    check!(step.light(light));
+                }
                 check!(step.shadow(kind));
                 check!(step.reflected(kind));
                 check!(step.next(kind, false));

@@ -39,6 +39,7 @@ impl Session {
         if device.is_some() {
             stages.end("load");
         }
+        let of_processor = accel.clone();
         let accel = &accel.with_device(device.as_ref().map(|scene| scene as _));
         // Make the meter, which calibrates the clock.
         let (config, scene) = (&self.config, &self.scene);
@@ -47,8 +48,8 @@ impl Session {
         if meter.clock().is_some() {
             stages.end("calibrate");
         }
-        // Plan the tiles and their order.
-        let mut plan = scope.plan(tracer, config);
+        // Plan the tiles and their order, on the processor: a device may not count.
+        let mut plan = scope.plan(Tracer::new(scene, &of_processor), config);
         if options.estimates_work {
             plan = estimate_times(plan, tracer, &meter);
         }
@@ -132,11 +133,9 @@ impl Session {
         }
         let sensor = Sensor::new(&self.scene, &self.config);
         let view = View::new(Tracer::new(&self.scene, accel), &sensor);
-        Ok(Some(device.load(
-            accel,
-            &view.formulas(),
-            &options.cancellation,
-        )?))
+        let counts = self.config.cost.has_counters() || options.estimates_work;
+        let (formulas, cancellation) = (&view.formulas(), &options.cancellation);
+        Ok(Some(device.load(accel, formulas, counts, cancellation)?))
     }
 
     /// Returns the acceleration structure, reusing an existing one, or else building it or

@@ -1,6 +1,7 @@
 /* A driver with a fault, named by FAULT: it stands before libOpenCL and passes on what it does not change.
      lies    adds in another way than IEEE 754: one bit of what is read back is flipped
      memory  has memory for arrays of up to 64 KiB
+     buffers has memory for input and output of up to 16 KiB after its first launch
      lost    is lost at the 20th launch
      hangs   never finishes the 20th launch */
 #define _GNU_SOURCE
@@ -31,14 +32,16 @@ int clEnqueueNDRangeKernel(void *queue, void *kernel, unsigned n, const size_t *
 int clEnqueueReadBuffer(void *queue, void *buffer, unsigned blocks, size_t offset, size_t size, void *to,
                         unsigned n_events, void *events, void *event) {
   Read next = (Read)dlsym(RTLD_NEXT, "clEnqueueReadBuffer");
-  int error = next(queue, buffer, blocks, offset, size, to, n_events, events, event);
+  int error = next(queue, buffer, 1, offset, size, to, n_events, events, event);
   if (is("lies")) ((unsigned char *)to)[size / 2] ^= 1;
   return error;
 }
 
 void *clCreateBuffer(void *context, unsigned long flags, size_t size, void *from, int *error) {
-  if (is("memory") && (flags & 32) && size > 1 << 16) { /* CL_MEM_COPY_HOST_PTR */
-    *error = -4;                                        /* CL_MEM_OBJECT_ALLOCATION_FAILURE */
+  int is_full = flags & 32 ? is("memory") && size > 1 << 16 /* CL_MEM_COPY_HOST_PTR */
+                           : is("buffers") && size > 1 << 14 && n_launches > 0;
+  if (is_full) {
+    *error = -4; /* CL_MEM_OBJECT_ALLOCATION_FAILURE */
     return NULL;
   }
   Create next = (Create)dlsym(RTLD_NEXT, "clCreateBuffer");

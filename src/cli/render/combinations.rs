@@ -2,6 +2,7 @@
 
 use super::RenderArguments;
 use host::text::Diagnostic;
+use scene::config::Traversal;
 
 impl RenderArguments {
     /// Checks the flags, before the scene is read.
@@ -13,9 +14,10 @@ impl RenderArguments {
         let to_merge = "give it to `raycost merge`, which writes the files";
         let part = ("part", self.part.is_some());
         let counters = ("hardware-counters", self.hardware_counters);
-        let traversal = ("traversal", self.traversal.is_some());
+        let single = self.traversal == Some(Traversal::Single);
+        let traversal = ("traversal single", single);
         let device = ("device", self.device.is_some());
-        let at_once = "a device traces all rays of a wave at once: leave `--traversal` out";
+        let at_once = "a device traces all rays of a wave at once: leave `--traversal single` out";
         let pairs = [
             (device, traversal, at_once),
             (part, ("profile", self.profile), no_files),

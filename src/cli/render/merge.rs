@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::RenderArguments;
-use super::device::{DeviceChoice, parse_device};
 use super::run_arguments::RunArguments;
+use crate::cli::device::{DeviceChoice, parse_device};
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, refuse_file, shown};
 use crate::job::{Tiles, read_parts};

@@ -1,7 +1,6 @@
 //! `raycost render`: flags → a [`Job`] → lines about it.
 
 mod combinations;
-mod device;
 mod merge;
 mod picture_file;
 mod run_arguments;
@@ -11,11 +10,11 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
-use device::{DeviceChoice, parse_device};
 use picture_file::PictureFile;
 use run_arguments::RunArguments;
 use terminal::Terminal;
 
+use crate::cli::device::{DeviceChoice, parse_device};
 use crate::cli::progress::Bars;
 use crate::cli::scene::SceneArguments;
 use crate::cli::{Failure, keyword};
@@ -82,8 +81,8 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "HOW", value_parser = keyword::<Traversal>())]
     traversal: Option<Traversal>,
 
-    /// Render on another device, of `opencl` or `cuda`: `opencl:TEXT` is the first one whose name or
-    /// driver contains the text. Same picture, same counters
+    /// Render on another device than the `processor`, of `opencl` or `cuda`: `opencl:TEXT` is the first
+    /// one whose name or driver contains the text. Same picture, same counters
     #[arg(long, value_name = "DEVICE", value_parser = parse_device)]
     device: Option<DeviceChoice>,
 
@@ -167,7 +166,7 @@ impl RenderArguments {
                 pin: self.pin,
                 simd: self.simd,
                 traversal: self.traversal.unwrap_or_default(),
-                device: device.map(Arc::new),
+                device: device.flatten().map(Arc::new),
                 estimates_work: Bars::are_shown(self.run.quiet),
                 vtkhdf: self.run.format.is_some(),
                 ..Options::default()

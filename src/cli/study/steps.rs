@@ -2,6 +2,8 @@
 
 use super::intervals::{interval_of, shown_ms};
 use super::launcher::check_startable;
+use crate::cli::device::parse_device;
+use device::DeviceError;
 use host::text::one_line;
 use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 
@@ -17,7 +19,18 @@ pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutS
         cannot_start
             .map(|fault| fault.message)
             .or_else(|| step.lacks_instructions())
+            .or_else(|| why_not_on(step.device()?))
     })
+}
+
+/// Returns the reason why this machine cannot render on a device, if there is one.
+fn why_not_on(device: &str) -> Option<String> {
+    let choice = match parse_device(device) {
+        Ok(choice) => choice,
+        Err(expected) => return Some(expected),
+    };
+    let (DeviceError::Missing(why) | DeviceError::Failed(why)) = choice.open().err()?;
+    Some(why.message().to_owned())
 }
 
 /// Returns a table of the steps: time, speedups, and the work of a ray; and the steps left out.

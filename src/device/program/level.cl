@@ -6,7 +6,7 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
   GLOBAL const uint *level = world->levels + 5u * number;
   prepare(ray, FLOAT_OF(level[1]));
   /* The primitives outside the hierarchy. */
-  search->n_tests += level[3];
+  COUNT(search->n_tests, level[3]);
   for (uint i = 0; i < level[3]; i++) TEST(world->unbounded[level[2] + i]);
   if (level[4] == 0u || search->is_done) return;
 
@@ -24,7 +24,7 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
       /* At a leaf: test its primitives; an occlusion search may end here. */
       uint n = (current >> 2 & 7u) + 1u, kind = current & 3u;
       if (kind == 3u && (BITS_OF(line[0]) & CAPSULE_BIT)) kind = 4u;
-      search->n_tests += n;
+      COUNT(search->n_tests, n);
       for (uint i = 0; i < n; i++) {
         float in[15], out[1];
         uint id_row = 0u;
@@ -62,7 +62,7 @@ FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *s
       if (search->is_done) return;
     } else {
       /* At a node: test its children, push those that are entered, the nearest last. */
-      search->n_visits++;
+      COUNT(search->n_visits, 1u);
       uint entered = 0u;
       float enter[8];
       for (uint i = 0; i < 8u; i++) {

@@ -39,14 +39,21 @@ pub(crate) const INSTANCE: u32 = ShapeKind::ALL.len() as u32;
 
 /// Returns the program for hierarchies with this many levels of nodes, of the world and, with
 /// instances, of their meshes, without the prelude of a language; with the functions of whole paths,
-/// it follows them.
-pub(crate) fn text(world_levels: usize, mesh_levels: Option<usize>, paths: Option<&str>) -> String {
+/// it follows them. If it does not count, its counters are 0.
+pub(crate) fn text(
+    world_levels: usize,
+    mesh_levels: Option<usize>,
+    paths: Option<&str>,
+    counts: bool,
+) -> String {
     // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
     // the last one.
     let stack = |n_levels: usize| 7 * n_levels.next_multiple_of(LEVEL_STEP) + 9;
     let kind = |kind: ShapeKind| kind as u32;
+    let count = if counts { "n += by" } else { "(void)0" };
     let mut text = format!(
-        "#define NONE {NONE}u
+        "#define COUNT(n, by) {count}
+#define NONE {NONE}u
 #define END 3u
 #define ID_BIT {ID_BIT}u
 #define CAPSULE_BIT {CAPSULE_BIT}u

@@ -63,14 +63,16 @@ typedef struct {
 } Kept;
 
 /* Counts a ray at a bounce. */
-FUNCTION void count_ray(PathCost *cost, uint depth) { cost->bounces[depth < N_BOUNCES ? depth : N_BOUNCES - 1u]++; }
+FUNCTION void count_ray(PathCost *cost, uint depth) {
+  COUNT(cost->bounces[depth < N_BOUNCES ? depth : N_BOUNCES - 1u], 1u);
+}
 
 /* Searches for a ray, and counts its steps. */
 FUNCTION Search search_path(const Scene *scene, const float *origin, const float *direction, float limit, uint ignored,
                             int is_nearest, PathCost *cost) {
   Search search = answer(scene->world, origin, direction, limit, ignored, is_nearest);
-  cost->n_visits += search.n_visits;
-  cost->n_tests += search.n_tests;
+  COUNT(cost->n_visits, search.n_visits);
+  COUNT(cost->n_tests, search.n_tests);
   return search;
 }
 
@@ -129,7 +131,7 @@ FUNCTION int add_lights(const Scene *scene, Path *path, const Search *hit, const
     shadow(kind, s, data, place, tables, cast);
     if (cast[0] == 0.0f) continue;
     if (CASTS_SHADOWS) {
-      cost->n_shadows++;
+      COUNT(cost->n_shadows, 1u);
       count_ray(cost, path->depth);
       if (HAS_OPENINGS) {
         Search way = search_past(scene, cast + 1, s + LIGHT, cast[4], 1, cost, &share);
@@ -319,7 +321,7 @@ KERNEL void path(WORLD_ARRAYS, GLOBAL const uint *surfaces, GLOBAL const uint *a
     for (;;) {
       uint depth = path.depth;
       if (depth != 0u) {
-        cost.n_rays[path.kind]++;
+        COUNT(cost.n_rays[path.kind], 1u);
         count_ray(&cost, depth);
         if (depth > cost.depth) cost.depth = depth;
       }

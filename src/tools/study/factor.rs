@@ -92,6 +92,8 @@ factors! {
     Simd "simd": SimdSet => ["simd"];
     /// The way in which the rays of a wave are traced.
     Traversal "traversal": Traversal => ["traversal"];
+    /// What renders: `processor`, or `opencl` or `cuda`, these with `:` and a part of a name, if any.
+    Device "device": String => ["device"];
     /// The codec of the arrays in VTK files.
     Compress "compress": Codec => ["compress"];
 }

@@ -40,6 +40,11 @@ impl StudyStep {
         Some(simd.detect().err()?.message().to_owned())
     }
 
+    /// Returns the device that renders from this step on, if it sets one.
+    pub fn device(&self) -> Option<&str> {
+        self.set.level(FlagFactor::Device)?.as_str()
+    }
+
     /// Returns true if the step starts several processes.
     pub fn has_ranks(&self) -> bool {
         self.set.level(FlagFactor::Ranks).is_some()
