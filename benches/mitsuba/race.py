@@ -1,9 +1,9 @@
 """Times raycost's render stage and Mitsuba 3's rendering of the same rays in turn.
 
-    benches/mitsuba/run [MESH.obj] [--rounds N] [--raycost PROGRAM] [--scalar] [--json FILE]
+    benches/mitsuba/run [MESH.obj] [--rounds N] [--size WIDTH HEIGHT] [--samples N] [--raycost PROGRAM]
+        [--scalar] [--device DEVICE] [--json FILE]
 
-A mesh on a floor, one point light, shadow rays, 1600 x 1200 pixels, 4 samples each, two threads on
-both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
+A mesh on a floor, one point light, shadow rays, two threads on both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
 its scene do not count; raycost starts anew each time, or renders three frames, of which the last one, whose
 memory is mapped, counts. Where the processor has AVX-512, both also race with AVX2. Compares the fastest renderings; FILE gets the wall times of all rounds. The shading
 models differ in constants, the rays and their number do not: fails if lit pixels are elsewhere.
@@ -14,6 +14,7 @@ keeps it out of this repository.
 import argparse
 import contextlib
 import ctypes
+import importlib.metadata
 import json
 import multiprocessing
 import pathlib
@@ -26,10 +27,11 @@ import time
 import numpy as np
 from PIL import Image
 
-WIDTH, HEIGHT, SAMPLES, N_THREADS = 1600, 1200, 4, 2
+N_THREADS = 2
 FOV_Y_DEG = 40
 PEER = "Mitsuba llvm_ad_rgb"
 OF_AVX2, PEER_OF_AVX2 = "raycost, counters, AVX2", f"{PEER}, AVX2"
+COSTS = {f"raycost, {cost}": cost for cost in ["none", "counters", "time", "single_ray_time"]}
 GOALS = {"counters": 1.0, "time": 0.5, "single_ray_time": 0.5}
 # Share of all pixels: the patterns of samples differ, and with them the edges.
 MOST_ELSEWHERE = 0.02
@@ -39,7 +41,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 class Setting:
     """Where eye, light and floor are, from the box around the mesh."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh, size, samples):
+        self.size, self.samples = size, samples
         lines = (line.split() for line in mesh.read_text().splitlines())
         points = np.array([words[1:4] for words in lines if words and words[0] == "v"], dtype=float)
         low, high = points.min(axis=0), points.max(axis=0)
@@ -53,10 +56,11 @@ class Setting:
 
     def yaml(self):
         """raycost's scene."""
+        width, height = self.size
         corners = self.floor + self.floor_extent * np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]])
         a, b, c, d = (corner.tolist() for corner in corners)
         return f"""
-image: {{ width: {WIDTH}, height: {HEIGHT}, samples_per_pixel: {SAMPLES} }}
+image: {{ width: {width}, height: {height}, samples_per_pixel: {self.samples} }}
 camera:
   look_at: {{ eye: {self.eye.tolist()}, target: {self.target.tolist()}, fov_y_deg: {FOV_Y_DEG} }}
 shading: {{ ambient: 0, max_depth: 1 }}
@@ -76,6 +80,7 @@ objects:
 
     def mitsuba(self, mi):
         """The same scene; the light's intensity makes up for its distance."""
+        width, height = self.size
         to_world = mi.ScalarTransform4f()
         floor = to_world.translate(self.floor.tolist()).rotate([1, 0, 0], -90).scale(self.floor_extent)
         intensity = 3 * float(np.sum((self.light - self.target) ** 2))
@@ -92,8 +97,8 @@ objects:
                 "fov": FOV_Y_DEG,
                 "fov_axis": "y",
                 "to_world": to_world.look_at(self.eye.tolist(), self.target.tolist(), [0, 1, 0]),
-                "film": {"type": "hdrfilm", "width": WIDTH, "height": HEIGHT, "rfilter": {"type": "box"}},
-                "sampler": {"type": "independent", "sample_count": SAMPLES},
+                "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
+                "sampler": {"type": "independent", "sample_count": self.samples},
             },
             "mesh": {
                 "type": "obj",
@@ -119,14 +124,14 @@ class Mitsuba:
 
         drjit.set_thread_count(N_THREADS)
         mitsuba.set_variant(variant)
-        self.mitsuba = mitsuba
+        self.mitsuba, self.samples = mitsuba, setting.samples
         self.scene = setting.mitsuba(mitsuba)
         self.render_ms()
 
     def render_ms(self):
         """Wall time and CPU time."""
         start = time.perf_counter(), time.process_time()
-        self.picture = np.array(self.mitsuba.render(self.scene, spp=SAMPLES))
+        self.picture = np.array(self.mitsuba.render(self.scene, spp=self.samples))
         return 1e3 * (time.perf_counter() - start[0]), 1e3 * (time.process_time() - start[1])
 
     def lit(self):
@@ -178,8 +183,7 @@ class Raycost:
     def __init__(self, program, folder, setting, *options):
         self.scene, self.out = folder / "scene.yaml", folder / "_".join([type(self).__name__, *options])
         self.text = setting.yaml()
-        options = ["--repeats=1", f"--threads={N_THREADS}", "--quiet", *options]
-        self.command = [program, "render", self.scene, *options, "--out", self.out]
+        self.command = [program, "render", self.scene, "--repeats=1", "--quiet", *options, "--out", self.out]
 
     def render_ms(self):
         """Wall time and CPU time."""
@@ -218,50 +222,68 @@ def race(racers, n_rounds):
     return times
 
 
+def on_processor(options, folder, setting):
+    """All racers, the peer last."""
+    to = options.raycost.resolve(), folder, setting, f"--threads={N_THREADS}"
+    racers = {name: Raycost(*to, f"--cost={cost}") for name, cost in COSTS.items()}
+    racers["raycost, counters, third frame"] = ThirdFrame(*to, "--cost=counters")
+    if "avx512f" in pathlib.Path("/proc/cpuinfo").read_text():
+        racers[OF_AVX2] = Raycost(*to, "--cost=counters", "--simd=avx2")
+        racers[PEER_OF_AVX2] = MitsubaAvx2(setting)
+    if options.scalar:
+        racers["Mitsuba scalar_rgb"] = Mitsuba("scalar_rgb", setting)
+    return racers | {PEER: Mitsuba("llvm_ad_rgb", setting)}
+
+
+def on_device(options, folder, setting):
+    """raycost on a device, and Mitsuba on NVIDIA's card or on the processor."""
+    to = options.raycost.resolve(), folder, setting
+    # Large tiles make large launches.
+    of_device = [f"--device={options.device}", "--tile-size=256"]
+    costs = ["none", "counters"]
+    racers = {f"raycost, {cost}": Raycost(*to, f"--cost={cost}", *of_device) for cost in costs}
+    variant = "cuda_ad_rgb" if options.device.startswith("cuda") else "llvm_ad_rgb"
+    return racers | {f"Mitsuba {variant}": Mitsuba(variant, setting)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("mesh", nargs="?", type=pathlib.Path, default=ROOT / "configs/meshes/spot.obj")
     parser.add_argument("--rounds", type=int, default=9, metavar="N")
     parser.add_argument("--raycost", type=pathlib.Path, default=ROOT / "target/release/raycost", metavar="PROGRAM")
+    parser.add_argument("--size", type=int, nargs=2, default=[1600, 1200], metavar=("WIDTH", "HEIGHT"))
+    parser.add_argument("--samples", type=int, default=4, metavar="N")
+    parser.add_argument("--device", help="of raycost; with `cuda`, Mitsuba renders on the card, too")
     parser.add_argument("--scalar", action="store_true", help="also race Mitsuba's scalar_rgb")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
     options = parser.parse_args()
-    setting = Setting(options.mesh.resolve())
+    setting = Setting(options.mesh.resolve(), options.size, options.samples)
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         # The last is the one that docs/condense compares the others with.
-        peers = {"Mitsuba scalar_rgb": "scalar_rgb"} if options.scalar else {}
-        peers |= {PEER: "llvm_ad_rgb"}
-        costs = {f"raycost, {cost}": cost for cost in ["none", "counters", "time", "single_ray_time"]}
-        program = options.raycost.resolve()
-        racers = {name: Raycost(program, folder, setting, f"--cost={cost}") for name, cost in costs.items()}
-        racers["raycost, counters, third frame"] = ThirdFrame(program, folder, setting, "--cost=counters")
-        bases = {}
-        if "avx512f" in pathlib.Path("/proc/cpuinfo").read_text():
-            racers[OF_AVX2] = Raycost(program, folder, setting, "--cost=counters", "--simd=avx2")
-            racers[PEER_OF_AVX2] = MitsubaAvx2(setting)
-            bases[OF_AVX2] = PEER_OF_AVX2
-        racers |= {name: Mitsuba(variant, setting) for name, variant in peers.items()}
+        racers = on_device(options, folder, setting) if options.device else on_processor(options, folder, setting)
+        peer = list(racers)[-1]
         times = race(racers, options.rounds)
         lit = [racer.lit() for racer in racers.values()]
     # The least wall time and the least CPU time of each.
     least = {name: [min(values) for values in zip(*pairs)] for name, pairs in times.items()}
     print("                              wall             CPU")
     for name, [wall, cpu] in least.items():
-        ratio, of_cpu = (first / own for first, own in zip(least[PEER], [wall, cpu]))
-        goal = GOALS.get(costs.get(name))
+        ratio, of_cpu = (first / own for first, own in zip(least[peer], [wall, cpu]))
+        goal = GOALS.get(COSTS.get(name))
         verdict = "" if goal is None else f"   goal {goal}, {'reached' if ratio >= goal else 'missed'}"
         print(f"{name:25}{wall:6.0f} ms {ratio:5.2f}{cpu:8.0f} ms {of_cpu:5.2f}{verdict}")
     if options.json:
         walls = {name: [wall for wall, _ in pairs] for name, pairs in times.items()}
-        setup = {"mitsuba": racers[PEER].mitsuba.__version__, "mesh": setting.mesh.stem, "threads": N_THREADS}
-        setup |= {"bases": bases}
-        setup |= {"width": WIDTH, "height": HEIGHT, "samples": SAMPLES}
+        setup = {"mitsuba": importlib.metadata.version("mitsuba"), "mesh": setting.mesh.stem, "threads": N_THREADS}
+        setup |= {"width": options.size[0], "height": options.size[1], "samples": options.samples}
+        setup["bases"] = {OF_AVX2: PEER_OF_AVX2} if OF_AVX2 in racers else {}
         options.json.write_text(json.dumps({**setup, "times_ms": walls}))
     elsewhere = max(np.mean(lit[0] != other) for other in lit)
     print(f"lit pixels {100 * np.mean(lit[0]):.1f} %, elsewhere {100 * elsewhere:.2f} %")
-    return 0 if elsewhere <= MOST_ELSEWHERE else 1
+    if elsewhere > MOST_ELSEWHERE:
+        sys.exit("lit pixels are elsewhere")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
