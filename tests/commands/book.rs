@@ -219,7 +219,8 @@ fn shown_outputs_are_those_of_the_commands() {
             let printed = run_script(&path, commands, &in_repository("configs"));
             let mut printed_lines = printed.lines().map(without_times);
             let shown = blocks(shown, "text").remove(0);
-            for line in shown.lines().filter(|line| line.trim() != "...") {
+            let is_shown = |line: &&str| line.trim() != "..." && !line.starts_with("$ ");
+            for line in shown.lines().filter(is_shown) {
                 let found = printed_lines.any(|printed| printed == without_times(line));
                 assert!(found, "{path}: {line}\nis not in order in:\n{printed}");
                 n_lines += 1;
@@ -227,6 +228,27 @@ fn shown_outputs_are_those_of_the_commands() {
         }
     }
     assert!(n_lines > 15, "{n_lines}");
+}
+
+/// Readers of a book of twice this length did not find what they needed.
+#[test]
+fn the_book_stays_short() {
+    let folder = std::fs::read_dir(in_repository("docs")).unwrap();
+    let paths = folder.map(|entry| entry.unwrap().path());
+    let pages: Vec<_> = paths
+        .filter(|path| path.extension().is_some_and(|it| it == "md"))
+        .collect();
+    let text = |path: &PathBuf| std::fs::read_to_string(path).unwrap();
+    let n_words: usize = pages
+        .iter()
+        .map(|path| text(path).split_whitespace().count())
+        .sum();
+    assert!(n_words <= 26_000, "{n_words} words");
+    assert!(
+        pages.len() <= 25,
+        "{} pages with the list of them",
+        pages.len()
+    );
 }
 
 /// The words of a line without times, rates and numbers of threads, which are others on each machine.

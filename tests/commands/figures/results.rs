@@ -31,19 +31,23 @@ pub const FIGURES: &[(&str, Figure)] = &[
         let ratios = high.map(|row| row["outcome"]["ratio"]["estimate"].as_f64());
         range(ratios, "")
     }),
+    ("tinybvh-slower", Results::tinybvh_slower),
     ("tinybvh-version", |of| of.version("tinybvh")),
     ("device", |of| {
         let runs = of.list("device", "runs")?.iter();
         let inverse = |run: &Value| Some(1.0 / run["speed_by_cpu_time"].as_f64()?);
         range(runs.map(inverse), "")
     }),
+    ("card", Results::card),
     ("embree-slowest", Results::embree_slowest),
     ("embree-single", |of| of.embree_ratios("single rays")),
     ("embree-streams", |of| {
         of.embree_ratios("stream / single rays")
     }),
-    ("embree-builds", |of| of.embree_builds("high")),
-    ("embree-fast-builds", |of| of.embree_builds("fast")),
+    ("embree-builds", |of| of.embree_builds("high", 2)),
+    ("embree-builds-1", |of| of.embree_builds("high", 1)),
+    ("embree-fast-builds", |of| of.embree_builds("fast", 2)),
+    ("embree-fast-builds-1", |of| of.embree_builds("fast", 1)),
     ("embree-fast-trees", Results::embree_fast_trees),
     ("povray", Results::povray),
     ("povray-ratio", |of| of.povray_ratio("raycost --no-cost")),
@@ -334,17 +338,17 @@ impl Results {
         )
     }
 
-    /// The ratios of the rays a second on two threads to Embree's, in one kind of race.
+    /// The ratios of the rays a second to Embree's, in one kind of race, on any number of threads.
     fn embree_ratios(&self, race: &str) -> Option<String> {
         let races = self.embree_races("high")?.into_iter();
-        let raced = races.filter(|(of, ..)| *of == race);
-        range(raced.map(|(.., ratio)| ratio["estimate"].as_f64()), "")
+        let raced = races.filter(|of| of.race == race);
+        range(raced.map(|of| of.ratio["estimate"].as_f64()), "")
     }
 
     /// "0.77 to 2.8 times Embree's rate, slower in 6 of 32 races": the rates of rays in trees built fast.
     fn embree_fast_trees(&self) -> Option<String> {
         let races = self.embree_races("fast")?.into_iter();
-        let ratios: Vec<&Value> = races.map(|(.., ratio)| ratio).collect();
+        let ratios: Vec<&Value> = races.map(|race| race.ratio).collect();
         let is_slower = |ratio: &&&Value| ratio["interval"][1].as_f64() < Some(1.0);
         let rates = range(ratios.iter().map(|ratio| ratio["estimate"].as_f64()), "")?;
         let (n_slower, n) = (ratios.iter().filter(is_slower).count(), ratios.len());
@@ -357,7 +361,15 @@ impl Results {
     fn embree(&self) -> Option<String> {
         let scenes = ["spheres", "soup", "architecture"];
         let mut rows: Vec<([&str; 2], [Option<String>; 3])> = Vec::new();
-        for (race, kind, scene, ratio) in self.embree_races("high")? {
+        let races = self.embree_races("high")?.into_iter();
+        for EmbreeRace {
+            race,
+            kind,
+            scene,
+            ratio,
+            ..
+        } in races.filter(|race| race.n_threads == 2)
+        {
             let at = scenes.iter().position(|name| *name == scene)?;
             let row = [kind, race];
             let found = rows.iter().position(|(of, _)| *of == row);
@@ -381,37 +393,53 @@ impl Results {
         (!rows.is_empty()).then(|| format!("\n{head}\n{}\n", rows.join("\n")))
     }
 
-    /// The race, the kind of rays, the scene and the ratio of each race with Embree on two threads, by hierarchies
-    /// of a quality.
-    fn embree_races(&self, quality: &str) -> Option<Vec<(&str, &str, &str, &Value)>> {
+    /// The races of rays with Embree, by hierarchies of a quality.
+    fn embree_races(&self, quality: &str) -> Option<Vec<EmbreeRace<'_>>> {
         let rows = self.list("embree", "rows")?.iter();
-        let raced = rows.filter(|row| row["n_threads"] == 2 && row["quality"][0] == quality);
+        let raced = rows.filter(|row| row["quality"][0] == quality);
         let races = raced.filter_map(|row| {
             let outcome = &row["outcome"];
             let (race, kind) = race_of(&outcome["discipline"])?;
-            Some((race, kind, row["scene"].as_str()?, &outcome["ratio"]))
+            Some(EmbreeRace {
+                race,
+                kind,
+                scene: row["scene"].as_str()?,
+                n_threads: row["n_threads"].as_u64()?,
+                ratio: &outcome["ratio"],
+            })
         });
         Some(races.collect())
     }
 
-    /// "0.61 [0.60, 0.61] (shadow, single rays, architecture)": the lowest ratio.
+    /// "0.61 [0.60, 0.61] (shadow, single rays, architecture, 1 thread)": the lowest ratio.
     fn embree_slowest(&self) -> Option<String> {
-        let estimate = |ratio: &Value| ratio["estimate"].as_f64();
+        let estimate = |race: &EmbreeRace| race.ratio["estimate"].as_f64();
         let races = self.embree_races("high")?.into_iter();
-        let slowest = races.min_by(|a, b| estimate(a.3).partial_cmp(&estimate(b.3)).unwrap());
-        let (race, kind, scene, ratio) = slowest?;
+        let slowest = races.min_by(|a, b| estimate(a).partial_cmp(&estimate(b)).unwrap())?;
+        let EmbreeRace {
+            race,
+            kind,
+            scene,
+            n_threads,
+            ratio,
+        } = slowest;
+        let threads = if n_threads == 1 {
+            "one thread"
+        } else {
+            "all threads"
+        };
         Some(format!(
-            "{} ({kind}, {race}, {scene})",
+            "{} ({kind}, {race}, {scene}, {threads})",
             with_interval(ratio)?
         ))
     }
 
     /// "1.9 [1.8, 2.0] (soup), …": the times to build hierarchies of a quality over Embree's.
-    fn embree_builds(&self, quality: &str) -> Option<String> {
+    fn embree_builds(&self, quality: &str, n_threads: u64) -> Option<String> {
         let rows = self.list("embree", "rows")?.iter();
         let built = rows.filter(|row| {
             let is_build = row["outcome"]["discipline"] == "build";
-            row["n_threads"] == 2 && row["quality"][0] == quality && is_build
+            row["n_threads"] == n_threads && row["quality"][0] == quality && is_build
         });
         let build = |row: &Value| {
             let ratio = &row["outcome"]["ratio"];
@@ -425,6 +453,28 @@ impl Results {
             Some(format!("{} [{}, {}] ({scene})", times?, low?, high?))
         };
         Some(listed(&built.map(build).collect::<Option<Vec<_>>>()?))
+    }
+
+    /// "0.58 [0.56, 0.60] (shadow, trellis), …": the races that raycost loses to tinybvh, the slowest first.
+    fn tinybvh_slower(&self) -> Option<String> {
+        let rows = self.list("tinybvh", "rows")?.iter();
+        let is_slower = |row: &&Value| row["outcome"]["ratio"]["interval"][1].as_f64() < Some(1.0);
+        let mut slower: Vec<&Value> = rows.filter(is_slower).collect();
+        let estimate = |row: &Value| row["outcome"]["ratio"]["estimate"].as_f64();
+        slower.sort_by(|a, b| estimate(a).partial_cmp(&estimate(b)).unwrap());
+        let shown = |row: &&Value| {
+            let (_, kind) = race_of(&row["outcome"]["discipline"])?;
+            let [scene, quality] = [&row["scene"], &row["quality"][0]].map(Value::as_str);
+            let (scene, ratio) = (scene?, with_interval(&row["outcome"]["ratio"])?);
+            let built = if quality? == "fast" {
+                ", built fast"
+            } else {
+                ""
+            };
+            Some(format!("{ratio} ({kind}, {scene}{built})"))
+        };
+        let slower: Option<Vec<_>> = slower.iter().map(shown).collect();
+        Some(slower?.join(", ")).filter(|shown| !shown.is_empty())
     }
 
     /// Returns the ratio of POV-Ray's time to a program's: both are ratios to the base program of their round.
@@ -498,6 +548,31 @@ impl Results {
             Some(avx2) => format!("{avx2} with AVX2 on both sides, {later}"),
             None => later,
         })
+    }
+
+    /// What a graphics card is worth, by the rows with goals of the race of devices.
+    fn card(&self) -> Option<String> {
+        let rows = self.list("device", "rows").into_iter().flatten();
+        let on_card = rows.filter(|row| {
+            row["device"]
+                .as_str()
+                .is_some_and(|it| it.starts_with("cuda"))
+        });
+        let measured = on_card.filter_map(|row| {
+            let ratios = row["found"].as_object()?.values();
+            let ratios = range(ratios.map(Value::as_f64), "")?;
+            let [work, anchor] = ["work", "anchor"].map(|key| row[key].as_str());
+            let (work, anchor) = (work?, anchor?);
+            Some(format!(
+                "{ratios} times as fast as {anchor} ({work}; goal {})",
+                row["goal"]
+            ))
+        });
+        let measured: Vec<_> = measured.collect();
+        if measured.is_empty() {
+            return Some("No graphics card is measured".to_owned());
+        }
+        Some(format!("A graphics card is {}", listed(&measured)))
     }
 
     fn numpy(&self) -> Option<String> {
@@ -579,6 +654,18 @@ fn whole_or_digits(value: f64) -> String {
         0.0 => value.to_string(),
         _ => digits(value),
     }
+}
+
+/// A race of rays with Embree.
+struct EmbreeRace<'a> {
+    /// How both trace.
+    race: &'a str,
+    /// The kind of rays.
+    kind: &'a str,
+    scene: &'a str,
+    n_threads: u64,
+    /// The ratio of the rates with its interval.
+    ratio: &'a Value,
 }
 
 /// "single" and "primary" of `{"single": "primary"}`; none of a build.
