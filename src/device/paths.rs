@@ -9,7 +9,7 @@ use tracer::cost::N_BOUNCES;
 use tracer::shade::{PathFormulas, PathRules, SurfaceKind};
 
 use crate::shared::share;
-use crate::step::{N_SLOTS, PathStep, record, slot};
+use crate::step::{N_PLACE, N_SLOTS, PathStep, record, slot};
 use crate::tape::{Register, Tables, Tape};
 
 /// Words of a followed path.
@@ -18,8 +18,6 @@ pub(crate) const N_RESULTS: usize = 18 + N_BOUNCES;
 pub(crate) const N_START: usize = 8 + N_MEDIA;
 /// Places for the media of a path.
 const N_MEDIA: usize = 4;
-/// Numbers of an instance.
-pub(crate) const N_PLACE: usize = 23;
 
 /// What a device needs to follow the paths of a scene.
 pub(crate) struct RecordedPaths {

@@ -50,6 +50,9 @@ slots! {
 /// Number of slots.
 pub(crate) const N_SLOTS: usize = slot::CROSSING + 4;
 
+/// Numbers of an instance.
+pub(crate) const N_PLACE: usize = 23;
+
 /// A step of a path, with the numbers that its formulas read.
 pub(crate) struct PathStep<'a, R> {
     pub(crate) formulas: &'a PathFormulas<'a>,
@@ -286,7 +289,6 @@ pub(crate) mod tests {
     use world::scene::Scene;
 
     use super::*;
-    use crate::paths::N_PLACE;
 
     /// Returns a scene of surfaces whose formulas look nothing up.
     fn scene(model: &str) -> Scene {
