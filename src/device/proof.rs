@@ -9,7 +9,7 @@ use crate::program::Kernel;
 /// Number of triples of numbers.
 const N_TRIPLES: usize = 1 << 20;
 /// The names of the results of a triple.
-const RESULTS: [&str; 14] = [
+const RESULTS: [&str; 15] = [
     "x / y",
     "sqrt(x)",
     "x * y + z",
@@ -24,6 +24,7 @@ const RESULTS: [&str; 14] = [
     "x as an integer",
     "the bits of x, an integer, as a float",
     "sqrt(x * y) in double precision",
+    "x + y",
 ];
 
 /// Returns the first result that the device computes differently, as text; `None` if all agree.
@@ -73,6 +74,7 @@ fn results(x: f32, y: f32, z: f32) -> [u32; RESULTS.len()] {
         if is_small { x as i32 as u32 } else { 0 },
         bits(x.to_bits() as i32 as f32),
         folded(product.sqrt()),
+        bits(x + y),
     ]
 }
 

@@ -388,7 +388,7 @@ camera: { look_at: { eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 } }
             formulas.push_instances(&mut places);
             places.resize(places.len().max(N_PLACE), 0.0);
             for primitive in 0..formulas.n_primitives() {
-                // The box of instances is no surface.
+                // The box of instances is not a surface.
                 let Some(kind) = formulas.kind(primitive) else { continue };
                 let mut data = Vec::new();
                 formulas.push_data(kind, primitive, &mut data);

@@ -1,6 +1,7 @@
 //! The flags that exclude each other: all that a part cannot have.
 
 use super::RenderArguments;
+use crate::cli::device::DeviceChoice;
 use host::text::Diagnostic;
 use scene::config::Traversal;
 
@@ -16,7 +17,8 @@ impl RenderArguments {
         let counters = ("hardware-counters", self.hardware_counters);
         let single = self.traversal == Some(Traversal::Single);
         let traversal = ("traversal single", single);
-        let device = ("device", self.device.is_some());
+        let is_other = !matches!(self.device, None | Some(DeviceChoice::Processor));
+        let device = ("device", is_other);
         let at_once = "a device traces all rays of a wave at once: leave `--traversal single` out";
         let pairs = [
             (device, traversal, at_once),

@@ -15,7 +15,7 @@ KERNEL void arithmetic(GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   float x = FLOAT_OF(in[3ul * id]), y = FLOAT_OF(in[3ul * id + 1]), z = FLOAT_OF(in[3ul * id + 2]);
   double product = (double)x * (double)y;
   int is_small = -2147483648.0f <= x && x < 2147483648.0f;
-  out += 14ul * id;
+  out += 15ul * id;
   out[0] = bits(x / y);
   out[1] = bits(SQRT(x));
   out[2] = bits(x * y + z);
@@ -30,4 +30,5 @@ KERNEL void arithmetic(GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   out[11] = (uint)(int)(is_small ? x : 0.0f);
   out[12] = bits((float)(int)BITS_OF(x));
   out[13] = folded(SQRT(product));
+  out[14] = bits(x + y);
 }
