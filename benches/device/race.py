@@ -136,7 +136,7 @@ def measured(program, device, folder):
     flags = ["--raycost", program, "--device", device, "--json", file]
 
     def mitsuba(script, *more):
-        """What a script wrote, or the first line of its failure."""
+        """What a script wrote, or the last line of its failure."""
         return written("target/mitsuba/bin/python", [f"benches/mitsuba/{script}.py", *more, *flags], file)
 
     found = mitsuba("race", "--size", *map(str, size), "--samples", str(samples), "--rounds=3")

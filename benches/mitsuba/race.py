@@ -3,10 +3,12 @@
     benches/mitsuba/run [MESH.obj] [--rounds N] [--size WIDTH HEIGHT] [--samples N] [--raycost PROGRAM]
         [--scalar] [--device DEVICE] [--json FILE]
 
-A mesh on a floor, one point light, shadow rays, two threads on both sides. Mitsuba's `llvm_ad_rgb` renders again and again in one process, so that its compilation and
-its scene do not count; raycost starts anew each time, or renders three frames, of which the last one, whose
-memory is mapped, counts. Where the processor has AVX-512, both also race with AVX2. Compares the fastest renderings; FILE gets the wall times of all rounds. The shading
-models differ in constants, the rays and their number do not: fails if lit pixels are elsewhere.
+A mesh on a floor, one point light, shadow rays, two threads on both sides. Mitsuba's `llvm_ad_rgb` renders
+again and again in one process, so that its compilation and its scene do not count; raycost starts anew each
+time, or renders three frames, of which the last one, whose memory is mapped, counts. Where the processor has
+AVX-512, both also race with AVX2. With a DEVICE, raycost counts on it, and Mitsuba renders on the card if it is
+`cuda`. Compares the fastest renderings; FILE gets the wall times of all rounds. The shading models differ in
+constants, the rays and their number do not: fails if lit pixels are elsewhere.
 Without a mesh, renders configs/meshes/spot.obj; the goal is that of the Stanford bunny, whose license
 keeps it out of this repository.
 """
@@ -237,11 +239,9 @@ def on_processor(options, folder, setting):
 
 def on_device(options, folder, setting):
     """raycost on a device, and Mitsuba on NVIDIA's card or on the processor."""
-    to = options.raycost.resolve(), folder, setting
     # Large tiles make large launches.
-    of_device = [f"--device={options.device}", "--tile-size=256"]
-    costs = ["none", "counters"]
-    racers = {f"raycost, {cost}": Raycost(*to, f"--cost={cost}", *of_device) for cost in costs}
+    flags = ["--cost=counters", f"--device={options.device}", "--tile-size=256"]
+    racers = {"raycost, counters": Raycost(options.raycost.resolve(), folder, setting, *flags)}
     variant = "cuda_ad_rgb" if options.device.startswith("cuda") else "llvm_ad_rgb"
     return racers | {f"Mitsuba {variant}": Mitsuba(variant, setting)}
 

@@ -353,9 +353,11 @@ impl Results {
     fn embree_fast_trees(&self) -> Option<String> {
         let races = self.embree_races("fast")?.into_iter();
         let ratios: Vec<&Value> = races.map(|race| race.ratio).collect();
-        let is_slower = |ratio: &&&Value| ratio["interval"][1].as_f64() < Some(1.0);
         let rates = range(ratios.iter().map(|ratio| ratio["estimate"].as_f64()), "")?;
-        let (n_slower, n) = (ratios.iter().filter(is_slower).count(), ratios.len());
+        let (n_slower, n) = (
+            ratios.iter().filter(|ratio| is_slower(ratio)).count(),
+            ratios.len(),
+        );
         Some(format!(
             "{rates} times Embree's rate, slower in {n_slower} of {n} races"
         ))
@@ -415,7 +417,7 @@ impl Results {
         Some(races.collect())
     }
 
-    /// "0.61 [0.60, 0.61] (shadow, single rays, architecture, 1 thread)": the lowest ratio.
+    /// "0.61 [0.60, 0.61] (shadow, single rays, architecture, one thread)": the lowest ratio.
     fn embree_slowest(&self) -> Option<String> {
         let estimate = |race: &EmbreeRace| race.ratio["estimate"].as_f64();
         let races = self.embree_races("high")?.into_iter();
@@ -461,8 +463,8 @@ impl Results {
     /// "0.58 [0.56, 0.60] (shadow, trellis), …": the races that raycost loses to tinybvh, the slowest first.
     fn tinybvh_slower(&self) -> Option<String> {
         let rows = self.list("tinybvh", "rows")?.iter();
-        let is_slower = |row: &&Value| row["outcome"]["ratio"]["interval"][1].as_f64() < Some(1.0);
-        let mut slower: Vec<&Value> = rows.filter(is_slower).collect();
+        let raced = rows.filter(|row| is_slower(&row["outcome"]["ratio"]));
+        let mut slower: Vec<&Value> = raced.collect();
         let estimate = |row: &Value| row["outcome"]["ratio"]["estimate"].as_f64();
         slower.sort_by(|a, b| estimate(a).partial_cmp(&estimate(b)).unwrap());
         // The slower quality of each scene and kind.
@@ -665,6 +667,11 @@ fn whole_or_digits(value: f64) -> String {
         0.0 => value.to_string(),
         _ => digits(value),
     }
+}
+
+/// raycost is slower if the interval of its ratio is below 1.
+fn is_slower(ratio: &Value) -> bool {
+    ratio["interval"][1].as_f64() < Some(1.0)
 }
 
 fn is_build(row: &Value) -> bool {
