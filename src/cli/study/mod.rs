@@ -313,16 +313,6 @@ fn checked_files(
     point: &StudyPoint,
     folder: &Path,
 ) -> Result<Vec<PathBuf>, Failure> {
-    // With the folder of the run, so that flags may not name another one.
-    let words = ["raycost", "check", "--out=out"].map(str::to_owned);
-    let words = words.into_iter();
-    let scene = folder.join(&point.scene).display().to_string();
-    let flags = point.flags.iter().chain(&plan.flags).cloned();
-    let words: Vec<String> = words.chain([scene]).chain(flags.clone()).collect();
-    // `check` has none of these.
-    let of_render = ["--threads=", "--pin=", "--simd=", "--traversal="];
-    let is_of_check = |word: &&String| !of_render.iter().any(|flag| word.starts_with(flag));
-    let words = words.iter().filter(is_of_check);
     let refused = |error: clap::Error| {
         let text = error.to_string();
         let reason = text.lines().next().unwrap_or_default();
@@ -330,8 +320,26 @@ fn checked_files(
         Diagnostic::new(format!("cannot run {}: {reason}", point.label()))
             .with_help("see `raycost render --help` for the flags")
     };
-    let cli = Cli::try_parse_from(words).map_err(refused)?;
-    Ok(cli.checked_files()?)
+    let flags: Vec<&String> = point.flags.iter().chain(&plan.flags).collect();
+    let scene = folder.join(&point.scene).display().to_string();
+    let parse = |command: &str, flags: Vec<&String>| {
+        // With the folder of the run, so that flags may not name another one.
+        let words = ["raycost", command, "--out=out", &scene].into_iter();
+        Cli::try_parse_from(words.chain(flags.into_iter().map(String::as_str)))
+    };
+    // `check` has none of these.
+    let of_render = [
+        "--device=",
+        "--threads=",
+        "--pin=",
+        "--simd=",
+        "--traversal=",
+    ];
+    let is_of_check = |word: &&String| !of_render.iter().any(|flag| word.starts_with(flag));
+    let of_check = flags.iter().copied().filter(is_of_check).collect();
+    let files = parse("check", of_check).map_err(refused)?.checked_files()?;
+    parse("render", flags).map_err(refused)?;
+    Ok(files)
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> Failure {

@@ -122,6 +122,14 @@ fn mistakes_are_reported_before_the_first_run() {
             "`scene.yaml` in `flags` is not a flag",
         ),
         (
+            "title: x\nscenes: [scene.yaml]\nvary: { device: [processor, 'opencl:'] }",
+            "invalid value 'opencl:' for '--device <DEVICE>'",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nflags: [--simd=sse9]",
+            "invalid value 'sse9' for '--simd <SET>'",
+        ),
+        (
             "title: x\nscenes: [scene.yaml]\nvary: { objects: [5] }",
             "no `sphere_cloud`",
         ),

@@ -16,7 +16,7 @@ steps:
     set: { acceleration: brute_force, simd: portable, traversal: single, threads: 1, cost: counters }
   - { name: tree, set: { acceleration: fast } }
   - { name: the same, set: { acceleration: fast } }
-  - { name: streams, set: { traversal: stream } }
+  - { name: streams, set: { traversal: stream, device: processor } }
 flags: [--width=12, --height=9]
 repeats: 2
 plots:
@@ -53,7 +53,8 @@ fn settings_of_steps_add_up() {
         let mut points = runs[1..].iter().map(|run| &run["point"]);
         points.find(|point| point["step"] == step).unwrap()["settings"].clone()
     };
-    let of_streams = "acceleration fast, simd portable, traversal stream, threads 1, cost counters";
+    let of_streams = "acceleration fast, simd portable, traversal stream, threads 1, cost counters, \
+                      device processor";
     assert_eq!(settings("streams"), of_streams);
 
     // Only brute force visits no nodes.
