@@ -378,6 +378,11 @@ camera: { look_at: { eye: [0, 0, 9], target: [0, 0, 0], fov_y_deg: 40 } }
                 let unit = vector([0, 1, 2].map(|i| state[slot + i])).normalize();
                 state[slot..slot + 3].copy_from_slice(&coordinates(unit));
             }
+            // Among others, equal and opposite normals.
+            if let factor @ (1.0 | -1.0) = 1.0 - (words[0] % 8) as f32 {
+                let normal = vector([3, 4, 5].map(|i| state[slot::POINT + i])) * factor;
+                state[slot::POINT + 6..][..3].copy_from_slice(&coordinates(normal));
+            }
             state[slot::SIDE] = if state[slot::T] < 0.0 { -1.0 } else { 1.0 };
             for (slot, word) in [slot::PIXEL, slot::SAMPLE, slot::DIMENSION].into_iter().zip(words) {
                 state[slot] = f32::from_bits(word);

@@ -62,7 +62,7 @@ pub struct MultiprocessorRun {
 }
 
 /// The launches of one kernel on a device.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct KernelWork {
     /// The name of the kernel.
     pub name: String,

@@ -28,14 +28,15 @@ pub(in crate::shade) fn evaluate<R: Real>(
     }
     // Light between the two planes is lost: it arrives after one more reflection.
     let height = to_light.dot(at.point.geometric_normal);
-    let is_between = (height * to_light.dot(at.point.normal)).lt(zero);
+    let is_tilted = zero.lt(tilt);
+    let is_between = is_tilted & (height * to_light.dot(at.point.normal)).lt(zero);
     let turned = turn(at, to_light, -height * tilt);
-    let is_turned = zero.lt(tilt) & zero.lt(height * turned.dot(at.point.normal));
+    let is_turned = is_tilted & zero.lt(height * turned.dot(at.point.normal));
     let none = Scattering::none(zero);
     let direct = Scattering::select(is_between, none, direct);
     // Add the light of the direction that is turned onto this one.
     let other = bsdf.evaluate(at, boundary, turned).scaled(tilt);
-    direct.with(Scattering::select(is_turned, other, none))
+    Scattering::select(is_turned, direct.with(other), direct)
 }
 
 /// Chooses a direction.
