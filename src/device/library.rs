@@ -4,17 +4,20 @@
 //! [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::program::Kernel;
 use base::stop;
+use host::start_detached;
 
 /// Rays or triples of a launch that share a group.
 pub(crate) const GROUP: usize = 64;
 /// Time after which a device that has not finished a launch counts as hung.
-const MAX_LAUNCH: Duration = Duration::from_secs(30);
+pub(crate) const MAX_LAUNCH: Duration = Duration::from_secs(30);
+/// Time after which a compiler counts as hung: programs of many materials take it half a minute.
+const MAX_COMPILATION: Duration = Duration::from_secs(600);
 
 /// Why a device cannot go on.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,8 +28,8 @@ pub(crate) enum DeviceFault {
     Call(String),
     /// The program cannot be built; the compiler's first lines.
     Build(String),
-    /// A launch has not finished in time.
-    Hang,
+    /// A launch or a compilation has not finished in this time.
+    Hang(Duration),
     /// The work was stopped.
     Stopped,
 }
@@ -45,7 +48,7 @@ impl fmt::Display for DeviceFault {
             Self::Missing(library) => write!(f, "it has no `{library}`"),
             Self::Call(name) => write!(f, "{name}"),
             Self::Build(log) => write!(f, "its compiler refuses the program: {log}"),
-            Self::Hang => write!(f, "it has not finished in {} s", MAX_LAUNCH.as_secs()),
+            Self::Hang(limit) => write!(f, "it has not finished in {} s", limit.as_secs()),
             Self::Stopped => write!(f, "stopped"),
         }
     }
@@ -117,13 +120,34 @@ pub(crate) struct KernelFacts {
     pub(crate) occupancy: Option<f64>,
 }
 
-/// Waits until a launch is done, without trust in the driver.
-pub(crate) fn wait(is_done: impl Fn() -> Result<bool, DeviceFault>) -> Result<(), DeviceFault> {
+/// Compiles a program, without trust in the compiler: one that hangs keeps its thread.
+pub(crate) fn compile(
+    machine: &Arc<dyn LibraryDevice>,
+    text: String,
+) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
+    let (machine, (sender, receiver)) = (Arc::clone(machine), mpsc::channel());
+    let started = start_detached(move || sender.send(machine.compile(&text)).unwrap_or_default());
+    started.map_err(|error| DeviceFault::Call(error.to_string()))?;
+    wait(MAX_COMPILATION, || match receiver.try_recv() {
+        Err(mpsc::TryRecvError::Empty) => Ok(None),
+        Err(error) => Err(DeviceFault::Call(error.to_string())),
+        Ok(compiled) => compiled.map(Some),
+    })
+}
+
+/// Waits until there is a result, without trust in the driver.
+pub(crate) fn wait<T>(
+    limit: Duration,
+    result: impl Fn() -> Result<Option<T>, DeviceFault>,
+) -> Result<T, DeviceFault> {
     let begin = Instant::now();
-    while !is_done()? {
+    loop {
+        if let Some(found) = result()? {
+            return Ok(found);
+        }
         let waited = begin.elapsed();
-        if waited > MAX_LAUNCH {
-            return Err(DeviceFault::Hang);
+        if waited > limit {
+            return Err(DeviceFault::Hang(limit));
         }
         if stop::is_requested() && waited > Duration::from_secs(2) {
             return Err(DeviceFault::Stopped);
@@ -131,5 +155,4 @@ pub(crate) fn wait(is_done: impl Fn() -> Result<bool, DeviceFault>) -> Result<()
         // As long again as the wait so far, so that short launches are noticed soon.
         thread::sleep((waited / 8).clamp(Duration::from_micros(5), Duration::from_millis(2)));
     }
-    Ok(())
 }

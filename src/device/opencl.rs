@@ -19,7 +19,8 @@ use opencl3::platform::{Platform, get_platforms};
 use opencl3::program::Program;
 
 use crate::library::{
-    DeviceFault, DeviceProgram, GROUP, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram, wait,
+    DeviceFault, DeviceProgram, GROUP, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram,
+    MAX_LAUNCH, wait,
 };
 use crate::program::Kernel;
 
@@ -36,7 +37,7 @@ impl From<ClError> for DeviceFault {
 ///
 /// # Errors
 /// The system has no `libOpenCL`, or it lists no platform.
-pub(crate) fn list() -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
+pub(crate) fn list() -> Result<Vec<Arc<dyn LibraryDevice>>, DeviceFault> {
     let platforms = get_platforms()?;
     let of = |platform: &Platform| platform.get_devices(CL_DEVICE_TYPE_ALL).unwrap_or_default();
     let all = platforms.iter().flat_map(of);
@@ -44,7 +45,7 @@ pub(crate) fn list() -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
     all.sort_by_key(|device| !is_gpu(device));
     let listed = all
         .into_iter()
-        .map(|device| Box::new(OpenClDevice(device)) as _);
+        .map(|device| Arc::new(OpenClDevice(device)) as _);
     Ok(listed.collect())
 }
 
@@ -226,9 +227,9 @@ impl LaunchQueue for OpenClQueue {
                     .enqueue_read_buffer(&self.output, 0, 0, output, &[launched.get()])?;
             self.queue.flush()?;
             for event in [&launched, &done] {
-                wait(|| match event.command_execution_status()?.0 {
+                wait(MAX_LAUNCH, || match event.command_execution_status()?.0 {
                     failure @ ..0 => Err(ClError(failure).into()),
-                    status => Ok(status == CL_COMPLETE),
+                    status => Ok((status == CL_COMPLETE).then_some(())),
                 })?;
             }
             let [begin, end] = [

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex};
 
 use crate::cuda;
-use crate::library::{DeviceFault, DeviceProgram, LibraryDevice};
+use crate::library::{self, DeviceFault, DeviceProgram, LibraryDevice};
 use crate::opencl;
 use crate::proof;
 use base::locked;
@@ -23,7 +23,7 @@ pub enum DeviceLibrary {
 }
 
 impl DeviceLibrary {
-    fn list(self) -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
+    fn list(self) -> Result<Vec<Arc<dyn LibraryDevice>>, DeviceFault> {
         match self {
             Self::OpenCl => opencl::list(),
             Self::Cuda => cuda::list(),
@@ -51,7 +51,7 @@ impl DeviceLibrary {
 
 /// A device whose arithmetic agrees with the processor's.
 pub struct Device {
-    pub(crate) machine: Box<dyn LibraryDevice>,
+    pub(crate) machine: Arc<dyn LibraryDevice>,
     name: String,
     /// The text of the program that was compiled last, and the program.
     program: Mutex<Option<(String, Arc<dyn DeviceProgram>)>>,
@@ -89,7 +89,7 @@ impl Device {
             return Err(DeviceError::Failed(Diagnostic::new(message)));
         }
         let failed = |fault: DeviceFault| failed(&name, &fault);
-        if let Some(difference) = proof::refute(&*machine).map_err(failed)? {
+        if let Some(difference) = proof::refute(&machine).map_err(failed)? {
             let message = format!("the device {name} cannot render the same picture: {difference}");
             return Err(DeviceError::Failed(
                 Diagnostic::new(message).with_help(OTHER_DEVICE),
@@ -113,7 +113,7 @@ impl Device {
         if let Some((_, program)) = last.as_ref().filter(|(of, _)| *of == text) {
             return Ok(Arc::clone(program));
         }
-        let program = self.machine.compile(&text)?;
+        let program = library::compile(&self.machine, text.clone())?;
         *last = Some((text, Arc::clone(&program)));
         Ok(program)
     }
@@ -142,7 +142,7 @@ pub(crate) fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
 /// Returns the message that no device has such a name.
 fn no_device(
     library: DeviceLibrary,
-    all: &[Box<dyn LibraryDevice>],
+    all: &[Arc<dyn LibraryDevice>],
     name: Option<&str>,
 ) -> Diagnostic {
     let names: Vec<_> = all

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::{fmt, io};
 
-use base::stop::Stopped;
+use base::stop::{self, Stopped};
 use device::DeviceError;
 use host::folder::WriteError;
 use host::text::Diagnostic;
@@ -109,9 +109,11 @@ impl From<WriteError> for RenderError {
 
 impl From<DeviceError> for RenderError {
     fn from(error: DeviceError) -> Self {
-        match error {
-            DeviceError::Missing(message) => Self::Scene(message),
-            DeviceError::Failed(message) => Self::Machine(message),
+        match (stop::check(), error) {
+            // A compilation or a launch was given up.
+            (Err(stopped @ Stopped::Signal(_)), _) => stopped.into(),
+            (_, DeviceError::Missing(message)) => Self::Scene(message),
+            (_, DeviceError::Failed(message)) => Self::Machine(message),
         }
     }
 }

@@ -3,14 +3,17 @@
      memory  has memory for arrays of up to 64 KiB
      buffers has memory for input and output of up to 16 KiB after its first launch
      lost    is lost at the 20th launch
-     hangs   never finishes the 20th launch */
+     hangs   never finishes the 20th launch
+     build   never finishes to compile */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef int (*Launch)(void *, void *, unsigned, const size_t *, const size_t *, const size_t *, unsigned, void *, void *);
+typedef int (*Build)(void *, unsigned, const void *, const char *, void *, void *);
 typedef int (*Read)(void *, void *, unsigned, size_t, size_t, void *, unsigned, void *, void *);
 typedef void *(*Create)(void *, unsigned long, size_t, void *, int *);
 typedef int (*Info)(void *, unsigned, size_t, void *, size_t *);
@@ -27,6 +30,12 @@ int clEnqueueNDRangeKernel(void *queue, void *kernel, unsigned n, const size_t *
   if (++n_launches >= 20 && is("lost")) return -36; /* CL_INVALID_COMMAND_QUEUE */
   Launch next = (Launch)dlsym(RTLD_NEXT, "clEnqueueNDRangeKernel");
   return next(queue, kernel, n, offset, global, local, n_events, events, event);
+}
+
+int clBuildProgram(void *program, unsigned n, const void *devices, const char *options, void *done, void *data) {
+  while (is("build")) sleep(1);
+  Build next = (Build)dlsym(RTLD_NEXT, "clBuildProgram");
+  return next(program, n, devices, options, done, data);
 }
 
 int clEnqueueReadBuffer(void *queue, void *buffer, unsigned blocks, size_t offset, size_t size, void *to,

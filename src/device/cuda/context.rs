@@ -6,7 +6,7 @@ use std::ptr::null_mut;
 use std::sync::Arc;
 
 use super::driver::{Address, Driver, Handle};
-use crate::library::{DeviceFault, GROUP, wait};
+use crate::library::{DeviceFault, GROUP, MAX_LAUNCH, wait};
 
 /// `CUDA_ERROR_NOT_READY`: an event has not happened yet.
 const NOT_READY: c_int = 600;
@@ -275,9 +275,9 @@ impl Stream {
         // SAFETY: stream and event live.
         driver.check(unsafe { (driver.record_event)(end, self.stream.handle) })?;
         // SAFETY: the event lives.
-        wait(|| match unsafe { (driver.query_event)(end) } {
-            NOT_READY => Ok(false),
-            code => driver.check(code).map(|()| true),
+        wait(MAX_LAUNCH, || match unsafe { (driver.query_event)(end) } {
+            NOT_READY => Ok(None),
+            code => driver.check(code).map(Some),
         })
     }
 }

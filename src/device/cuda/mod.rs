@@ -29,11 +29,11 @@ const PRELUDE: &str = include_str!("../program/cuda.cu");
 ///
 /// # Errors
 /// The system has no driver, or it does not start.
-pub(crate) fn list() -> Result<Vec<Box<dyn LibraryDevice>>, DeviceFault> {
+pub(crate) fn list() -> Result<Vec<Arc<dyn LibraryDevice>>, DeviceFault> {
     let driver = Arc::new(Driver::open()?);
     let listed = driver.devices()?.into_iter().map(|device| {
         let driver = Arc::clone(&driver);
-        Box::new(CudaDevice { driver, device }) as _
+        Arc::new(CudaDevice { driver, device }) as _
     });
     Ok(listed.collect())
 }
