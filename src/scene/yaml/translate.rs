@@ -2,8 +2,8 @@
 //!
 //! The formats of serde's messages ("unknown field `x`, expected one of …", "invalid type: string
 //! "x", expected …") come from the default methods of its `Error` trait. The deserializers of this
-//! crate may return "cannot …, expected …" instead, which is appended to the path of the value. Any
-//! other message comes from libyaml.
+//! crate may return "cannot …, expected …" or "needs …, expected …" instead, which is appended to
+//! the path of the value. Any other message comes from libyaml.
 
 use serde_path_to_error::Segment;
 
@@ -30,7 +30,10 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
     if let Some(word) = missing_key_of(error) {
         return missing_key(text, path, &word);
     }
-    if problem.starts_with("cannot ") && !expected.is_empty() {
+    let is_ours = ["cannot ", "needs "]
+        .iter()
+        .any(|start| problem.starts_with(start));
+    if is_ours && !expected.is_empty() {
         let message = format!("{} {problem}", subject(&path));
         let label = format!("expected {}", listed(expected));
         return Fault::new(path, message, label);
@@ -81,7 +84,7 @@ fn message_of(error: &serde_yaml::Error) -> String {
             message.truncate(without.len());
         }
     }
-    const STARTS: [&str; 7] = [
+    const STARTS: [&str; 8] = [
         "unknown field `",
         "unknown variant `",
         "missing field `",
@@ -89,6 +92,7 @@ fn message_of(error: &serde_yaml::Error) -> String {
         "invalid value: ",
         "invalid length ",
         "cannot ",
+        "needs ",
     ];
     match STARTS.iter().filter_map(|start| message.find(start)).min() {
         Some(begin) => message.split_off(begin),
