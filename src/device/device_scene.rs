@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::mem::{self, ManuallyDrop};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use glam::Vec3;
@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::library::{DeviceFault, GROUP, LaunchQueue, LoadedProgram};
 use crate::multiprocessors::{self, MultiprocessorTimes};
 use crate::opened::{Device, DeviceError, failed};
-use crate::paths::{N_RESULTS, N_START, RecordedPaths};
+use crate::paths::{N_RESULTS, RecordedPaths};
 use crate::program::{self, Kernel, NONE};
 use crate::scene::SceneArrays;
 use base::locked;
@@ -24,8 +24,6 @@ use world::camera::RayCone;
 use world::geometry::{Ray, RayStream};
 use world::scene::InstanceId;
 
-/// Words of a ray.
-const N_IN: usize = 8;
 /// Words of an answer.
 const N_OUT: usize = 5;
 
@@ -90,14 +88,8 @@ fn all_arrays<'a>(arrays: &'a SceneArrays, paths: Option<&'a RecordedPaths>) -> 
         &arrays.primitives,
         &arrays.records,
     ];
-    if let Some(paths) = paths {
-        all.extend([
-            &paths.surfaces[..],
-            bytemuck::cast_slice(&paths.data),
-            bytemuck::cast_slice(&paths.places),
-            &paths.tables,
-        ]);
-    }
+    let of_paths = paths.into_iter().flat_map(|paths| &paths.arrays);
+    all.extend(of_paths.map(Vec::as_slice));
     // A device has no empty arrays.
     let empty = all.iter_mut().filter(|array| array.is_empty());
     empty.for_each(|array| *array = &[0]);
@@ -107,7 +99,7 @@ fn all_arrays<'a>(arrays: &'a SceneArrays, paths: Option<&'a RecordedPaths>) -> 
 /// A scene in the memory of a device, which traces its rays.
 pub struct DeviceScene<'a> {
     device: &'a Device,
-    loaded: Arc<dyn LoadedProgram>,
+    loaded: LoadedProgram,
     /// The numbers of the samples whose paths it follows, or the part of the scene that keeps it
     /// from following any.
     paths: Result<(Sampler, Option<RayCone>), String>,
@@ -133,9 +125,8 @@ struct Worker {
 impl Drop for DeviceScene<'_> {
     fn drop(&mut self) {
         if self.failure.get().is_none() {
-            let idle = mem::take(&mut *locked(&self.workers));
-            idle.into_iter()
-                .for_each(|worker| drop(ManuallyDrop::into_inner(worker)));
+            let idle = mem::take(&mut *locked(&self.workers)).into_iter();
+            idle.map(ManuallyDrop::into_inner).for_each(drop);
         }
     }
 }
@@ -162,44 +153,19 @@ impl DeviceScene<'_> {
         }
     }
 
-    /// Adds a launch that took `ns` nanoseconds, given its answers, to the work of its kernel.
-    fn add<const N: usize>(
-        &self,
-        kernel: Kernel,
-        queue: &mut dyn LaunchQueue,
-        ns: f64,
-        answers: &[[u32; N]],
-    ) -> Result<DeviceLaunch, DeviceFault> {
-        // An answer has the node visits and the primitive tests there.
-        let first = if kernel == Kernel::PATH { 6 } else { 3 };
-        let steps =
-            |answer: &[u32; N]| answer[first..first + 2].iter().map(|&n| u64::from(n)).sum();
-        let steps: Vec<u64> = answers.iter().map(steps).collect();
-        let name = kernel.name;
-        let mut kernels = locked(&self.kernels);
-        let number = match kernels.iter().position(|work| work.name == name) {
-            Some(number) => number,
-            None => {
-                kernels.push(no_work(kernel, queue)?);
-                kernels.len() - 1
-            }
-        };
-        Ok(kernels[number].add(ns, steps.into_iter()))
-    }
-
     /// Answers the queries of `n` rays, given their words. Calls `answer` with each ray's number
     /// and the words of its answer; for none if the device fails.
-    fn answer<const M: usize, const N: usize>(
+    fn answer<const N: usize>(
         &self,
         kernel: Kernel,
-        rays: impl Iterator<Item = [u32; M]>,
+        words: impl Iterator<Item = u32>,
         n: usize,
         answer: impl FnMut((usize, &[u32; N])),
     ) -> DeviceLaunch {
         if self.failure.get().is_some() || n == 0 {
             return DeviceLaunch::default();
         }
-        match self.launch::<M, N>(kernel, rays, n) {
+        match self.launch::<N>(kernel, words, n) {
             Ok((worker, launch)) => {
                 let answers = worker.output.as_chunks::<N>().0;
                 answers.iter().enumerate().for_each(answer);
@@ -214,53 +180,52 @@ impl DeviceScene<'_> {
         }
     }
 
-    fn launch<const M: usize, const N: usize>(
+    /// Launches a kernel, and adds the launch to its work.
+    fn launch<const N: usize>(
         &self,
         kernel: Kernel,
-        rays: impl Iterator<Item = [u32; M]>,
+        words: impl Iterator<Item = u32>,
         n: usize,
     ) -> Result<(ManuallyDrop<Worker>, DeviceLaunch), DeviceFault> {
         let idle = locked(&self.workers).pop();
         let mut worker = idle.map_or_else(|| self.worker(), Ok)?;
         let of = &mut *worker;
         of.input.clear();
-        of.input.extend(rays.flatten());
+        of.input.extend(words);
         of.output.resize(N * n, 0);
         let ns = of.queue.launch(kernel, &of.input, &mut of.output, n)?;
+        // An answer has the node visits and the primitive tests from there on.
+        let mut first = 3;
         if kernel == Kernel::PATH {
             let seen = Instant::now();
             let runs = multiprocessors::runs_of(of.output.as_chunks().0);
             locked(&self.multiprocessors).add(runs, seen);
+            first = 6;
         }
-        let launch = self.add(kernel, &mut *of.queue, ns, of.output.as_chunks::<N>().0)?;
+        let steps = |answer: &[u32; N]| answer[first..][..2].iter().map(|&n| u64::from(n)).sum();
+        let answers = of.output.as_chunks::<N>().0.iter();
+        let steps: Vec<u64> = answers.map(steps).collect();
+        let mut kernels = locked(&self.kernels);
+        let known = kernels.iter().position(|work| work.name == kernel.name);
+        let number = known.unwrap_or(kernels.len());
+        if known.is_none() {
+            kernels.push(KernelWork {
+                name: kernel.name.to_owned(),
+                group_size: GROUP,
+                ..of.queue.facts(kernel)?
+            });
+        }
+        let launch = kernels[number].add(ns, steps.into_iter());
         Ok((worker, launch))
     }
 
     fn worker(&self) -> Result<ManuallyDrop<Worker>, DeviceFault> {
         Ok(ManuallyDrop::new(Worker {
-            queue: Arc::clone(&self.loaded).queue()?,
+            queue: (self.loaded)()?,
             input: Vec::new(),
             output: Vec::new(),
         }))
     }
-}
-
-/// Returns the work of a kernel that has not been launched.
-fn no_work(kernel: Kernel, queue: &mut dyn LaunchQueue) -> Result<KernelWork, DeviceFault> {
-    let facts = queue.facts(kernel)?;
-    Ok(KernelWork {
-        name: kernel.name.to_owned(),
-        launches: 0,
-        rays: 0,
-        seconds: 0.0,
-        group_size: GROUP,
-        warp_size: facts.warp_size,
-        private_bytes: facts.private_bytes,
-        registers: facts.registers,
-        occupancy: facts.occupancy,
-        steps: 0,
-        lane_steps: 0,
-    })
 }
 
 impl RayDevice for DeviceScene<'_> {
@@ -272,8 +237,9 @@ impl RayDevice for DeviceScene<'_> {
     ) -> DeviceLaunch {
         hits.clear();
         hits.resize(rays.len(), None);
-        let words = rays.iter().map(|ray| words(&ray, f32::INFINITY, NONE));
-        self.answer::<N_IN, N_OUT>(Kernel::NEAREST, words, rays.len(), |(i, answer)| {
+        let rest = [f32::INFINITY.to_bits(), NONE];
+        let words = rays.iter().flat_map(|ray| words(&ray, rest));
+        self.answer::<N_OUT>(Kernel::NEAREST, words, rays.len(), |(i, answer)| {
             let [t, primitive, instance, n_visits, n_tests] = *answer;
             hits[i] = hit([t, primitive, instance]);
             count(i, n_visits, n_tests);
@@ -288,11 +254,11 @@ impl RayDevice for DeviceScene<'_> {
     ) -> DeviceLaunch {
         occluded.clear();
         occluded.resize(rays.len(), false);
-        let words = rays.iter().map(|shadow| {
+        let words = rays.iter().flat_map(|shadow| {
             let ignored = shadow.ignored.map_or(NONE, |object| object.0);
-            words(&shadow.ray, shadow.t_max, ignored)
+            words(&shadow.ray, [shadow.t_max.to_bits(), ignored])
         });
-        self.answer::<N_IN, N_OUT>(Kernel::OCCLUDED, words, rays.len(), |(i, answer)| {
+        self.answer::<N_OUT>(Kernel::OCCLUDED, words, rays.len(), |(i, answer)| {
             let [found, _, _, n_visits, n_tests] = *answer;
             occluded[i] = found != NONE;
             count(i, n_visits, n_tests);
@@ -304,13 +270,12 @@ impl RayDevice for DeviceScene<'_> {
     }
 
     fn follow(&self, paths: &PathStream, take: TakePath) -> DeviceLaunch {
-        let words = paths.rays.iter().enumerate().map(|(i, ray)| {
-            let [pixel, sample] = paths.samples.get(i).copied().unwrap_or_default();
-            let [a, b, c, d, e, f, ..] = words(&ray, 0.0, NONE);
-            let [g, h, j, k] = paths.media.get(i).copied().unwrap_or_default();
-            [a, b, c, d, e, f, pixel, sample, g, h, j, k]
+        let words = paths.rays.iter().enumerate().flat_map(|(i, ray)| {
+            let sample = paths.samples.get(i).copied().unwrap_or_default();
+            let media = paths.media.get(i).copied().unwrap_or_default();
+            words(&ray, sample).into_iter().chain(media)
         });
-        self.answer::<N_START, N_RESULTS>(Kernel::PATH, words, paths.rays.len(), |(i, result)| {
+        self.answer::<N_RESULTS>(Kernel::PATH, words, paths.rays.len(), |(i, result)| {
             let (path, hit) = followed(result);
             take(i, &path, hit);
         })
@@ -347,18 +312,15 @@ fn followed(result: &[u32; N_RESULTS]) -> (FollowedPath, Option<Hit>) {
     (path, hit([t, primitive, instance]))
 }
 
-/// Returns the words of a ray: origin, direction, limit and ignored object.
-fn words(ray: &Ray, limit: f32, ignored: u32) -> [u32; N_IN] {
-    let Ray { origin, direction } = ray;
-    let [x, y, z] = origin.to_array().map(f32::to_bits);
-    let [u, v, w] = direction.to_array().map(f32::to_bits);
-    [x, y, z, u, v, w, limit.to_bits(), ignored]
+/// Returns the words of a ray: origin, direction, and two more.
+fn words(ray: &Ray, [a, b]: [u32; 2]) -> [u32; 8] {
+    let [x, y, z] = ray.origin.to_array().map(f32::to_bits);
+    let [u, v, w] = ray.direction.to_array().map(f32::to_bits);
+    [x, y, z, u, v, w, a, b]
 }
 
 impl fmt::Debug for DeviceScene<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("DeviceScene")
-            .field(&self.device.name())
-            .finish()
+        f.debug_tuple("DeviceScene").field(&self.device).finish()
     }
 }

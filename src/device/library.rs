@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use crate::program::Kernel;
 use base::stop;
 use host::start_detached;
+use tracer::cost::KernelWork;
 
 /// Rays or triples of a launch that share a group.
 pub(crate) const GROUP: usize = 64;
@@ -80,14 +81,12 @@ pub(crate) trait LibraryDevice: Send + Sync {
 pub(crate) trait DeviceProgram: Send + Sync {
     /// Copies the arrays of a scene to the device's memory; none is empty. A kernel has as many of
     /// them as first arguments as it reads: [`Kernel::n_arrays`].
-    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault>;
+    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<LoadedProgram, DeviceFault>;
 }
 
-/// A program with the arrays of a scene.
-pub(crate) trait LoadedProgram: Send + Sync {
-    /// Creates a queue.
-    fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault>;
-}
+/// Creates queues of a program with the arrays of a scene.
+pub(crate) type LoadedProgram =
+    Box<dyn Fn() -> Result<Box<dyn LaunchQueue>, DeviceFault> + Send + Sync>;
 
 /// A queue with memory for the input and the output of launches, reused from launch to launch.
 pub(crate) trait LaunchQueue: Send {
@@ -104,20 +103,8 @@ pub(crate) trait LaunchQueue: Send {
         n: usize,
     ) -> Result<f64, DeviceFault>;
 
-    /// Returns what the library says about a kernel.
-    fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault>;
-}
-
-/// What a library says about a kernel; `None` where it says nothing.
-pub(crate) struct KernelFacts {
-    /// Number of items that run in lockstep.
-    pub(crate) warp_size: Option<usize>,
-    /// Bytes of memory of an item beyond registers.
-    pub(crate) private_bytes: Option<u64>,
-    /// Registers of an item.
-    pub(crate) registers: Option<usize>,
-    /// Share of a compute unit's warps that the kernel can fill, 0 to 1.
-    pub(crate) occupancy: Option<f64>,
+    /// Returns the work of a kernel that was not launched, with what the library says about it.
+    fn facts(&mut self, kernel: Kernel) -> Result<KernelWork, DeviceFault>;
 }
 
 /// Compiles a program, without trust in the compiler: one that hangs keeps its thread.

@@ -89,24 +89,16 @@ impl MultiprocessorTimes {
 
 /// Returns the runs of a launch, given the results of its paths; none if the device does not say.
 pub(crate) fn runs_of(results: &[[u32; N_RESULTS]]) -> Vec<DeviceSpan> {
-    let mut runs: Vec<DeviceSpan> = Vec::new();
-    for &[.., low, high, ns, _, number] in results {
-        if number == NONE {
-            break;
-        }
+    let runs = results.iter().map_while(|&[.., low, high, ns, _, number]| {
         let begin_ns = u64::from(high) << 32 | u64::from(low);
-        let run = DeviceSpan {
+        (number != NONE).then_some(DeviceSpan {
             number,
             paths: 1,
             begin_ns,
             end_ns: begin_ns + u64::from(ns),
-        };
-        // A group's paths follow each other: few runs are left to sort.
-        match runs.last_mut() {
-            Some(last) if run.continues(last, LEAST_PAUSE_NS) => last.add(&run),
-            _ => runs.push(run),
-        }
-    }
+        })
+    });
+    let mut runs = runs.collect();
     join(&mut runs, LEAST_PAUSE_NS);
     runs
 }
@@ -114,14 +106,17 @@ pub(crate) fn runs_of(results: &[[u32; N_RESULTS]]) -> Vec<DeviceSpan> {
 /// Sorts runs by multiprocessor and time, and joins runs that continue one another, as in launches of
 /// several threads.
 fn join(runs: &mut Vec<DeviceSpan>, least_pause_ns: u64) {
-    runs.sort_unstable_by_key(|run| (run.number, run.begin_ns));
-    runs.dedup_by(|next, last| {
+    let joins = |next: &mut DeviceSpan, last: &mut DeviceSpan| {
         let is_same = next.continues(last, least_pause_ns);
         if is_same {
             last.add(next);
         }
         is_same
-    });
+    };
+    // A group's paths follow each other: few runs are left to sort.
+    runs.dedup_by(joins);
+    runs.sort_unstable_by_key(|run| (run.number, run.begin_ns));
+    runs.dedup_by(joins);
 }
 
 #[cfg(test)]
@@ -132,16 +127,9 @@ mod tests {
 
     /// Returns the results of a path that begins at the millisecond `begin` and takes `ns`.
     fn path(number: u32, begin: u64, ns: u64) -> [u32; N_RESULTS] {
-        let begin_ns = begin * MS;
+        let [low, high] = [begin * MS, (begin * MS) >> 32].map(|ns| ns as u32);
         let mut result = [0; N_RESULTS];
-        let times = [
-            begin_ns as u32,
-            (begin_ns >> 32) as u32,
-            ns as u32,
-            0,
-            number,
-        ];
-        result[N_RESULTS - 5..].copy_from_slice(&times);
+        result[N_RESULTS - 5..].copy_from_slice(&[low, high, ns as u32, 0, number]);
         result
     }
 
@@ -191,15 +179,10 @@ mod tests {
         }
         let runs = times.take();
         let runs = runs.iter().map(|run| {
-            let ns = (run.end - run.begin).as_nanos() as u64;
-            (run.number, run.paths, ns)
+            let us = (run.end - run.begin).as_micros();
+            (run.number, run.paths, us)
         });
-        let expected = [
-            (1, 3, 10 * MS),
-            (2, 1, 5 * MS),
-            (2, 1, 5 * MS),
-            (2, 1, MS - 9000),
-        ];
+        let expected = [(1, 3, 10_000), (2, 1, 5000), (2, 1, 5000), (2, 1, 991)];
         assert_eq!(runs.collect::<Vec<_>>(), expected);
     }
 

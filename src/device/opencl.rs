@@ -19,13 +19,10 @@ use opencl3::platform::{Platform, get_platforms};
 use opencl3::program::Program;
 
 use crate::library::{
-    DeviceFault, DeviceProgram, GROUP, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram,
-    MAX_LAUNCH, wait,
+    DeviceFault, DeviceProgram, GROUP, LaunchQueue, LibraryDevice, LoadedProgram, MAX_LAUNCH, wait,
 };
 use crate::program::Kernel;
-
-/// The names of what differs between the languages of devices.
-const PRELUDE: &str = include_str!("program/opencl.cl");
+use tracer::cost::KernelWork;
 
 impl From<ClError> for DeviceFault {
     fn from(error: ClError) -> Self {
@@ -42,16 +39,12 @@ pub(crate) fn list() -> Result<Vec<Arc<dyn LibraryDevice>>, DeviceFault> {
     let of = |platform: &Platform| platform.get_devices(CL_DEVICE_TYPE_ALL).unwrap_or_default();
     let all = platforms.iter().flat_map(of);
     let mut all: Vec<_> = all.map(Device::new).collect();
-    all.sort_by_key(|device| !is_gpu(device));
+    let is_gpu = |kind: u64| kind & CL_DEVICE_TYPE_GPU != 0;
+    all.sort_by_key(|device| !device.dev_type().is_ok_and(is_gpu));
     let listed = all
         .into_iter()
         .map(|device| Arc::new(OpenClDevice(device)) as _);
     Ok(listed.collect())
-}
-
-fn is_gpu(device: &Device) -> bool {
-    let kind = device.dev_type();
-    kind.is_ok_and(|kind| kind & CL_DEVICE_TYPE_GPU != 0)
 }
 
 struct OpenClDevice(Device);
@@ -93,7 +86,8 @@ impl LibraryDevice for OpenClDevice {
         if device.extensions()?.contains("cl_khr_kernel_clock") {
             options += " -cl-std=CL3.0";
         }
-        let text = PRELUDE.to_owned() + text;
+        // The names of what differs between the languages of devices come first.
+        let text = include_str!("program/opencl.cl").to_owned() + text;
         let program = Program::create_and_build_from_source(&context, &text, &options);
         Ok(Arc::new(OpenClProgram {
             program: program.map_err(|log| DeviceFault::of_build(&log))?,
@@ -110,30 +104,20 @@ struct OpenClProgram {
 }
 
 impl DeviceProgram for OpenClProgram {
-    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault> {
+    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<LoadedProgram, DeviceFault> {
         let arrays = arrays.iter().map(|array| self.upload(array));
-        Ok(Arc::new(OpenClScene {
-            arrays: arrays.collect::<Result<_, _>>()?,
-            program: self,
-        }))
-    }
-}
-
-struct OpenClScene {
-    program: Arc<OpenClProgram>,
-    arrays: Vec<Buffer<u32>>,
-}
-
-impl LoadedProgram for OpenClScene {
-    fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        let program = &self.program;
-        Ok(Box::new(OpenClQueue {
-            queue: CommandQueue::create_default(&program.context, CL_QUEUE_PROFILING_ENABLE)?,
-            input: program.allocate(1)?,
-            output: program.allocate(1)?,
-            kernels: Vec::new(),
-            scene: self,
-        }))
+        let arrays = arrays.collect::<Result<Arc<[_]>, _>>()?;
+        let queue = move || -> Result<Box<dyn LaunchQueue>, DeviceFault> {
+            Ok(Box::new(OpenClQueue {
+                queue: CommandQueue::create_default(&self.context, CL_QUEUE_PROFILING_ENABLE)?,
+                input: self.allocate(1)?,
+                output: self.allocate(1)?,
+                kernels: Vec::new(),
+                program: Arc::clone(&self),
+                arrays: Arc::clone(&arrays),
+            }))
+        };
+        Ok(Box::new(queue))
     }
 }
 
@@ -169,7 +153,8 @@ impl OpenClProgram {
 }
 
 struct OpenClQueue {
-    scene: Arc<OpenClScene>,
+    program: Arc<OpenClProgram>,
+    arrays: Arc<[Buffer<u32>]>,
     queue: CommandQueue,
     input: Buffer<u32>,
     output: Buffer<u32>,
@@ -183,7 +168,7 @@ impl OpenClQueue {
         if let Some(index) = self.kernels.iter().position(|&(known, _)| known == kernel) {
             return Ok(index);
         }
-        let created = kernel::Kernel::create(&self.scene.program.program, kernel.name)?;
+        let created = kernel::Kernel::create(&self.program.program, kernel.name)?;
         self.kernels.push((kernel, created));
         Ok(self.kernels.len() - 1)
     }
@@ -198,11 +183,10 @@ impl LaunchQueue for OpenClQueue {
         n: usize,
     ) -> Result<f64, DeviceFault> {
         let index = self.index(kernel)?;
-        let OpenClScene { program, arrays } = &*self.scene;
         let input_and_len = (&mut self.input, input.len());
         for (buffer, len) in [input_and_len, (&mut self.output, output.len())] {
             if buffer.size()? < 4 * len {
-                *buffer = program.allocate(len)?;
+                *buffer = self.program.allocate(len)?;
             }
         }
         // SAFETY: the kernels' parameters are such arrays in this order, the buffers are large enough,
@@ -212,13 +196,11 @@ impl LaunchQueue for OpenClQueue {
             self.queue
                 .enqueue_write_buffer(&mut self.input, 0, 0, input, &[])?;
             let mut launch = ExecuteKernel::new(&self.kernels[index].1);
-            for array in &arrays[..kernel.n_arrays] {
+            let buffers = [&self.input, &self.output];
+            for array in self.arrays[..kernel.n_arrays].iter().chain(buffers) {
                 launch.set_arg(array);
             }
-            launch
-                .set_arg(&self.input)
-                .set_arg(&self.output)
-                .set_arg(&(n as u32));
+            launch.set_arg(&(n as u32));
             launch.set_global_work_size(n.next_multiple_of(GROUP));
             launch.set_local_work_size(GROUP);
             let launched = launch.enqueue_nd_range(&self.queue)?;
@@ -232,25 +214,22 @@ impl LaunchQueue for OpenClQueue {
                     status => Ok((status == CL_COMPLETE).then_some(())),
                 })?;
             }
-            let [begin, end] = [
-                launched.profiling_command_start()?,
-                launched.profiling_command_end()?,
-            ];
+            let begin = launched.profiling_command_start()?;
+            let end = launched.profiling_command_end()?;
             Ok(end.saturating_sub(begin) as f64)
         }
     }
 
-    fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
+    fn facts(&mut self, kernel: Kernel) -> Result<KernelWork, DeviceFault> {
         let index = self.index(kernel)?;
-        let (program, created) = (&self.scene.program, &self.kernels[index].1);
+        let (program, created) = (&self.program, &self.kernels[index].1);
         let device = program.device.id();
         let warp = program.sub_group(created);
         let warp = warp.or_else(|| created.get_work_group_size_multiple(device).ok());
-        Ok(KernelFacts {
+        Ok(KernelWork {
             warp_size: warp.filter(|&n| n > 0),
             private_bytes: created.get_private_mem_size(device).ok(),
-            registers: None,
-            occupancy: None,
+            ..KernelWork::default()
         })
     }
 }

@@ -37,15 +37,17 @@ impl DeviceLibrary {
         }
     }
 
-    /// Returns help where it lists no device.
-    fn remedy(self) -> &'static str {
-        match self {
+    /// Returns that it lists no device, and why, if that is known.
+    fn lists_none(self, why: &str) -> DeviceError {
+        let remedy = match self {
             Self::OpenCl => {
                 "install the driver of the graphics card, or PoCL for the processor: Debian's packages are \
                  `ocl-icd-libopencl1` and `pocl-opencl-icd`"
             }
             Self::Cuda => "install the driver of NVIDIA's card, or render without `--device`",
-        }
+        };
+        let message = format!("the system lists no {} device{why}", self.name());
+        DeviceError::Missing(Diagnostic::new(message).with_help(remedy))
     }
 }
 
@@ -73,14 +75,20 @@ impl Device {
     /// # Errors
     /// There is none, or its arithmetic differs from IEEE 754's; the message says what there is.
     pub fn open(library: DeviceLibrary, name: Option<&str>) -> Result<Self, DeviceError> {
-        let mut all = library.list().map_err(|fault| {
-            let message = format!("the system lists no {} device: {fault}", library.name());
-            DeviceError::Missing(Diagnostic::new(message).with_help(library.remedy()))
-        })?;
-        let wanted = name.unwrap_or_default().to_lowercase();
-        let is_wanted = |name: String| name.to_lowercase().contains(&wanted);
-        let Some(found) = all.iter().position(|machine| is_wanted(machine.name())) else {
-            return Err(DeviceError::Missing(no_device(library, &all, name)));
+        let listed = library.list();
+        let mut all = listed.map_err(|fault| library.lists_none(&format!(": {fault}")))?;
+        let wanted = name.unwrap_or_default();
+        let is_wanted = |name: &String| name.to_lowercase().contains(&wanted.to_lowercase());
+        let names: Vec<_> = all.iter().map(|machine| machine.name()).collect();
+        let Some(found) = names.iter().position(is_wanted) else {
+            if names.is_empty() {
+                return Err(library.lists_none(""));
+            }
+            let message = format!("no {} device has `{wanted}` in its name", library.name());
+            let help = format!("there is `{}`", names.join("`, `"));
+            return Err(DeviceError::Missing(
+                Diagnostic::new(message).with_help(help),
+            ));
         };
         let machine = all.swap_remove(found);
         let name = machine.name();
@@ -137,23 +145,4 @@ pub(crate) fn failed(name: &str, fault: &DeviceFault) -> DeviceError {
     }
     let message = format!("the device {name} fails: {fault}");
     DeviceError::Failed(Diagnostic::new(message).with_help(OTHER_DEVICE))
-}
-
-/// Returns the message that no device has such a name.
-fn no_device(
-    library: DeviceLibrary,
-    all: &[Arc<dyn LibraryDevice>],
-    name: Option<&str>,
-) -> Diagnostic {
-    let names: Vec<_> = all
-        .iter()
-        .map(|listed| format!("`{}`", listed.name()))
-        .collect();
-    let library_name = library.name();
-    if let (Some(name), false) = (name, names.is_empty()) {
-        let message = format!("no {library_name} device has `{name}` in its name");
-        return Diagnostic::new(message).with_help(format!("there is {}", names.join(", ")));
-    }
-    Diagnostic::new(format!("the system lists no {library_name} device"))
-        .with_help(library.remedy())
 }

@@ -14,8 +14,6 @@ use crate::tape::{Register, Tables, Tape};
 
 /// Words of a followed path.
 pub(crate) const N_RESULTS: usize = 18 + N_BOUNCES;
-/// Words of a path at its start: its ray, pixel, sample and media.
-pub(crate) const N_START: usize = 8 + N_MEDIA;
 /// Places for the media of a path.
 const N_MEDIA: usize = 4;
 
@@ -23,12 +21,9 @@ const N_MEDIA: usize = 4;
 pub(crate) struct RecordedPaths {
     /// The functions, and the rules of the loop.
     pub(crate) text: String,
-    /// For each primitive the number of its kind, and the start of its numbers in `data`.
-    pub(crate) surfaces: Vec<u32>,
-    pub(crate) data: Vec<f32>,
-    /// The numbers of the instances.
-    pub(crate) places: Vec<f32>,
-    pub(crate) tables: Vec<u32>,
+    /// For each primitive the number of its kind, and the start of its numbers in the second array;
+    /// the numbers of the primitives; the numbers of the instances; and the tables.
+    pub(crate) arrays: [Vec<u32>; 4],
 }
 
 impl RecordedPaths {
@@ -65,13 +60,9 @@ impl RecordedPaths {
         };
         let kinds: Vec<_> = kinds.into_iter().collect();
         let (text, tables) = recorder.record(&kinds)?;
-        Ok(Self {
-            text,
-            surfaces,
-            data,
-            places,
-            tables,
-        })
+        let [data, places] = [data, places].map(bytemuck::cast_vec);
+        let arrays = [surfaces, data, places, tables];
+        Ok(Self { text, arrays })
     }
 }
 
@@ -89,10 +80,11 @@ const STATE: &str = "const float *in, GLOBAL const uint *data, GLOBAL const uint
                      GLOBAL const uint *tables, float *out";
 
 impl PathRecorder<'_> {
-    /// Returns the text of all functions and rules for surfaces of these kinds, and the tables that
-    /// they read.
+    /// Returns the text of all functions and rules for surfaces of these kinds, and the tables: of
+    /// look-ups, the media, the constants, and the rules of the kinds.
     fn record(mut self, kinds: &[SurfaceKind]) -> Result<(String, Vec<u32>), String> {
-        let rules = self.formulas.rules();
+        let formulas = self.formulas;
+        let rules = formulas.rules();
         let lights: Vec<usize> = (0..rules.n_lights).collect();
         // The loop calls nothing else.
         let lit = if rules.n_lights > 0 { kinds } else { &[] };
@@ -112,15 +104,7 @@ impl PathRecorder<'_> {
         self.by_number("background", &[()], |step, ()| step.background())?;
         self.by_number("flight", &[()], |step, ()| step.flight())?;
         self.by_number("fade", &[()], |step, ()| step.fade())?;
-        Ok(self.finish(&rules, kinds))
-    }
-
-    /// Returns the text with the rules of the loop, and the tables: of look-ups, the media, the
-    /// constants, and the rules of the kinds of surfaces.
-    fn finish(self, rules: &PathRules, kinds: &[SurfaceKind]) -> (String, Vec<u32>) {
-        let formulas = self.formulas;
-        let mut tables = self.tables.into_words();
-        let mut text = String::new();
+        let (mut text, mut tables) = (String::new(), self.tables.into_words());
         let mut append = |name: &str, words: Vec<u32>| {
             let _ = writeln!(text, "#define {name} {}ul", tables.len());
             tables.extend(words);
@@ -131,7 +115,7 @@ impl PathRecorder<'_> {
         append("FIRST_CONSTANT", self.constants);
         let kinds = kinds.iter().map(|kind| kind_rules(formulas, *kind));
         append("FIRST_KIND", kinds.collect());
-        (text + &self.text + &defines(rules), tables)
+        Ok((text + &self.text + &defines(&rules), tables))
     }
 
     /// Records a step for each of these kinds or lights: as one function where only constants
@@ -186,17 +170,10 @@ impl PathRecorder<'_> {
 /// material plus 1 if a medium is behind the surface.
 fn kind_rules(formulas: &PathFormulas, kind: SurfaceKind) -> u32 {
     let rules = formulas.surface(formulas.material(kind));
-    let medium = if rules.is_medium {
-        kind.class.material().0 + 1
-    } else {
-        0
-    };
-    let flags = [rules.is_lit, rules.continues, rules.is_open, rules.is_veil];
-    let bits = flags
-        .into_iter()
-        .zip(0..)
-        .map(|(flag, i)| u32::from(flag) << i);
-    bits.sum::<u32>() | medium << flags.len()
+    let medium = u32::from(rules.is_medium) * (kind.class.material().0 + 1);
+    let flags = [rules.is_veil, rules.is_open, rules.continues, rules.is_lit];
+    let with = |bits: u32, flag: bool| bits << 1 | u32::from(flag);
+    flags.into_iter().fold(medium, with)
 }
 
 /// Returns the start of the next numbers in an array of this length.

@@ -93,7 +93,7 @@ fn expression(instructions: &[Instruction], number: usize, word: Option<&usize>)
         Operation::Negate => format!("-{a}"),
         Operation::Min => format!("{a} < {b} ? {a} : {b}"),
         Operation::Max => format!("{a} > {b} ? {a} : {b}"),
-        Operation::Sqrt => format!("SQRT({a})"),
+        Operation::Sqrt => format!("sqrt({a})"),
         Operation::FlipSign => {
             format!("FLOAT_OF(BITS_OF({a}) ^ (BITS_OF({b}) & 0x80000000u))")
         }

@@ -33,8 +33,9 @@ pub(crate) fn refute(device: &Arc<dyn LibraryDevice>) -> Result<Option<String>, 
     let input: Vec<u32> = (0..3 * N_TRIPLES as u64).map(number).collect();
     let output = vec![0; RESULTS.len() * N_TRIPLES];
     let program = compile(device, include_str!("program/arithmetic.cl").to_owned())?;
+    let queue = program.load(&[])?;
     // After an error, all stay.
-    let mut held = ManuallyDrop::new((program.load(&[])?.queue()?, input, output));
+    let mut held = ManuallyDrop::new((queue()?, input, output));
     let (queue, input, output) = &mut *held;
     queue.launch(Kernel::ARITHMETIC, input, output, N_TRIPLES)?;
     let (_, input, output) = ManuallyDrop::into_inner(held);

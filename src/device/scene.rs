@@ -13,8 +13,11 @@ use crate::program::INSTANCE;
 
 /// A primitive that a leaf holds has no record.
 const NO_RECORD: u32 = u32::MAX;
+/// Shapes whose parameters the leaves of a hierarchy hold.
+const IN_LEAVES: [ShapeKind; 3] = [ShapeKind::Triangle, ShapeKind::Sphere, ShapeKind::Capsule];
 
 /// The arrays of a scene.
+#[derive(Default)]
 pub(crate) struct SceneArrays<'a> {
     /// The cache lines of all levels; borrowed where there is one.
     pub(crate) lines: Cow<'a, [f32]>,
@@ -48,20 +51,17 @@ impl<'a> SceneArrays<'a> {
         let depth = |levels: &[LevelArrays]| levels.iter().map(|level| level.n_levels).max();
         let (upper, lower) = levels.split_at(1);
         let mut arrays = Self {
-            lines: Cow::Borrowed(&[]),
-            levels: Vec::new(),
-            unbounded: Vec::new(),
-            primitives: Vec::new(),
-            records: Vec::new(),
             world_levels: depth(upper).unwrap_or(0),
             mesh_levels: depth(lower),
+            ..Self::default()
         };
         for level in &levels {
             arrays.push_level(level);
         }
         let is_brute_force = levels.iter().any(|level| level.lines.is_empty());
         for (i, primitive) in (0..).zip(world.primitives) {
-            let has_record = is_brute_force || !is_in_leaf(primitive);
+            let is_in_leaf = |kind| IN_LEAVES.contains(&kind);
+            let has_record = is_brute_force || !primitive.kind().is_some_and(is_in_leaf);
             let start = next_start(arrays.records.len(), "shapes and instances")?;
             let record = if has_record { start } else { NO_RECORD };
             arrays.primitives.extend([primitive.object.0, record]);
@@ -104,38 +104,24 @@ impl<'a> SceneArrays<'a> {
         let columns = primitive.placement().map(Transform::object_from_world);
         let kind = primitive.shape_kind() as u32;
         self.records.extend([kind, columns.is_some().into()]);
-        self.push_numbers(&primitive.parameters());
-        self.push_vectors(&columns.unwrap_or_default());
+        self.push_numbers(primitive.parameters());
+        let columns = columns.unwrap_or_default();
+        self.push_numbers(columns.iter().flat_map(Vec3::to_array));
     }
 
     fn push_instance(&mut self, instances: &Instances, id: InstanceId, bounds: &Primitive) {
         let instance = instances.get(id);
         let first = instances.mesh_of(id).triangles.start;
-        self.records
-            .extend([INSTANCE, id.0 + 1, instance.mesh + 1, first]);
+        let head = [INSTANCE, id.0 + 1, instance.mesh + 1, first];
+        self.records.extend(head);
         let bounds = bounds.bounds();
-        let largest = bounds.largest();
-        self.push_numbers(&[largest]);
-        self.push_vectors(&[bounds.min, bounds.max]);
-        self.push_vectors(&instance.transform.mesh_from_world());
+        self.push_numbers([bounds.largest()]);
+        let bounds = [bounds.min, bounds.max];
+        let columns = instance.transform.mesh_from_world();
+        self.push_numbers(bounds.iter().chain(&columns).flat_map(Vec3::to_array));
     }
 
-    fn push_vectors(&mut self, vectors: &[Vec3]) {
-        vectors
-            .iter()
-            .for_each(|v| self.push_numbers(&v.to_array()));
+    fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f32>) {
+        self.records.extend(numbers.into_iter().map(f32::to_bits));
     }
-
-    fn push_numbers(&mut self, numbers: &[f32]) {
-        self.records
-            .extend(numbers.iter().map(|number| number.to_bits()));
-    }
-}
-
-/// Returns true if the leaves of a hierarchy hold the primitive's parameters.
-fn is_in_leaf(primitive: &Primitive) -> bool {
-    matches!(
-        primitive.kind(),
-        Some(ShapeKind::Triangle | ShapeKind::Sphere | ShapeKind::Capsule)
-    )
 }

@@ -111,10 +111,8 @@ impl Tables {
 
     /// Returns the function of each table, and the index of its first word.
     pub(crate) fn all(&self) -> Vec<(&'static str, u64)> {
-        let all = self.all.borrow();
-        all.iter()
-            .map(|(table, first)| (table.function, *first))
-            .collect()
+        let place = |(table, first): (&DeviceTable, &u64)| (table.function, *first);
+        self.all.borrow().iter().map(place).collect()
     }
 
     /// Returns the words of all tables.
@@ -129,22 +127,6 @@ pub(crate) struct Program {
     pub(crate) instructions: Vec<Instruction>,
     /// The registers of its results.
     pub(crate) results: Vec<u32>,
-}
-
-/// Returns for each instruction if a result depends on it.
-fn used(instructions: &[Instruction], results: &[u32]) -> Vec<bool> {
-    let mut is_used = vec![false; instructions.len()];
-    for &result in results {
-        is_used[result as usize] = true;
-    }
-    for (number, instruction) in instructions.iter().enumerate().rev() {
-        if is_used[number] {
-            for operand in instruction.operands.into_iter().flatten() {
-                is_used[operand as usize] = true;
-            }
-        }
-    }
-    is_used
 }
 
 /// The result of an instruction.
@@ -179,33 +161,31 @@ impl<'t> Tape<'t> {
         self.refusal.get().copied()
     }
 
-    fn refuse(&self, reason: &'static str) {
-        self.refusal.get_or_init(|| reason);
-    }
-
     /// Returns the program that computes these results.
     pub(crate) fn program(&self, results: &[Register]) -> Program {
         let instructions = self.instructions.borrow();
-        let results: Vec<u32> = results.iter().map(|result| result.number).collect();
-        // Keep the instructions that results depend on, and number these anew.
-        let is_used = used(&instructions, &results);
+        // Find the instructions that results depend on.
+        let mut is_used = vec![false; instructions.len()];
+        for result in results {
+            is_used[result.number as usize] = true;
+        }
+        for (number, instruction) in instructions.iter().enumerate().rev() {
+            for operand in instruction.operands.into_iter().flatten() {
+                is_used[operand as usize] |= is_used[number];
+            }
+        }
+        // Number these anew.
         let mut numbers = vec![0; instructions.len()];
         let mut kept = Vec::new();
-        for (i, instruction) in instructions.iter().enumerate().filter(|(i, _)| is_used[*i]) {
-            let anew = |operand: Option<u32>| operand.map(|before| numbers[before as usize]);
-            let operands = instruction.operands.map(anew);
+        for (i, &of) in instructions.iter().enumerate().filter(|(i, _)| is_used[*i]) {
             numbers[i] = kept.len() as u32;
-            kept.push(Instruction {
-                operands,
-                ..*instruction
-            });
+            let operands = of.operands.map(|before| Some(numbers[before? as usize]));
+            kept.push(Instruction { operands, ..of });
         }
+        let results = results.iter().map(|of| numbers[of.number as usize]);
         Program {
+            results: results.collect(),
             instructions: kept,
-            results: results
-                .iter()
-                .map(|&result| numbers[result as usize])
-                .collect(),
         }
     }
 
@@ -294,7 +274,7 @@ impl Arithmetic for Register<'_> {
 /// A straight program has no branches on lanes.
 impl Mask for Register<'_> {
     fn bits(self) -> u8 {
-        self.tape.refuse("bits of masks");
+        self.tape.refusal.get_or_init(|| "bits of masks");
         0
     }
 
@@ -334,17 +314,12 @@ impl Real for Register<'_> {
         let tape = at[0].tape;
         let tables = tape.tables.ok_or("a look-up");
         let found = tables.and_then(|tables| Ok(tables.index(table.on_device()?)));
-        let table = match found {
-            Ok(table) => table,
-            Err(reason) => {
-                tape.refuse(reason);
-                return [at[0]; M];
-            }
-        };
-        let look_up = Operation::LookUp {
-            table,
-            n_values: M as u32,
-        };
+        let table = found.unwrap_or_else(|reason| {
+            tape.refusal.get_or_init(|| reason);
+            0
+        });
+        let n_values = M as u32;
+        let look_up = Operation::LookUp { table, n_values };
         let first = tape.push(look_up, Type::Float, &at);
         std::array::from_fn(|i| match i {
             0 => first,
@@ -390,104 +365,79 @@ impl Double for Register<'_> {
 
 #[cfg(test)]
 impl Program {
+    /// Checks that the results for these numbers are the expected ones, to the bit but for NaN.
+    pub(crate) fn check(&self, input: [&[f32]; 3], expected: &[f32]) -> Result<(), String> {
+        let found = self.evaluate(input);
+        let is_same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+        let are_same = found.len() == expected.len() && found.iter().zip(expected).all(is_same);
+        let difference = || format!("{found:?} is not {expected:?}");
+        are_same.then_some(()).ok_or_else(difference)
+    }
+
     /// Computes the results for these numbers, one instruction after the other; not with tables.
     ///
     /// The numbers are inputs, then the primitive's and the instance's.
-    pub(crate) fn evaluate(&self, input: [&[f32]; 3]) -> Vec<f32> {
+    fn evaluate(&self, input: [&[f32]; 3]) -> Vec<f32> {
         let mut registers: Vec<u64> = Vec::new();
         for instruction in &self.instructions {
-            let operands = instruction.operands.map(|operand| {
-                let i = operand.unwrap_or(0) as usize;
-                let ty = self.instructions[i].result;
-                (ty, registers.get(i).copied().unwrap_or(0))
-            });
-            registers.push(instruction.evaluate(input, operands));
+            let operands = instruction.operands.map(|of| of.unwrap_or(0) as usize);
+            let ty = self.instructions[operands[0]].result;
+            let bits = operands.map(|i| registers.get(i).copied().unwrap_or(0));
+            registers.push(instruction.evaluate(input, ty, bits));
         }
-        let results = self.results.iter();
-        results
-            .map(|&number| f32::from_bits(registers[number as usize] as u32))
-            .collect()
+        let bits = self.results.iter().map(|&i| registers[i as usize]);
+        bits.map(|bits| f32::from_bits(bits as u32)).collect()
     }
 }
 
 #[cfg(test)]
 impl Instruction {
-    /// Returns the bits of the result, given the types and the bits of the operands.
-    fn evaluate(&self, input: [&[f32]; 3], operands: [(Type, u64); 3]) -> u64 {
-        let [(ty, a), (_, b), (_, c)] = operands;
+    /// Returns the bits of the result, given the type of the first operand and the bits of all.
+    fn evaluate(&self, input: [&[f32]; 3], ty: Type, [a, b, c]: [u64; 3]) -> u64 {
         let number = |of: usize, i: u32| u64::from(input[of][i as usize].to_bits());
-        match (self.operation, ty) {
-            (Operation::Input(i), _) => number(0, i),
-            (Operation::Data(i), _) => number(1, i),
-            (Operation::Place(i), _) => number(2, i),
-            (Operation::Constant(bits), _) => bits,
-            (Operation::Select, _) => {
-                if a == 0 {
-                    c
-                } else {
-                    b
-                }
-            }
-            (Operation::Bits, _) => a,
-            (operation, Type::Unsigned) => of_integers(operation, self.result, a as u32, b as u32),
-            (operation, Type::Boolean) => match operation {
-                Operation::And => a & b,
-                Operation::Or => a | b,
-                Operation::Not => a ^ 1,
-                other => panic!("{other:?} of booleans"),
+        let [i, j] = [a as u32, b as u32];
+        let [x, y] = [i, j].map(f32::from_bits);
+        let [u, v] = [a, b].map(f64::from_bits);
+        let float = match (self.operation, ty) {
+            (Operation::Input(i), _) => return number(0, i),
+            (Operation::Data(i), _) => return number(1, i),
+            (Operation::Place(i), _) => return number(2, i),
+            (Operation::Constant(bits), _) => return bits,
+            (Operation::Select, _) => return if a == 0 { c } else { b },
+            (Operation::Bits, _) => return a,
+            (Operation::And, Type::Boolean | Type::Unsigned) => return a & b,
+            (Operation::Or, Type::Boolean) => return a | b,
+            (Operation::Not, Type::Boolean) => return a ^ 1,
+            (Operation::Xor, Type::Unsigned) => return a ^ b,
+            (Operation::Add, Type::Unsigned) => return i.plus(j).into(),
+            (Operation::Multiply, Type::Unsigned) => return i.times(j).into(),
+            (Operation::ShiftLeft(n), Type::Unsigned) => return (i << n).into(),
+            (Operation::ShiftRight(n), Type::Unsigned) => return (i >> n).into(),
+            (Operation::Multiply, Type::Double) => return (u * v).to_bits(),
+            (Operation::ZeroBelow, Type::Double) => return u.zero_below(v).to_bits(),
+            (Operation::Less, Type::Float) => return (x < y).into(),
+            (Operation::LessOrEqual, Type::Float) => return (x <= y).into(),
+            (Operation::Convert, Type::Float) => match self.result {
+                Type::Double => return f64::from(x).to_bits(),
+                _ => return Real::to_integer(x).into(),
             },
-            (operation, Type::Float) => {
-                let [a, b] = [a, b].map(|bits| f32::from_bits(bits as u32));
-                of_floats(operation, self.result, a, b)
-            }
-            (operation, Type::Double) => {
-                let [a, b] = [a, b].map(f64::from_bits);
-                match operation {
-                    Operation::Multiply => (a * b).to_bits(),
-                    Operation::ZeroBelow => a.zero_below(b).to_bits(),
-                    Operation::Convert => u64::from((a as f32).to_bits()),
-                    other => panic!("{other:?} of doubles"),
-                }
-            }
-        }
+            (Operation::Convert, Type::Unsigned) => f32::from_integer(i),
+            (Operation::Convert, Type::Double) => u as f32,
+            (Operation::Add, Type::Float) => x + y,
+            (Operation::Subtract, Type::Float) => x - y,
+            (Operation::Multiply, Type::Float) => x * y,
+            (Operation::Divide, Type::Float) => x / y,
+            (Operation::Negate, Type::Float) => -x,
+            (Operation::Min, Type::Float) => Arithmetic::min(x, y),
+            (Operation::Max, Type::Float) => Arithmetic::max(x, y),
+            (Operation::Sqrt, Type::Float) => x.sqrt(),
+            (Operation::FlipSign, Type::Float) => x.flip_sign_by(y),
+            (Operation::Floor, Type::Float) => Real::floor(x),
+            (Operation::Truncate, Type::Float) => Real::trunc(x),
+            (other, ty) => panic!("{other:?} of {ty:?}"),
+        };
+        float.to_bits().into()
     }
-}
-
-#[cfg(test)]
-fn of_integers(operation: Operation, result: Type, a: u32, b: u32) -> u64 {
-    u64::from(match operation {
-        Operation::Add => a.plus(b),
-        Operation::Multiply => a.times(b),
-        Operation::And => a & b,
-        Operation::Xor => a ^ b,
-        Operation::ShiftLeft(n) => a << n,
-        Operation::ShiftRight(n) => a >> n,
-        Operation::Convert if result == Type::Float => f32::from_integer(a).to_bits(),
-        other => panic!("{other:?} of integers"),
-    })
-}
-
-#[cfg(test)]
-fn of_floats(operation: Operation, result: Type, a: f32, b: f32) -> u64 {
-    let number = match operation {
-        Operation::Less => return (a < b).into(),
-        Operation::LessOrEqual => return (a <= b).into(),
-        Operation::Convert if result == Type::Double => return f64::from(a).to_bits(),
-        Operation::Convert => return Real::to_integer(a).into(),
-        Operation::Add => a + b,
-        Operation::Subtract => a - b,
-        Operation::Multiply => a * b,
-        Operation::Divide => a / b,
-        Operation::Negate => -a,
-        Operation::Min => Arithmetic::min(a, b),
-        Operation::Max => Arithmetic::max(a, b),
-        Operation::Sqrt => a.sqrt(),
-        Operation::FlipSign => a.flip_sign_by(b),
-        Operation::Floor => Real::floor(a),
-        Operation::Truncate => Real::trunc(a),
-        other => panic!("{other:?} of numbers"),
-    };
-    number.to_bits().into()
 }
 
 #[cfg(test)]

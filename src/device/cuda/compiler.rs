@@ -2,7 +2,7 @@
 //! `nvidia-cuda-nvrtc` (NVRTC, user guide).
 #![expect(unsafe_code, reason = "functions of C")]
 
-use std::ffi::{CString, c_char, c_int};
+use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::null;
 use std::sync::LazyLock;
 
@@ -19,11 +19,11 @@ const NAMES: [&str; 4] = [
 ];
 
 /// No fused operations, no flushed subnormals, and correct rounding.
-const OPTIONS: [&str; 4] = [
-    "--fmad=false",
-    "--ftz=false",
-    "--prec-div=true",
-    "--prec-sqrt=true",
+const OPTIONS: [&CStr; 4] = [
+    c"--fmad=false",
+    c"--ftz=false",
+    c"--prec-div=true",
+    c"--prec-sqrt=true",
 ];
 
 /// The compute capability, times 10, that the program needs at most: newer cards run it, too, and
@@ -60,11 +60,10 @@ impl Compiler {
     /// for the driver, whose arithmetic is exact.
     pub(super) fn compile(&self, text: &str, capability: c_int) -> Result<String, DeviceFault> {
         let capability = capability.min(CAPABILITY);
-        let options = [format!("--gpu-architecture=compute_{capability}")];
-        let options = options.into_iter().chain(OPTIONS.map(str::to_owned));
-        let options = options.map(|option| CString::new(option).unwrap_or_default());
-        let options: Vec<_> = options.collect();
-        let options: Vec<_> = options.iter().map(|option| option.as_ptr()).collect();
+        let architecture = format!("--gpu-architecture=compute_{capability}");
+        let architecture = CString::new(architecture).unwrap_or_default();
+        let options = OPTIONS.into_iter().chain([&*architecture]);
+        let options: Vec<_> = options.map(CStr::as_ptr).collect();
         let text = CString::new(text).unwrap_or_default();
         let mut program = 0;
         // SAFETY: the texts end with a zero and outlive the calls, which keep none of them; there are

@@ -14,16 +14,12 @@ mod ptx;
 use std::ffi::c_int;
 use std::sync::Arc;
 
-use crate::library::{
-    DeviceFault, DeviceProgram, KernelFacts, LaunchQueue, LibraryDevice, LoadedProgram,
-};
+use crate::library::{DeviceFault, DeviceProgram, LaunchQueue, LibraryDevice, LoadedProgram};
 use crate::program::Kernel;
 use compiler::Compiler;
 use context::{Context, CudaMemory, LOCAL_BYTES, Module, REGISTERS, Stream};
 use driver::{CAPABILITY, Driver, MAX_THREADS, WARP_SIZE};
-
-/// The names of what differs between the languages of devices.
-const PRELUDE: &str = include_str!("../program/cuda.cu");
+use tracer::cost::KernelWork;
 
 /// Returns the devices of the driver.
 ///
@@ -57,49 +53,41 @@ impl LibraryDevice for CudaDevice {
     fn compile(&self, text: &str) -> Result<Arc<dyn DeviceProgram>, DeviceFault> {
         let attribute = |attribute| self.driver.device_attribute(attribute, self.device);
         let [major, minor] = CAPABILITY.map(attribute);
-        let ptx = Compiler::open()?.compile(&(PRELUDE.to_owned() + text), 10 * major? + minor?)?;
+        // The names of what differs between the languages of devices come first.
+        let text = include_str!("../program/cuda.cu").to_owned() + text;
+        let ptx = Compiler::open()?.compile(&text, 10 * major? + minor?)?;
         let context = Arc::new(Context::new(&self.driver, self.device)?);
         Ok(Arc::new(Module::new(&context, &ptx)?))
     }
 }
 
 impl DeviceProgram for Module {
-    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<Arc<dyn LoadedProgram>, DeviceFault> {
-        let context = self.context();
-        let stream = Stream::new(context)?;
+    fn load(self: Arc<Self>, arrays: &[&[u32]]) -> Result<LoadedProgram, DeviceFault> {
+        let stream = Stream::new(self.context())?;
         let copy = |array: &&[u32]| {
-            let memory = CudaMemory::new(context, array.len())?;
+            let memory = CudaMemory::new(self.context(), array.len())?;
             stream.write(&memory, array)?;
             Ok(memory)
         };
         let arrays = arrays.iter().map(copy);
-        let arrays = arrays.collect::<Result<_, DeviceFault>>()?;
+        let arrays = arrays.collect::<Result<Arc<[_]>, DeviceFault>>()?;
         stream.wait()?;
-        Ok(Arc::new(CudaScene {
-            arrays,
-            module: self,
-        }))
-    }
-}
-
-struct CudaScene {
-    module: Arc<Module>,
-    arrays: Vec<CudaMemory>,
-}
-
-impl LoadedProgram for CudaScene {
-    fn queue(self: Arc<Self>) -> Result<Box<dyn LaunchQueue>, DeviceFault> {
-        Ok(Box::new(CudaQueue {
-            stream: Stream::new(self.module.context())?,
-            inputs: Vec::new(),
-            outputs: Vec::new(),
-            scene: self,
-        }))
+        let queue = move || -> Result<Box<dyn LaunchQueue>, DeviceFault> {
+            Ok(Box::new(CudaQueue {
+                stream: Stream::new(self.context())?,
+                inputs: Vec::new(),
+                outputs: Vec::new(),
+                module: Arc::clone(&self),
+                arrays: Arc::clone(&arrays),
+            }))
+        };
+        Ok(Box::new(queue))
     }
 }
 
 struct CudaQueue {
-    scene: Arc<CudaScene>,
+    module: Arc<Module>,
+    arrays: Arc<[CudaMemory]>,
     stream: Stream,
     /// Memory for the input and the output of launches, the longest last.
     inputs: Vec<CudaMemory>,
@@ -114,25 +102,25 @@ impl LaunchQueue for CudaQueue {
         output: &mut [u32],
         n: usize,
     ) -> Result<f64, DeviceFault> {
-        let CudaScene { module, arrays } = &*self.scene;
-        let context = module.context();
+        let context = self.module.context();
         let from = CudaMemory::last_of(&mut self.inputs, context, input.len())?;
         let to = CudaMemory::last_of(&mut self.outputs, context, output.len())?;
         self.stream.write(from, input)?;
-        let arrays = arrays[..kernel.n_arrays].iter().chain([from, to]);
-        let ns = self.stream.run(module, kernel.name, arrays, n)?;
+        let arrays = self.arrays[..kernel.n_arrays].iter().chain([from, to]);
+        let ns = self.stream.run(&self.module, kernel.name, arrays, n)?;
         self.stream.read(to, output)?;
         Ok(ns)
     }
 
-    fn facts(&mut self, kernel: Kernel) -> Result<KernelFacts, DeviceFault> {
-        let module = &self.scene.module;
+    fn facts(&mut self, kernel: Kernel) -> Result<KernelWork, DeviceFault> {
+        let module = &self.module;
         let [warp_size, most] = [WARP_SIZE, MAX_THREADS].map(|of| module.context().attribute(of));
-        Ok(KernelFacts {
+        Ok(KernelWork {
             warp_size: Some(warp_size?),
             private_bytes: Some(module.attribute(LOCAL_BYTES, kernel.name)? as u64),
             registers: Some(module.attribute(REGISTERS, kernel.name)?),
             occupancy: Some(module.max_items(kernel.name)? as f64 / most? as f64),
+            ..KernelWork::default()
         })
     }
 }

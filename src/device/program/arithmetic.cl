@@ -17,7 +17,7 @@ KERNEL void arithmetic(GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   int is_small = -2147483648.0f <= x && x < 2147483648.0f;
   out += 15ul * id;
   out[0] = bits(x / y);
-  out[1] = bits(SQRT(x));
+  out[1] = bits(sqrt(x));
   out[2] = bits(x * y + z);
   out[3] = bits(x * y - z);
   out[4] = folded(product + (double)z);
@@ -29,6 +29,6 @@ KERNEL void arithmetic(GLOBAL const uint *in, GLOBAL uint *out, uint n) {
   out[10] = folded(trunc(product));
   out[11] = (uint)(int)(is_small ? x : 0.0f);
   out[12] = bits((float)(int)BITS_OF(x));
-  out[13] = folded(SQRT(product));
+  out[13] = folded(sqrt(product));
   out[14] = bits(x + y);
 }

@@ -10,7 +10,6 @@ typedef unsigned long ulong;
 #define FLOAT_OF(x) __uint_as_float(x)
 #define DOUBLE_OF(x) __longlong_as_double((long long)(x))
 #define BITS_OF_DOUBLE(x) ((ulong)__double_as_longlong(x))
-#define SQRT(x) sqrt(x)
 #define CYCLES ((ulong)clock64())
 #define SM number_of_sm()
 #define TIME time_ns()

@@ -1,4 +1,3 @@
-
 /* Functions of libm in the operations of Rust's crate libm: its results to the last bit. */
 
 /* expf of a number that is at most 0. */
@@ -101,7 +100,7 @@ FUNCTION double logarithm(double x) {
 /* pow of a float of at least 0 and an exponent from 2^-20 to 2^31; 0 for results below 2^-1000. */
 FUNCTION double power(double x, double y) {
   if (x != x || x == 0.0 || x == 1.0) return x;
-  if (y == 0.5) return SQRT(x);
+  if (y == 0.5) return sqrt(x);
   /* The logarithm of x to base 2 in two parts: of its fraction, near 1 or near 1.5, and its exponent. */
   uint upper = (uint)(BITS_OF_DOUBLE(x) >> 32), fraction = upper & 0x000fffffu;
   int n = (int)(upper >> 20) - 0x3ff;

@@ -1,4 +1,3 @@
-
 /* Searches one level of the structure: TRAVERSE names the function, STACK is the size of its stack, TEST(i) tests
    the primitive with index i of the level, FOUND(t, i) reports a hit on it. */
 FUNCTION void TRAVERSE(const World *world, uint number, Prepared *ray, Search *search, int is_nearest,

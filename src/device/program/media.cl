@@ -1,4 +1,3 @@
-
 /* The media that a ray is in: src/tracer/shade/media.rs. */
 
 /* The materials of the media plus 1, in the order in which the ray entered them; then 0 for empty places. */

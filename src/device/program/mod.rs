@@ -49,7 +49,6 @@ pub(crate) fn text(
     // Each level leaves at most seven children on the stack, beside the sentinel and the eight of
     // the last one.
     let stack = |n_levels: usize| 7 * n_levels.next_multiple_of(LEVEL_STEP) + 9;
-    let kind = |kind: ShapeKind| kind as u32;
     let count = if counts { "n += by" } else { "(void)0" };
     let mut text = format!(
         "#define COUNT(n, by) {count}
@@ -58,16 +57,14 @@ pub(crate) fn text(
 #define ID_BIT {ID_BIT}u
 #define CAPSULE_BIT {CAPSULE_BIT}u
 #define MIN_COS {:?}
-#define TRIANGLE {}u
-#define RECTANGLE {}u
-#define CAPSULE {}u
 #define INSTANCE {INSTANCE}u
 ",
         f64::from(MIN_COS),
-        kind(ShapeKind::Triangle),
-        kind(ShapeKind::Rectangle),
-        kind(ShapeKind::Capsule),
     );
+    for (kind, number) in ShapeKind::ALL.iter().zip(0..) {
+        let name = format!("{kind:?}").to_uppercase();
+        text += &format!("#define {name} {number}u\n");
+    }
     text += &formulas::functions();
     text += include_str!("traversal.cl");
     if let Some(n_levels) = mesh_levels {

@@ -9,7 +9,11 @@
 #define FLOAT_OF(x) as_float(x)
 #define DOUBLE_OF(x) as_double(x)
 #define BITS_OF_DOUBLE(x) as_ulong(x)
-#define SQRT(x) sqrt(x)
+/* The clock of the device's cycles, its time in nanoseconds, and the multiprocessor; 0 and NONE where there is none. */
 #ifdef cl_khr_kernel_clock
 #define CYCLES clock_read_device()
+#else
+#define CYCLES 0ul
 #endif
+#define TIME 0ul
+#define SM NONE

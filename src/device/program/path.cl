@@ -1,19 +1,6 @@
-
 /* Whole paths: from the camera ray to the end, as the waves of src/tracer/shade follow them. The functions point,
    own_light, light, shadow, reflected, next_ray, late_ray, split, passage, background, flight and fade are recorded
    (paths.rs). They read the state of a path by its slots: ORIGIN, DIRECTION, and so on. */
-
-/* The clock of the device's cycles, its time in nanoseconds, and the multiprocessor; 0 and NONE where the language has
-   none. */
-#ifndef CYCLES
-#define CYCLES 0ul
-#endif
-#ifndef SM
-#define SM NONE
-#endif
-#ifndef TIME
-#define TIME 0ul
-#endif
 
 /* Places for rays that continue a path that splits, and for what its rays add. */
 #define MAX_PENDING (SPLITS ? MAX_DEPTH + 1u : 1u)
@@ -102,7 +89,7 @@ FUNCTION Search search_past(const Scene *scene, const float *origin, const float
     rest[T] = search.t;
     search.t = length + search.t;
     uint kind = kind_of(scene, &search);
-    if (!(rules_of(scene, kind) & IS_OPEN) || search.t >= limit) return search;
+    if (!HAS_OPENINGS || !(rules_of(scene, kind) & IS_OPEN) || search.t >= limit) return search;
     float past[6];
     passage(kind, rest, data_of(scene, &search), place_of(scene, &search), scene->tables, past);
     float left = *share * (is_shadow ? past[0] : past[1]), next = length + past[5];
@@ -164,14 +151,8 @@ FUNCTION void continue_path(Path *path, const float *ray, uint kind, const Media
 FUNCTION uint follow_ray(const Scene *scene, Path *path, PathCost *cost, float *added, Search *first, Pending *other) {
   float *s = path->state, light_of_ray[3], gained[4] = {0.0f};
   GLOBAL const uint *tables = scene->tables;
-  Search hit;
-  if (HAS_OPENINGS) {
-    float share;
-    hit = search_past(scene, s + ORIGIN, s + DIRECTION, INFINITY, 0, cost, &share);
-  } else {
-    hit = search_path(scene, s + ORIGIN, s + DIRECTION, INFINITY, NONE, 1, cost);
-  }
-  *first = hit;
+  float share;
+  Search hit = *first = search_past(scene, s + ORIGIN, s + DIRECTION, INFINITY, 0, cost, &share);
   for (int i = 0; i < 3; i++) added[i] = 0.0f;
   int is_hit = hit.t < INFINITY;
   s[T] = hit.t;

@@ -1,4 +1,3 @@
-
 /* Pictures, and directions with the density of a picture: src/world/picture and EquirectangularDistribution in Rust. */
 
 #define REPEAT 0u
@@ -79,7 +78,7 @@ FUNCTION void image_texture(GLOBAL const uint *table, uint n_values, const float
     for (uint i = 0; i < 4u; i++) found[i] = FLOAT_OF(whole.texels[4ul * ((ulong)whole.width * row + column) + i]);
     return;
   }
-  float n_texels = at[2] * SQRT((float)whole.width * (float)whole.height);
+  float n_texels = at[2] * sqrt((float)whole.width * (float)whole.height);
   if (filter != TRILINEAR || last == 0u || !(n_texels > 1.0f)) {
     between(whole, wrap, wrap, place, found);
     return;
@@ -141,7 +140,7 @@ FUNCTION float up_to_center(Equirectangular of, const uint *rows, float down, ui
 /* linear: the position up to which a linear density has this share. */
 FUNCTION float linear(float from, float to, float share) {
   float square = from * from + (to * to - from * from) * share;
-  float root = SQRT(square > 0.0f ? square : 0.0f);
+  float root = sqrt(square > 0.0f ? square : 0.0f);
   if (!(from + root > 0.0f)) return share;
   float place = share * (from + to) / (from + root);
   return place < 1.0f ? place : 1.0f;

@@ -1,4 +1,3 @@
-
 /* The tables in which recorded formulas look values up: LookupTable::values_at in Rust. Rust's casts from floats
    saturate, C's are undefined. */
 

@@ -1,4 +1,3 @@
-
 /* Tests a primitive of the upper level: a shape, or the mesh of an instance. */
 FUNCTION void test_in_world(const World *world, Prepared *ray, Search *search, int is_nearest, uint i) {
   GLOBAL const uint *record = world->records + world->primitives[2ul * i + 1];
