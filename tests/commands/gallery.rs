@@ -71,11 +71,14 @@ impl Costs {
             .arg("render")
             .arg(in_repository(&format!("configs/{scene}.yaml")))
             .args(["--quiet", "--cost=counters", "--also=objects"])
-            .arg(format!("--width={WIDTH}"))
-            .arg(format!("--height={}", WIDTH * image.height / image.width))
             .args(flags)
             .arg("--out")
             .arg(folder.path());
+        // Idle lanes depend on the size: of the pixels of a warp.
+        if !flags.contains(&"--also=lanes".to_owned()) {
+            command.arg(format!("--width={WIDTH}"));
+            command.arg(format!("--height={}", WIDTH * image.height / image.width));
+        }
         if !flags.iter().any(|flag| flag.starts_with("--spp")) {
             command.arg(format!("--spp={N_SAMPLES}"));
         }
