@@ -75,7 +75,7 @@ impl Costs {
             .arg("--out")
             .arg(folder.path());
         // Idle lanes depend on the size: of the pixels of a warp.
-        if !flags.contains(&"--also=lanes".to_owned()) {
+        if !flags.iter().any(|flag| flag == "--also=lanes") {
             command.arg(format!("--width={WIDTH}"));
             command.arg(format!("--height={}", WIDTH * image.height / image.width));
         }
