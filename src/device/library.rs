@@ -1,7 +1,7 @@
 //! What a library of devices offers: OpenCL and CUDA stand behind the same traits.
 //!
-//! A [`LibraryDevice`] compiles a [`DeviceProgram`]; with the arrays of a scene it is a
-//! [`LoadedProgram`], which each thread launches by a [`LaunchQueue`] of its own.
+//! A [`LibraryDevice`] compiles a [`DeviceProgram`]; loaded with the arrays of a scene, as a
+//! [`LoadedProgram`], it creates a [`LaunchQueue`] for each thread.
 
 use std::fmt;
 use std::sync::{Arc, mpsc};
