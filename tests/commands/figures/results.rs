@@ -507,12 +507,14 @@ impl Results {
                 .map(|ms| digits(ms / 1e3))
         };
         Some(format!(
-            "POV-Ray {} takes {} s, raycost with all of its files {} s and without costs {} s, \
-             at {} x {} pixels on {} threads",
+            "POV-Ray {} takes {} s, raycost with all of its files {} s and without costs {} s, {} s of them for \
+             rendering and {} s for writing, at {} x {} pixels on {} threads",
             race["povray"].as_str()?,
             seconds("POV-Ray")?,
             seconds("raycost")?,
             seconds("raycost --no-cost")?,
+            seconds("raycost --no-cost, render")?,
+            seconds("raycost --no-cost, write")?,
             race["width"],
             race["height"],
             race["threads"],
