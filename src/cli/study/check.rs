@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::{Failure, Study};
-use crate::cli::shell_word;
+use crate::cli::{shell_word, shown};
 use base::numbers::{count, counted};
 use host::text::{Diagnostic, one_line};
 use scene::yaml::Source;
@@ -94,14 +94,14 @@ impl CheckedStudy {
 
     /// Returns the lines of the report.
     pub(in crate::cli) fn lines(&self) -> String {
-        let (study, shown) = (&self.study, one_line(&self.name));
+        let (study, name) = (&self.study, one_line(&self.name));
         let plan = &study.plan;
         let scenes = study.scenes.names().into_iter();
         let scenes: Vec<_> = scenes.map(|name| one_line(name).into_owned()).collect();
         let mut lines = vec![
             (
                 "study",
-                format!("{shown} is fine: {}", one_line(&plan.title)),
+                format!("{name} is fine: {}", one_line(&plan.title)),
             ),
             ("scenes", scenes.join(", ")),
             ("points", points(plan, study.points.len())),
@@ -132,7 +132,7 @@ impl CheckedStudy {
             let note = format!("`{}`: {}", one_line(step), one_line(reason));
             lines.push(("omitted", note));
         }
-        lines.push(("files", format!("in {}", study.out.display())));
+        lines.push(("files", format!("in {}", shown(&study.out))));
         let line = |(name, text): (&str, String)| format!("{name:<7} {text}\n");
         lines.into_iter().map(line).collect()
     }

@@ -32,9 +32,9 @@ use host::text::{self, Diagnostic};
 use render::instruments::MachineLimits;
 use scene::yaml::{self, Fault, Source};
 use tools::study::{
-    Figure, LeftOutStep, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, StatisticsRow,
-    StudyMetric, StudyPlan, StudyPoint, overhead_rows, roofline_points, scaling_rows,
-    statistics_rows, step_rows,
+    Figure, LeftOutStep, LimitsFile, PlannedRun, RooflinePoint, Run, RunLog, RunLogError,
+    StatisticsRow, StudyMetric, StudyPlan, StudyPoint, overhead_rows, roofline_points,
+    scaling_rows, statistics_rows, step_rows,
 };
 
 /// Measure how the cost of scenes depends on what you vary
@@ -224,7 +224,10 @@ impl Study {
         made_by["flags"] = json!(self.plan.flags);
         made_by["launcher"] = json!(self.plan.launcher);
         made_by["scenes"] = self.scenes.hashes();
-        Ok(RunLog::open(&self.out.join(RUN_LOG), &made_by)?)
+        RunLog::open(&self.out.join(RUN_LOG), &made_by).map_err(|error| match error {
+            RunLogError::Foreign(fault) => fault.into(),
+            RunLogError::Write(error) => error.into(),
+        })
     }
 
     /// Makes the missing runs until the time budget ends. Returns the runs that are still missing.

@@ -22,8 +22,8 @@ const IMAGE: &str = "image.png";
 const MAX_IMAGE: u64 = 1 << 30;
 
 /// Renders a point in a separate process, into a temporary folder in `out`. `folder` is the folder
-/// of the study file. The process ends when this one does, even if this one is killed. A point of
-/// a step leaves its picture in `out`.
+/// of the study file. A process of raycost ends when this one does, even if this one is killed; another
+/// program is asked to end when a signal asks this one to stop. A point of a step leaves its picture in `out`.
 ///
 /// # Errors
 /// If the process cannot be started, fails, or leaves no valid summary.
@@ -42,7 +42,7 @@ pub(super) fn render(
     };
     let mut command = command.map_err(|error| failed(error.to_string()))?;
     let start = Instant::now();
-    let output = output_of(&mut command).map_err(|error| {
+    let output = output_of(&mut command, point.command.is_some()).map_err(|error| {
         let program = command.get_program().to_string_lossy();
         let message = Diagnostic::new(format!("cannot run `{program}`: {error}"));
         Failure::Machine(match advice(&error) {
@@ -135,28 +135,47 @@ fn keep_picture(from: &Path, to: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the output of a process that ends when its standard input closes: that happens when this
-/// process ends, and as soon as a signal asks this process to stop.
-fn output_of(command: &mut Command) -> io::Result<Output> {
+/// Returns the output of a process. Its standard input closes, and another program is asked to end,
+/// as soon as a signal asks this process to stop.
+fn output_of(command: &mut Command, is_other: bool) -> io::Result<Output> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped());
     command.stderr(Stdio::piped());
     // This thread keeps the input open until the process has ended.
-    let input = Mutex::new(None);
-    let hold = |held: Option<ChildStdin>| {
-        if let Ok(mut input) = input.lock() {
-            *input = held;
+    let held = Mutex::new(None);
+    let take = || held.lock().ok().and_then(|mut held| held.take());
+    let end = || {
+        if let Some((_, id)) = take()
+            && is_other
+        {
+            ask_to_end(id);
         }
     };
-    signals::watching(
-        || hold(None),
-        || {
-            let mut child = command.spawn()?;
-            hold(child.stdin.take());
-            // A signal may have arrived before the process started.
-            if stop::is_requested() {
-                hold(None);
-            }
-            child.wait_with_output()
-        },
-    )?
+    signals::watching(end, || {
+        let mut child = command.spawn()?;
+        let input: Option<ChildStdin> = child.stdin.take();
+        if let Ok(mut held) = held.lock() {
+            *held = Some((input, child.id()));
+        }
+        // A signal may have arrived before the process started.
+        if stop::is_requested() {
+            end();
+        }
+        let output = child.wait_with_output();
+        drop(take());
+        output
+    })?
 }
+
+/// Asks a process to end.
+#[cfg(unix)]
+fn ask_to_end(id: u32) {
+    use rustix::process::{Pid, Signal, kill_process};
+
+    if let Some(id) = i32::try_from(id).ok().and_then(Pid::from_raw) {
+        let _ = kill_process(id, Signal::TERM);
+    }
+}
+
+/// Does nothing on systems without such a request.
+#[cfg(not(unix))]
+fn ask_to_end(_: u32) {}

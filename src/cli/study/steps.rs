@@ -10,6 +10,8 @@ use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 /// Removes the steps that this machine, this build or this call cannot make. Returns them.
 pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutStep> {
     let launcher = plan.launcher.clone();
+    // A device is tried once: its library compiles a kernel, and proves its arithmetic.
+    let mut tried: Vec<(String, Option<String>)> = Vec::new();
     plan.leave_out(|step: &StudyStep| {
         if step.command.is_some() && !any_command {
             return Some("starts another program, which needs `--allow-commands`".to_owned());
@@ -19,7 +21,15 @@ pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutS
         cannot_start
             .map(|fault| fault.message)
             .or_else(|| step.lacks_instructions())
-            .or_else(|| why_not_on(step.device()?))
+            .or_else(|| {
+                let device = step.device()?;
+                if let Some((_, why)) = tried.iter().find(|(name, _)| name == device) {
+                    return why.clone();
+                }
+                let why = why_not_on(device);
+                tried.push((device.to_owned(), why.clone()));
+                why
+            })
     })
 }
 

@@ -34,6 +34,18 @@ impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
     }
 }
 
+/// A number of bounces.
+#[derive(Serialize)]
+pub(super) struct Depth(u64);
+
+schema_of_form!(Depth, Whole(0..=255));
+
+impl<'de> Deserialize<'de> for Depth {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        Whole(0..=255).deserialize(d).map(Self)
+    }
+}
+
 /// A number from 1 to `MAX`, or `all`: as many as this machine has processors.
 #[derive(Serialize, JsonSchema)]
 #[schemars(with = "Either<All, BoundedCount<MAX>>", transform = expected::<Self>)]

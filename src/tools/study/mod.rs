@@ -44,7 +44,7 @@ pub use plot::{Ceiling, Figure, PlotPoint, Series};
 pub use plot_spec::PlotSpec;
 pub use point::{StudyPoint, label_of};
 pub use roofline_point::{Bound, RooflinePoint, bottleneck_report, roofline_points};
-pub use run_log::{Run, RunLog};
+pub use run_log::{Run, RunLog, RunLogError};
 pub use run_metrics::RunMetrics;
 pub use sample::SampleStatistics;
 pub use scaling::scaling_rows;

@@ -139,7 +139,7 @@ impl StudyPlan {
     /// this machine. Returns the removed ones.
     pub fn leave_out(
         &mut self,
-        why_not: impl Fn(&StudyStep) -> Option<String>,
+        why_not: impl FnMut(&StudyStep) -> Option<String>,
     ) -> Vec<LeftOutStep> {
         leave_out(&mut self.steps, why_not)
     }

@@ -13,6 +13,25 @@ use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use host::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
+/// The flags of `raycost render` that override a value of the scene.
+const OVERRIDING: [(&str, &str); 15] = [
+    ("width", "image.width"),
+    ("height", "image.height"),
+    ("crop", "image.crop"),
+    ("spp", "image.samples_per_pixel"),
+    ("until-noise", "image.adaptive"),
+    ("seed", "image.seed"),
+    ("max-depth", "shading.max_depth"),
+    ("exposure", "film.exposure"),
+    ("tone-curve", "film.tone_curve"),
+    ("acceleration", "acceleration"),
+    ("cost", "cost"),
+    ("repeats", "repeats"),
+    ("tile-size", "tiles.size"),
+    ("tile-order", "tiles.order"),
+    ("compress", "compress"),
+];
+
 /// Maximum number of bytes of a file's name on most systems.
 const MAX_FILE_NAME: usize = 255;
 
@@ -24,6 +43,7 @@ impl StudyPlan {
     /// The first mistake.
     pub fn check(&self) -> Result<(), Fault> {
         self.check_points()?;
+        self.check_overridden()?;
         self.check_steps()?;
         self.check_launcher()?;
         let factors = self.factor_names();
@@ -108,6 +128,43 @@ impl StudyPlan {
                 let message = format!("`{name}` is in `cases`, too");
                 let fault = Fault::at_key(key("vary").key(name), message, "has two values");
                 return Err(fault.with_help("leave it in one of the two"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that no flag overrides a value that the study varies: the value would have no effect.
+    fn check_overridden(&self) -> Result<(), Fault> {
+        let mut factors: Vec<(FieldPath, &Factor)> = Vec::new();
+        factors.extend(self.vary.0.keys().map(|factor| (key("vary"), factor)));
+        for (number, case) in self.cases.iter().enumerate() {
+            factors.extend(
+                case.0
+                    .keys()
+                    .map(|factor| (key("cases").index(number), factor)),
+            );
+        }
+        let of_factors = factors.iter().flat_map(|(_, factor)| factor.flag_names());
+        let of_study = self.flags.iter().filter_map(|flag| flag.strip_prefix("--"));
+        let of_study = of_study.map(|flag| flag.split('=').next().unwrap_or(flag));
+        let given: Vec<&str> = of_factors.copied().chain(of_study).collect();
+        for (path, factor) in &factors {
+            let Factor::Setting(setting) = factor else {
+                continue;
+            };
+            let overrides = |value: &str| {
+                setting == value
+                    || setting
+                        .strip_prefix(value)
+                        .is_some_and(|rest| rest.starts_with('.'))
+            };
+            let found = OVERRIDING
+                .iter()
+                .find(|(flag, value)| given.contains(flag) && overrides(value));
+            if let Some((flag, _)) = found {
+                let message = format!("`--{flag}` overrides `{setting}`");
+                let fault = Fault::at_key(path.clone().key(setting), message, "has no effect");
+                return Err(fault.with_help("leave one of the two out"));
             }
         }
         Ok(())

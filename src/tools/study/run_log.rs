@@ -5,7 +5,7 @@
 //! off when the study continues.
 
 use std::collections::HashMap;
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -16,6 +16,7 @@ use super::{RunMetrics, StudyPoint};
 use base::numbers::bytes;
 use host::available_memory;
 use host::files;
+use host::folder::WriteError;
 use host::provenance::difference;
 use host::text::Diagnostic;
 
@@ -63,14 +64,29 @@ struct RunLogHeader {
     made_by: Value,
 }
 
+/// Reasons why a log of runs cannot be opened.
+#[derive(Debug)]
+pub enum RunLogError {
+    /// It is not a log of these runs.
+    Foreign(Diagnostic),
+    /// It cannot be read or written.
+    Write(WriteError),
+}
+
+impl From<Diagnostic> for RunLogError {
+    fn from(fault: Diagnostic) -> Self {
+        Self::Foreign(fault)
+    }
+}
+
 impl RunLog {
     /// Opens the log at `path`, or creates one for runs with the provenance `made_by`.
     ///
     /// # Errors
     /// If the file cannot be read or written, is not a log of runs, has a run twice, or if its runs
     /// have another provenance. The file stays unchanged.
-    pub fn open(path: &Path, made_by: &Value) -> Result<Self, Diagnostic> {
-        let failed = |error| cannot_open(path, &error);
+    pub fn open(path: &Path, made_by: &Value) -> Result<Self, RunLogError> {
+        let failed = |error| cannot_open(path, error);
         let mut options = OpenOptions::new();
         options.read(true).append(true).create(true);
         let mut file = files::open_to_change(&mut options, path).map_err(failed)?;
@@ -79,7 +95,10 @@ impl RunLog {
                 raycost_study: FORMAT,
                 made_by: made_by.clone(),
             };
-            append(&mut file, &header).map_err(failed)?;
+            // Otherwise the next run takes half a header for another file.
+            append(&mut file, &header)
+                .inspect_err(|_| drop(fs::remove_file(path)))
+                .map_err(failed)?;
             return Ok(Self {
                 file,
                 runs: Vec::new(),
@@ -95,7 +114,7 @@ impl RunLog {
             let run = serde_json::from_str(&line);
             let run: Run = run.map_err(|error| invalid_run(path, runs.len() + 2, &error))?;
             if let Some(first) = places.insert(key_of(run.round, &run.point), runs.len()) {
-                return Err(duplicate_run(path, [first + 2, runs.len() + 2]));
+                return Err(duplicate_run(path, [first + 2, runs.len() + 2]).into());
             }
             runs.push(run);
         }
@@ -199,9 +218,12 @@ fn check_header(path: &Path, header: Option<&str>, made_by: &Value) -> Result<()
     }
 }
 
-fn cannot_open(path: &Path, error: &io::Error) -> Diagnostic {
-    Diagnostic::new(format!("cannot use `{}`: {error}", path.display()))
-        .with_help("give a folder that can be written to by `--out`")
+fn cannot_open(path: &Path, error: io::Error) -> RunLogError {
+    if error.kind() != io::ErrorKind::InvalidData {
+        return RunLogError::Write(WriteError::new(path, error));
+    }
+    let message = format!("cannot use `{}`: {error}", path.display());
+    RunLogError::Foreign(Diagnostic::new(message).with_help("give another folder by `--out`"))
 }
 
 fn duplicate_run(path: &Path, [first, again]: [usize; 2]) -> Diagnostic {

@@ -55,7 +55,7 @@ impl StudyStep {
 /// step before, such as all threads on one processor. Returns the removed ones.
 pub(super) fn leave_out(
     steps: &mut Vec<StudyStep>,
-    why_not: impl Fn(&StudyStep) -> Option<String>,
+    mut why_not: impl FnMut(&StudyStep) -> Option<String>,
 ) -> Vec<LeftOutStep> {
     let mut left_out = Vec::new();
     let mut settings = Case::default();

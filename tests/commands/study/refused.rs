@@ -1,8 +1,28 @@
 //! Invalid studies, foreign results and duplicate runs are refused.
 
-use super::{STUDY, folder, run, stderr_of};
+use super::{STUDY, folder, raycost, run, stderr_of};
 use crate::common::assert_success;
 use std::fs;
+use std::process::Command;
+
+#[cfg(unix)]
+#[test]
+fn a_log_that_cannot_be_written_ends_with_1_and_leaves_none() {
+    let folder = folder(STUDY);
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "ulimit -f 0; exec \"$@\"", "sh"]);
+    shell
+        .arg(raycost().get_program())
+        .args(["study", "study.yaml", "--out", "out"]);
+    let failed = shell.current_dir(folder.path()).output().unwrap();
+    assert_eq!(failed.status.code(), Some(1), "{}", stderr_of(&failed));
+    assert!(
+        stderr_of(&failed).contains("ulimit -f"),
+        "{}",
+        stderr_of(&failed)
+    );
+    assert!(!folder.path().join("out/runs.jsonl").exists());
+}
 
 #[test]
 fn foreign_results_stay_unchanged() {
@@ -55,6 +75,18 @@ fn mistakes_are_reported_before_the_first_run() {
             "title: x\nscenes: [scene.yaml]\nvary: { cost: [time, counters] }\n\
              plots: [{ x: cost, y: render_wall_ms, fit: true }]",
             "a law needs numbers, and `cost` has names",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { image.width: [8, 16] }\nflags: [--width=4]",
+            "`--width` overrides `image.width`\n --> study.yaml:3:9",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\ncases: [{ max_depth: 1, shading.max_depth: 2 }]",
+            "`--max-depth` overrides `shading.max_depth`",
+        ),
+        (
+            "title: x\nscenes: [scene.yaml]\nvary: { max_depth: [0, 300] }",
+            "expected a whole number from 0 to 255",
         ),
         (
             "title: x\nscenes: [scene.yaml]\nvary: { theads: [1] }",

@@ -50,6 +50,39 @@ fn signal(child: &Child, name: &str) {
     assert!(kill.status().unwrap().success());
 }
 
+/// A study of another program that takes an hour, and says its number.
+const ANOTHER_PROGRAM: &str = "
+title: A study of another program
+scenes: [scene.yaml]
+steps: [{ name: sleeps, command: sh sleep.sh }]
+repeats: 1
+";
+
+#[test]
+fn a_stopped_study_ends_another_program() {
+    let folder = folder(ANOTHER_PROGRAM);
+    let script = "echo $$ > id; exec sleep 3600\n";
+    fs::write(folder.path().join("sleep.sh"), script).unwrap();
+    let mut command = raycost();
+    command
+        .current_dir(folder.path())
+        .args(["study", "study.yaml"]);
+    command.args(["--out", "out", "--quiet", "--allow-commands"]);
+    let mut study = with_signals(&[], &command).spawn().unwrap();
+    let id = loop {
+        let id = fs::read_to_string(folder.path().join("id")).unwrap_or_default();
+        if id.ends_with('\n') {
+            break id;
+        }
+        assert!(study.try_wait().unwrap().is_none(), "it has ended");
+        std::thread::sleep(Duration::from_millis(10));
+    };
+    signal(&study, "TERM");
+    // Otherwise this would wait for an hour.
+    assert_eq!(study.wait().unwrap().code(), Some(143));
+    assert!(!Path::new("/proc").join(id.trim()).exists());
+}
+
 #[test]
 fn a_stopped_study_ends_its_run() {
     for (name, code) in [("INT", Some(130)), ("TERM", Some(143)), ("KILL", None)] {

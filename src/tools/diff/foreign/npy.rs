@@ -39,7 +39,7 @@ const TYPES: [NpyType; 8] = [
     npy_type!("<f8", f64),
 ];
 
-/// The remedy for an array in another order or of another type.
+/// The remedy for an array of another type.
 const CONVERT: &str = "save it with `np.save(file, np.ascontiguousarray(array, \"<f4\"))`";
 
 /// Reads an array of shape (height, width) or (height, width, channels), and returns true if its
@@ -62,7 +62,8 @@ pub(super) fn read(source: &ForeignSource) -> Result<(ForeignNumbers, bool), Dia
         return Err(source.refuse(problem, CONVERT));
     };
     if !order.starts_with("False") {
-        return Err(source.refuse("its order is Fortran's, column by column", CONVERT));
+        let help = "save it with `np.save(file, np.ascontiguousarray(array))`";
+        return Err(source.refuse("its order is Fortran's, column by column", help));
     }
     let n_channels = parse_channels(source, shape)?;
     let n_values = source.n_pixels() * n_channels;
