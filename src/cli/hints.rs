@@ -181,7 +181,7 @@ fn unused_materials(config: &Config) -> Option<Hint> {
     let objects = config.objects.iter();
     let used: HashSet<&String> = objects.flat_map(|object| &object.material.0).collect();
     let unused = config.materials.keys().filter(|name| !used.contains(name));
-    let unused: Vec<String> = unused.map(|name| format!("`{name}`")).collect();
+    let unused: Vec<String> = unused.map(|name| format!("`{}`", one_line(name))).collect();
     let (shown, more) = unused.split_at(unused.len().min(MOST_NAMES));
     let more = match more.len() {
         0 => String::new(),

@@ -1,6 +1,6 @@
 //! `raycost new`.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf, absolute};
 
@@ -62,10 +62,11 @@ pub(super) fn run(arguments: &NewArguments) -> Result<(), Failure> {
     Ok(text::print(&text)?)
 }
 
-/// Writes a file that does not exist.
+/// Writes a file that does not exist; leaves none if it fails.
 fn write_new(file: &Path, text: &str) -> io::Result<()> {
     let mut created = File::create_new(file)?;
-    created.write_all(text.as_bytes())
+    let written = created.write_all(text.as_bytes());
+    written.inspect_err(|_| drop(fs::remove_file(file)))
 }
 
 fn unwritable(file: &Path, error: &io::Error) -> Failure {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{Failure, refuse_file, shown};
 use base::numbers::counted;
-use host::text;
+use host::text::{self, Diagnostic};
 use output::results::relocate_states;
 use tools::series::FRAMES;
 
@@ -24,6 +24,11 @@ pub(super) struct StatesArguments {
 pub(super) fn run(arguments: &StatesArguments) -> Result<(), Failure> {
     for folder in &arguments.folders {
         refuse_file(folder)?;
+        if !folder.is_dir() {
+            let message = format!("`{}` does not exist", shown(folder));
+            let help = "name a folder that `raycost render` wrote";
+            return Err(Diagnostic::new(message).with_help(help).into());
+        }
         // A link may lead to a folder of another run.
         let is_own = |path: &PathBuf| path.is_dir() && !path.is_symlink();
         let frames = Some(folder.join(FRAMES)).filter(is_own);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{Failure, on_threads, refuse_file, shown};
 use base::numbers::bytes;
 use host::folder::{Replace, refuse_foreign_file, write_file};
-use host::text;
+use host::text::{self, Diagnostic};
 use output::results::{Results, read_unchanged};
 use tools::view::{self, Page};
 
@@ -52,6 +52,13 @@ fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),
     };
+    // Otherwise `--out` could name a table or a state that it would replace.
+    if path.extension().is_none_or(|extension| extension != "html") {
+        let message = format!("`{}` is not the name of a page", shown(&path));
+        return Err(Diagnostic::new(message)
+            .with_help("give it the extension `.html`")
+            .into());
+    }
     refuse_foreign_file(&path, Replace::Marked)?;
     let folder = &arguments.folder;
     let page = read_unchanged(&[folder], || {

@@ -73,7 +73,7 @@ pub(super) fn read(file: GeometryFileReader) -> Result<Vec<InstancePlace>> {
     while table.read_byte_record(&mut row).map_err(of_table)? {
         let line = row.position().map_or(0, Position::line);
         let place = columns.place(&row);
-        places.push(place.map_err(|fault| fault.at(FileLocation::Line(line)))?);
+        places.extend(place.map_err(|fault| fault.at(FileLocation::Line(line)))?);
     }
     if places.is_empty() {
         return Err(FileFault::new("no place in the file", "a line for each"));
@@ -122,23 +122,31 @@ impl PlaceColumns {
         Ok(Self(columns))
     }
 
-    /// Parses the placement in a row.
-    fn place(&self, row: &ByteRecord) -> Result<InstancePlace> {
+    /// Parses the placement in a row; `None` if its scale is 0 or missing.
+    fn place(&self, row: &ByteRecord) -> Result<Option<InstancePlace>> {
+        let of_scale = self.0[3..7].iter().flatten();
+        let mut words = of_scale.map(|&column| word(row, column).trim());
+        if words.any(|word| word.is_empty() || word.eq_ignore_ascii_case("nan")) {
+            return Ok(None);
+        }
         let factor: f32 = match self.0[3] {
             None => 1.0,
             Some(column) => number(word(row, column))?,
         };
         let scale = factor * finite::<3, Vec3>(self.numbers(row, 4, 1.0)?)?;
+        if scale.cmpeq(Vec3::ZERO).any() {
+            return Ok(None);
+        }
         if !is_scale(scale) {
             let problem = format!("a scale is {scale}");
             return Err(FileFault::new(problem, "numbers other than 0"));
         }
-        Ok(InstancePlace {
+        Ok(Some(InstancePlace {
             position: point(self.numbers(row, 0, 0.0)?)?,
             scale,
             direction: finite(self.numbers(row, 7, 0.0)?)?,
             scalar: f64::NAN,
-        })
+        }))
     }
 
     /// Parses the numbers of a row in three columns; `default` for columns that the table lacks.
@@ -193,6 +201,19 @@ pub(super) fn usable(mut places: Vec<InstancePlace>) -> Result<Vec<InstancePlace
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_without_a_scale_have_no_instance() {
+        let header = ByteRecord::from(vec!["x", "y", "z", "scale"]);
+        let columns = PlaceColumns::from_header(&header).unwrap();
+        for (scale, expected) in [("2", Some(2.0)), ("0", None), ("", None), ("NaN", None)] {
+            let row = ByteRecord::from(vec!["1", "2", "3", scale]);
+            let place = columns.place(&row).unwrap();
+            assert_eq!(place.map(|place| place.scale.x), expected, "{scale}");
+        }
+        let row = ByteRecord::from(vec!["1", "2", "3", "big"]);
+        assert!(columns.place(&row).is_err());
+    }
 
     #[test]
     fn the_x_axis_turns_to_the_direction() {

@@ -57,6 +57,11 @@ pub fn time_steps(folder: &Path, file: DataFile) -> Result<Option<DataSeries>> {
     let DataFile { path, step } = file;
     let full = folder.join(path);
     if is_series(DataFile { path: &full, step }) {
+        if let Some(step) = step {
+            let problem = format!("it is a series of files, and `step` is {step}");
+            let fault = FileFault::new(problem, "the name of the step's file, without `step`");
+            return Err(fault.in_file(&full));
+        }
         return read_series(folder, path).map(Some);
     }
     if !vtk::is_hdf(path) || step.is_some() {

@@ -210,6 +210,33 @@ fn a_wrong_command_line_ends_with_2() {
 }
 
 #[test]
+fn what_would_do_nothing_or_harm_to_an_output_is_refused() {
+    let folder = folder();
+    let rendered = raycost(
+        folder.path(),
+        &["render", "scene.yaml", "--quiet", "--out", "o"],
+    );
+    assert_eq!(rendered.status.code(), Some(0));
+    for (arguments, expected) in [
+        (
+            ["check", "o", "--width=3"].as_slice(),
+            "do not change an output folder",
+        ),
+        (
+            &["view", "o", "--out=o/summary.json"],
+            "is not the name of a page",
+        ),
+        (&["states", "none"], "`none` does not exist"),
+    ] {
+        let message = failure(folder.path(), arguments, 2);
+        assert!(message.contains(expected), "{message}");
+    }
+    failure(folder.path(), &["check", "o", "--frame=1"], 2);
+    let checked = raycost(folder.path(), &["check", "o"]);
+    assert_eq!(checked.status.code(), Some(0));
+}
+
+#[test]
 fn files_of_what_is_not_measured_are_refused() {
     let folder = folder();
     let scene = fs::read_to_string(folder.path().join("scene.yaml")).unwrap();

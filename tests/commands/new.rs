@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output};
 
 use crate::common::data_set::DataSet;
 use crate::common::{assert_success, film, in_repository, parse, raycost};
@@ -251,6 +251,23 @@ fn low_surfaces_and_stl_stand_upright() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn a_scene_that_cannot_be_written_is_not_left_in_part() {
+    let folder = tempfile::tempdir().unwrap();
+    for blocks in ["0", "1", "2"] {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &format!("ulimit -f {blocks}; exec \"$@\""), "sh"]);
+        shell
+            .arg(raycost().get_program())
+            .args(["new", "scene.yaml"]);
+        let failed = shell.current_dir(folder.path()).output().unwrap();
+        assert_eq!(failed.status.code(), Some(1), "{}", text(&failed.stderr));
+        let _ = fs::remove_file(folder.path().join("scene.yaml"));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{blocks}");
+    }
+}
+
 #[test]
 fn a_mesh_that_cannot_be_read_gets_its_message() {
     let folder = tempfile::tempdir().unwrap();
@@ -307,6 +324,18 @@ objects:
     assert_success(&run(folder.path(), &points));
 }
 
+/// A data set whose first array has texts.
+const TEXTS: &str = "<VTKFile type='UnstructuredGrid' version='1.0'><UnstructuredGrid>\
+    <Piece NumberOfPoints='3' NumberOfCells='1'><PointData>\
+    <DataArray type='String' Name='s' format='ascii'>97 0 98 0 99 0</DataArray>\
+    <DataArray type='Float64' Name='t' format='ascii'>1 2 3</DataArray></PointData>\
+    <Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>\
+    0 0 0 1 0 0 0 1 0</DataArray></Points>\
+    <Cells><DataArray type='Int64' Name='connectivity' format='ascii'>0 1 2</DataArray>\
+    <DataArray type='Int64' Name='offsets' format='ascii'>3</DataArray>\
+    <DataArray type='UInt8' Name='types' format='ascii'>5</DataArray></Cells>\
+    </Piece></UnstructuredGrid></VTKFile>";
+
 #[test]
 fn tables_series_and_points_are_rendered_by_themselves() {
     let folder = tempfile::tempdir().unwrap();
@@ -340,6 +369,8 @@ fn tables_series_and_points_are_rendered_by_themselves() {
             "tubes: { file: \"lines.csv\", radius: ",
         ),
         ("steps.pvd", list, "mesh: { file: \"steps.pvd\", "),
+        // An array of texts gives no colors: then the scene would not be rendered.
+        ("texts.vtu", TEXTS, "mesh: { file: \"texts.vtu\""),
         (
             "cloud.ply",
             cloud,

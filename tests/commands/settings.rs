@@ -122,6 +122,8 @@ objects[0].material=[chrome, x] | 21 | a sphere has one material, not 2 | expect
 include=[a.yaml] | 1 | a setting cannot include files | another section
 image.width=[1 | 13 | invalid YAML syntax | never closed | bracket
 image.width=!x 1 | 13 | the tag `!x` has no meaning | without `!`
+image.width=#ff | 12 | the setting has no value | expected a value | but in quotes
+objects[0]name=1 | 11 | the path goes on without a `.` | expected `.`
 image.width | 1 | the setting has no `=` | expected `key=value` | --set image.seed=7
 image.width= | 12 | the setting has no value | expected a value
 .width=1 | 1 | a key is missing | expected a name
@@ -144,6 +146,28 @@ fn a_wrong_setting_is_shown_with_a_caret() {
                 "{setting}: no {expected} in\n{error}"
             );
         }
+    }
+}
+
+/// Keys that exist, but do not fit others.
+#[test]
+fn a_known_key_is_not_called_unknown() {
+    for (settings, expected) in [
+        (
+            ["camera.look_at.focal_length_mm=50"].as_slice(),
+            "two angles of view",
+        ),
+        (
+            &["shading.model=path", "shading.shadows=false"],
+            "cannot choose whether",
+        ),
+        (
+            &["materials.chrome.roughness=0.4"],
+            "cannot have a `roughness`",
+        ),
+    ] {
+        let error = with(settings).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
     }
 }
 

@@ -125,6 +125,10 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
 
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     if let Some(parts) = outputs_in(&arguments.scene.scene)? {
+        if arguments.scene.changes_scene() || arguments.frame.is_some() {
+            let message = "the flags of a scene do not change an output folder";
+            return Err(Diagnostic::new(message).with_help("leave them out").into());
+        }
         arguments.refuse_resolved("an output folder")?;
         let whole = verify_whole(&arguments.scene.scene, &parts)?;
         return print(arguments, || whole.lines(), || whole.json());

@@ -236,7 +236,8 @@ fn chunks(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
 
 /// Returns the first chunk, which must be of this kind, and the rest.
 fn chunk<'a>(chunks: &'a [u8], kind: &[u8; 4]) -> Result<(&'a [u8], &'a [u8])> {
-    let name = String::from_utf8_lossy(&kind[..3]);
+    let name = String::from_utf8_lossy(kind);
+    let name = name.trim_end_matches('\0');
     let header = chunks.first_chunk::<CHUNK_HEADER>();
     let header = header.filter(|header| header[4..] == *kind);
     let header = header.ok_or_else(|| {

@@ -232,10 +232,21 @@ impl Document {
             let (Tree::Map(siblings), Step::Key(key)) = (tree.at(above)?, last) else {
                 return None;
             };
+            // A known key is parsed: another value of it is a mistake within it.
+            siblings.insert(
+                key.clone(),
+                Tree::Map(IndexMap::from([(key.clone(), Tree::Map(IndexMap::new()))])),
+            );
+            let text = tree.text();
+            let is_known =
+                refuse(&text).is_some_and(|(at, _)| at.0.starts_with(&setting.path.0[..n_steps]));
+            let Tree::Map(siblings) = tree.at(above)? else {
+                return None;
+            };
             siblings.shift_remove(key);
             let fault = no_such_key(setting, n_steps, siblings.keys());
             let is_fine = refuse(&tree.text()).is_none();
-            is_fine.then(|| self.diagnose(source, fault))
+            (is_fine && !is_known).then(|| self.diagnose(source, fault))
         })
     }
 

@@ -55,13 +55,14 @@ impl SettingText {
     pub(super) fn parse(text: &str) -> Result<Self, Fault> {
         let (steps, equals) = steps_of(text)?;
         let value = equals + 1;
-        if text[value..].trim().is_empty() {
+        let written = text[value..].trim();
+        if written.is_empty() || written.starts_with('#') {
             let message = "the setting has no value";
-            return Err(Fault::at_bytes(
-                equals..value,
-                message,
-                "expected a value behind it",
-            ));
+            let fault = Fault::at_bytes(equals..value, message, "expected a value behind it");
+            return Err(match written {
+                "" => fault,
+                _ => fault.with_help("a `#` begins a comment, but in quotes: `key='\"#ff8800\"'`"),
+            });
         }
         position::check(&text[value..], steps.len()).map_err(|fault| fault.moved(value))?;
         let (path, steps) = steps.into_iter().unzip();
@@ -121,7 +122,7 @@ fn steps_of(text: &str) -> Result<(Vec<StepInText>, usize), Fault> {
             Some('.') => at += 1,
             Some('[') => {}
             Some(c) => {
-                let message = "a quoted key goes on after its quote";
+                let message = "the path goes on without a `.`";
                 let found = at..at + c.len_utf8();
                 return Err(Fault::at_bytes(found, message, "expected `.`, `[` or `=`"));
             }

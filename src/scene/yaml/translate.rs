@@ -15,6 +15,9 @@ use super::setting::LocatedText;
 use super::syntax::{self, AFTER_COLON};
 use host::text::{did_you_mean, number_meant};
 
+/// The starts of the messages of this program's own types.
+const OWN_STARTS: [&str; 2] = ["cannot ", "needs "];
+
 /// Translates an error that serde_yaml found at a path of `text`.
 pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Error) -> Fault {
     let message = message_of(error);
@@ -30,9 +33,7 @@ pub(super) fn fault(text: &LocatedText, path: FieldPath, error: &serde_yaml::Err
     if let Some(word) = missing_key_of(error) {
         return missing_key(text, path, &word);
     }
-    let is_ours = ["cannot ", "needs "]
-        .iter()
-        .any(|start| problem.starts_with(start));
+    let is_ours = OWN_STARTS.iter().any(|start| problem.starts_with(start));
     if is_ours && !expected.is_empty() {
         let message = format!("{} {problem}", subject(&path));
         let label = format!("expected {}", listed(expected));
@@ -84,17 +85,20 @@ fn message_of(error: &serde_yaml::Error) -> String {
             message.truncate(without.len());
         }
     }
-    const STARTS: [&str; 8] = [
+    const STARTS: [&str; 6] = [
         "unknown field `",
         "unknown variant `",
         "missing field `",
         "invalid type: ",
         "invalid value: ",
         "invalid length ",
-        "cannot ",
-        "needs ",
     ];
-    match STARTS.iter().filter_map(|start| message.find(start)).min() {
+    match STARTS
+        .iter()
+        .chain(&OWN_STARTS)
+        .filter_map(|start| message.find(start))
+        .min()
+    {
         Some(begin) => message.split_off(begin),
         None => message,
     }

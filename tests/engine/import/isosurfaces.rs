@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use glam::{DVec3, Vec3};
-use import::{FileFault, IsosurfaceChoice, Mesh, read_isosurface};
+use import::{FileFault, IsosurfaceChoice, LeftOut, Mesh, read_isosurface};
 use proptest::prelude::*;
 use world::material::{ArrayChoice, ArrayOf};
 
@@ -273,6 +273,13 @@ fn what_has_no_isosurface_is_refused() {
         message(read(&text, &[1.5], "rank")),
         ": `field` is nowhere 1.5 in a solid cell, expected a value between -0.7320508 and 1, \
          in a grid or other cells with a volume"
+    );
+    // A value of several that no cell has is noted.
+    let some = read(&text, &[0.5, 9.0], "rank").unwrap();
+    assert_ne!(some.left_out, LeftOut::default());
+    assert_eq!(
+        some.triangles,
+        read(&text, &[0.5], "rank").unwrap().triangles
     );
     assert_eq!(
         message(read(&text.replace("'field'", "'other'"), &[0.5], "rank")),

@@ -40,6 +40,8 @@ pub(super) struct Isosurfaces<'a> {
     polygons: Polygons,
     /// The least and the greatest number of the array.
     range: [f64; 2],
+    /// True for each value that no cell has yet.
+    is_empty: Vec<bool>,
 }
 
 impl<'a> Isosurfaces<'a> {
@@ -53,6 +55,7 @@ impl<'a> Isosurfaces<'a> {
             scalars: CornerValues::default(),
             polygons: Polygons::default(),
             range: [f64::INFINITY, f64::NEG_INFINITY],
+            is_empty: vec![true; choice.values.len()],
         }
     }
 
@@ -72,7 +75,8 @@ impl<'a> Isosurfaces<'a> {
         if self.mesh.vertices.is_empty() {
             self.mesh.origin = piece.origin();
         }
-        for &level in &self.choice.values {
+        for (surface, &level) in self.choice.values.iter().enumerate() {
+            let n_before = self.mesh.vertices.len();
             let mut contour = Contour {
                 piece,
                 values: &values,
@@ -83,6 +87,7 @@ impl<'a> Isosurfaces<'a> {
                 budget,
             };
             contour.add_cells()?;
+            self.is_empty[surface] &= self.mesh.vertices.len() == n_before;
         }
         Ok(())
     }
@@ -95,6 +100,16 @@ impl<'a> Isosurfaces<'a> {
         let mut mesh = self.mesh;
         if mesh.triangles.is_empty() {
             return Err(nowhere(self.choice, self.range));
+        }
+        for (value, _) in self
+            .choice
+            .values
+            .iter()
+            .zip(self.is_empty)
+            .filter(|(_, empty)| *empty)
+        {
+            mesh.left_out
+                .add("isosurfaces whose value no cell has", value);
         }
         self.polygons.triangulate(
             &mesh.vertices,

@@ -253,7 +253,10 @@ impl XmlReader<'_> {
                 let numbers = self.arrays.tuples(&name, array, n_tuples, budget)?;
                 attributes.arrays.push((name.clone(), numbers));
             }
-            attributes.names.push(name);
+            // Texts give no colors.
+            if array.attribute("type") != Some("String") {
+                attributes.names.push(name);
+            }
         }
         Ok(attributes)
     }
