@@ -1,6 +1,6 @@
 //! Tables of the cost of objects and materials for the terminal.
 
-use host::text::one_line;
+use host::text::truncated;
 use output::writers::{Group, RenderingView};
 use render::attribution::{AttributedCost, AttributionRule, CostAttribution, Work};
 use tracer::cost::Metric;
@@ -8,7 +8,7 @@ use tracer::cost::Metric;
 /// Greatest number of rows of a table; the last one sums up the rest.
 const MAX_ROWS: usize = 10;
 /// Greatest number of characters of a name.
-const MAX_NAME_CHARS: usize = 30;
+const MAX_NAME_CHARS: usize = 29;
 
 /// A row: shares of the picture and of the cost by both attribution rules.
 struct ShareRow {
@@ -44,7 +44,7 @@ fn table(group: &Group, whole: &AttributedCost, metric: Metric) -> String {
         let numbers = numbers(account);
         let share = |i: usize| numbers[i] / whole[i].max(1.0);
         ShareRow {
-            name: truncated(name),
+            name: truncated(name, MAX_NAME_CHARS),
             shares: std::array::from_fn(share),
         }
     };
@@ -76,13 +76,4 @@ fn sum_up_the_rest(rows: &mut Vec<ShareRow>, kind: &str) {
         name: format!("{} more {kind}s", rest.len()),
         shares: std::array::from_fn(|i| rest.iter().map(|row| row.shares[i]).sum()),
     });
-}
-
-/// Returns the name on one line, truncated if it is long.
-fn truncated(name: &str) -> String {
-    let name = one_line(name);
-    match name.char_indices().nth(MAX_NAME_CHARS) {
-        None => name.into_owned(),
-        Some(_) => name.chars().take(MAX_NAME_CHARS - 1).chain(['…']).collect(),
-    }
 }

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Failure, keyword, on_threads, shell_word, shown};
-use base::numbers::bytes;
+use super::{Failure, keyword, list_of, on_threads, shell_word, shown};
 use host::folder::{OutputFolder, Written};
 use host::text::{self, Diagnostic};
 use output::results::read_unchanged;
@@ -152,11 +151,11 @@ fn json_text(json: &impl Serialize) -> io::Result<String> {
 }
 
 fn written_line(out: &Path, written: &[Written]) -> String {
-    let files: Vec<String> = written
-        .iter()
-        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
-        .collect();
-    format!("wrote     {}: {}\n", shown(out), files.join(", "))
+    format!(
+        "wrote     {}: {}\n",
+        shown(out),
+        list_of(written).join(", ")
+    )
 }
 
 fn next_line(out: &Path) -> String {

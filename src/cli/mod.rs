@@ -38,7 +38,9 @@ pub use failure::Failure;
 
 use crate::session;
 use base::Keyword;
+use base::numbers::bytes;
 use base::stop::{self, Cancellation};
+use host::folder::Written;
 use host::signals;
 use host::text::{self, Diagnostic, one_line, shell_word, shortened, shown};
 
@@ -129,6 +131,9 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     }
 }
 
+/// Maximum number of words of a name with spaces that is meant.
+const MAX_WORDS: usize = 16;
+
 /// Returns the failure of a command line that has a file in the place of the command, or a name
 /// with spaces without quotes.
 fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagnostic> {
@@ -144,7 +149,8 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
         }
         ErrorKind::UnknownArgument => {
             let joined = (2..arguments.len()).flat_map(|end| {
-                (1..end).map(move |start| arguments[start..=end].join(OsStr::new(" ")))
+                (end.saturating_sub(MAX_WORDS).max(1)..end)
+                    .map(move |start| arguments[start..=end].join(OsStr::new(" ")))
             });
             let Some(file) = joined.map(PathBuf::from).find(|file| file.is_file()) else {
                 return second_scene(usage, arguments);
@@ -226,6 +232,12 @@ impl Cli {
             _ => Ok(Vec::new()),
         }
     }
+}
+
+/// Returns the names and the lengths of files.
+fn list_of<'a>(written: impl IntoIterator<Item = &'a Written>) -> Vec<String> {
+    let one = |file: &Written| format!("{} ({})", file.file, bytes(file.bytes));
+    written.into_iter().map(one).collect()
 }
 
 /// Returns the parser of a keyword on the command line.

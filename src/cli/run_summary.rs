@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::scene::SceneArguments;
-use super::{charges, hints, hottest, lanes, shell_word, shown, timing_quality};
+use super::{charges, hints, hottest, lanes, list_of, shell_word, shown, timing_quality};
 use base::Keyword;
 use base::numbers::{bytes, count, counted, duration};
 use host::folder::Written;
@@ -145,14 +145,14 @@ pub(super) fn notes(config: &Config, scene: &Scene) -> String {
 /// Returns the names and the lengths of the files; pieces are added up.
 fn list_files(written: &[Written]) -> String {
     let (pieces, files): (Vec<_>, Vec<_>) = written.iter().partition(|one| is_piece(&one.file));
-    let files = files.into_iter();
-    let files = files.map(|one| format!("{} ({})", one.file, bytes(one.bytes)));
     let n_bytes = pieces.iter().map(|piece| piece.bytes).sum();
     let of_pieces = match pieces.len() as u64 {
         0 => None,
         n => Some(format!("{} ({})", counted(n, "piece"), bytes(n_bytes))),
     };
-    files.chain(of_pieces).collect::<Vec<_>>().join(", ")
+    let mut list = list_of(files);
+    list.extend(of_pieces);
+    list.join(", ")
 }
 
 /// Returns "1,234 primitives", and the number of omitted triangles.

@@ -80,7 +80,7 @@ fn granted(block: *mut u8, n_bytes: usize) -> *mut u8 {
     if block.is_null() && !MAY_FAIL.get() {
         exhausted(n_bytes);
     }
-    if n_bytes >= LARGE {
+    if n_bytes >= LARGE && !block.is_null() {
         ask_for_huge_pages(block.addr(), n_bytes);
     }
     block

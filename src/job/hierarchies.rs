@@ -108,7 +108,10 @@ impl<'a> FrameHierarchies<'a> {
             section,
         } = frame;
         let geometry = Frames::geometry(&document, &config);
-        let input = Input::read_frame(document, config, section, needed)?;
+        let input = Input {
+            frame: Some(section),
+            ..Input::read(document, config, needed)?
+        };
         let session = Session::new(input, stages)?;
         Ok(OpenFrame {
             keeps_hierarchy: self.give_to(&session, geometry, options)?,
@@ -130,13 +133,12 @@ impl<'a> FrameHierarchies<'a> {
     ) -> Result<bool, RenderError> {
         let is_first = self.first_geometry == Some(geometry);
         if self.first_geometry.is_some() && !is_first {
-            let first = match self.first.take() {
+            let first = match &mut self.first {
                 Some(first) => first,
-                None => self.scene.first_frame(options)?,
+                none => none.insert(self.scene.first_frame(options)?),
             };
             session.set_base_contents(first.contents);
             session.set_base(first.base.clone());
-            self.first = Some(first);
         }
         let first = self.first.as_ref().filter(|_| is_first);
         let of_first = first.and_then(|first| first.base.first_index());

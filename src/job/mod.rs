@@ -104,7 +104,8 @@ pub struct Job<'a> {
 /// The tiles that a job renders of each picture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Tiles {
-    /// All. Tiles that an interrupted run has left are refused.
+    /// All. With a time limit, or for a picture larger than memory, tiles that an interrupted run has
+    /// left are refused.
     #[default]
     All,
     /// All that an interrupted run has not finished: finished tiles are kept in the output folder.

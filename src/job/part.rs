@@ -1,12 +1,13 @@
 //! Some tiles of a picture, in a file.
 
+use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
 use super::tiles::{self, PictureRun, TileFiles};
 use super::{Observer, PicturePart};
 use crate::session::RenderError;
-use host::folder::create_within;
+use host::folder::{WriteError, create_within};
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS};
 
@@ -39,12 +40,18 @@ impl PictureRun<'_> {
         let is_same = |file: &CheckpointFile| {
             file.header.part == header.part && file.header.foreign_to(&header).is_none()
         };
+        let is_whole = |file: &CheckpointFile| file.is_complete && !file.is_torn;
         let whole = tiles::open(&path)?.filter(is_same);
-        if whole.is_some_and(|file| file.is_complete && !file.is_torn) {
+        if whole.is_some_and(|file| is_whole(&file)) {
             return Ok(PartDone::Kept);
         }
         let unfinished = path.with_extension(UNFINISHED);
         let checkpoint = match tiles::open(&unfinished)?.filter(is_same) {
+            // A run ended before it gave the whole file its name.
+            Some(file) if is_whole(&file) => {
+                fs::rename(&unfinished, &path).map_err(|error| WriteError::new(&path, error))?;
+                return Ok(PartDone::Kept);
+            }
             Some(file) if !file.is_complete => Checkpoint::resume(file)?,
             _ => Checkpoint::create(&unfinished, &header)?,
         };

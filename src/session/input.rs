@@ -24,23 +24,6 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads a frame of an animated scene, as [`read`](Self::read) does.
-    ///
-    /// # Errors
-    /// The errors of [`read`](Self::read).
-    pub(crate) fn read_frame(
-        document: Document,
-        config: Config,
-        frame: FrameSection,
-        needed: impl Fn(&Config, &Geometries) -> Memory,
-    ) -> Result<Self, Diagnostic> {
-        let input = Self::read(document, config, needed)?;
-        Ok(Self {
-            frame: Some(frame),
-            ..input
-        })
-    }
-
     /// Checks the config, reads the files that it names, and checks that the memory
     /// that `needed` estimates is free.
     ///

@@ -28,7 +28,7 @@ use output::summary::{FrameSection, OtherRuns, Threads};
 use output::writers::{self, BandRows};
 use scene::config::{Config, HierarchyUpdate};
 use scene::yaml::{Document, Source, json_of, to_yaml};
-use tracer::accel::{AccelIndex, FrameBase};
+use tracer::accel::{Accel, AccelIndex, FrameBase};
 use world::scene::Scene;
 
 #[doc(inline)]
@@ -252,8 +252,13 @@ impl Session {
         options: &Options,
         update: HierarchyUpdate,
     ) -> Result<FrameBase, RenderError> {
-        let pool = options.thread_pool()?;
-        let accel = pool.install(|| self.accel(options, &mut Stages::default()))?;
+        let accel = match self.index() {
+            Some(index) => Accel::from_index(&self.scene, index),
+            None => {
+                let pool = options.thread_pool()?;
+                pool.install(|| self.accel(options, &mut Stages::default()))?
+            }
+        };
         Ok(FrameBase::new(&accel, update))
     }
 

@@ -51,11 +51,11 @@ pub struct Options<'a> {
 /// The progress of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub enum Event {
-    /// A stage starts: `build`, `render`, `observe` or `lanes`.
+    /// A stage starts: `build`, `render`, `observe`, `lanes`, `survey` or `write`.
     Begin {
         /// Name of the stage.
         stage: &'static str,
-        /// Number of pixels that it will render; 0 for `build`.
+        /// Number of pixels that it will process; 0 for `build`.
         n_pixels: u64,
     },
     /// Another part of the acceleration structure was built.

@@ -171,11 +171,14 @@ impl Rendering<'_> {
         });
         stages.end("commit");
         self.stages = stages;
-        stop::check()?;
-        if checkpoint.has_failed() {
-            return Err(unreadable());
-        }
-        Ok(written?)
+        written.or_else(|error| {
+            stop::check()?;
+            Err(if checkpoint.has_failed() {
+                unreadable()
+            } else {
+                error.into()
+            })
+        })
     }
 
     fn bands<'a>(&'a self, checkpoint: &'a Checkpoint, rows: BandRows) -> Bands<'a> {

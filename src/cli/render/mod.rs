@@ -124,7 +124,15 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 
 /// Renders these tiles, and prints lines about them.
 fn render(arguments: &RenderArguments, tiles: Tiles) -> Result<(), Failure> {
-    let job = arguments.job(tiles)?;
+    // Each rank limits its memory and opens its device.
+    arguments.run.limit_memory();
+    let job = arguments.job(tiles).map_err(|error| {
+        let failure = Failure::from(error);
+        if matches!(tiles, Tiles::All | Tiles::Missing) {
+            fail_on_a_rank(&failure);
+        }
+        failure
+    })?;
     let mut terminal = Terminal::new(arguments);
     let report = job::run(&job, &mut terminal).map_err(|error| match error {
         RenderError::Stopped(stopped, Some(kept)) => {
@@ -192,7 +200,7 @@ impl RenderArguments {
             watch.map_err(|error| RenderError::Machine(without_thread(&error)))?;
         }
         self.check_flags()?;
-        self.run.prepare()?;
+        self.run.check_format()?;
         if self.picture.is_none() {
             self.scene.refuse_other_output()?;
         }

@@ -43,14 +43,18 @@ keywords! {
 }
 
 impl RunArguments {
-    /// Limits the memory, and checks that this program can write the requested format.
-    ///
-    /// # Errors
-    /// A format that this program was built without.
-    pub(super) fn prepare(&self) -> Result<(), Diagnostic> {
+    /// Limits the memory of this process.
+    pub(super) fn limit_memory(&self) {
         if let Some(limit) = self.memory {
             limits::set_limit(limit);
         }
+    }
+
+    /// Checks that this program can write the requested format.
+    ///
+    /// # Errors
+    /// A format that this program was built without.
+    pub(super) fn check_format(&self) -> Result<(), Diagnostic> {
         if self.format.is_none() || hdf::IS_BUILT {
             return Ok(());
         }

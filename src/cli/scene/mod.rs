@@ -428,5 +428,5 @@ fn stops(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();
     let [least, greatest] = FilmSettings::STOPS;
     let in_range = number.filter(|&stops| (least..=greatest).contains(&stops.into()));
-    in_range.ok_or_else(|| "expected a number from -32 to 32".to_owned())
+    in_range.ok_or_else(|| format!("expected a number from {least} to {greatest}"))
 }

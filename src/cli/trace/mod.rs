@@ -9,10 +9,10 @@ use super::progress::StageBar;
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
-use super::{Failure, hottest, keyword, shell_word, shown};
+use super::{Failure, hottest, keyword, list_of, shell_word, shown};
 use crate::job::{OpenScene, SceneSource};
 use crate::session::{Input, Options};
-use base::numbers::{bytes, counted};
+use base::numbers::counted;
 use base::stop;
 use host::folder::{OutputFolder, Written};
 use host::text::{self, Diagnostic};
@@ -265,10 +265,6 @@ fn too_many(error: TooManyRays, n_pixels: u64) -> Failure {
 /// Returns the written files and the next command.
 fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> String {
     let n_rays: usize = pixels.iter().map(|pixel| pixel.tree.rays.len()).sum();
-    let files: Vec<String> = written
-        .iter()
-        .map(|written| format!("{} ({})", written.file, bytes(written.bytes)))
-        .collect();
     format!(
         "traced  {} of {}\n\
          wrote   {}: {}\n\
@@ -276,7 +272,7 @@ fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> S
         counted(n_rays as u64, "ray"),
         counted(pixels.len() as u64, "pixel"),
         shown(out),
-        files.join(", "),
+        list_of(written).join(", "),
         shell_word(&out.join(RAYS_STATE)),
     )
 }

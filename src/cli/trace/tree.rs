@@ -6,7 +6,7 @@ use clap::builder::styling::{AnsiColor, Style};
 use glam::Vec3;
 
 use base::numbers::{count, counted, duration};
-use host::text::one_line;
+use host::text::truncated;
 use output::writers::Traced;
 use render::attribution::{ObservedPixel, RayTree, TracedRay};
 use scene::config::Config;
@@ -172,12 +172,18 @@ impl<'a> Trees<'a> {
     }
 
     fn object(&self, id: u32) -> String {
-        short(&self.config.objects[id as usize].label(id as usize))
+        truncated(
+            &self.config.objects[id as usize].label(id as usize),
+            MAX_NAME_CHARS,
+        )
     }
 
     fn material(&self, id: u32) -> String {
         let material = self.config.materials.get_index(id as usize);
-        material.map_or_else(|| id.to_string(), |(name, _)| short(name))
+        material.map_or_else(
+            || id.to_string(),
+            |(name, _)| truncated(name, MAX_NAME_CHARS),
+        )
     }
 
     /// Returns the sums over all rays, and the color in the picture.
@@ -249,16 +255,6 @@ fn significant(number: f32) -> String {
         n if n >= 0.01 => format!("{n:.2}"),
         n => format!("{n:.0e}"),
     }
-}
-
-/// Returns a name on one line, truncated if it is long.
-fn short(name: &str) -> String {
-    let mut short = one_line(name).into_owned();
-    if let Some((end, _)) = short.char_indices().nth(MAX_NAME_CHARS) {
-        short.truncate(end);
-        short.push('…');
-    }
-    short
 }
 
 /// Aligns rows in columns: the first two flush left, the numbers flush right.

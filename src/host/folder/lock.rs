@@ -31,6 +31,21 @@ impl Lock {
             _ => Ok(Some(Self(file))),
         }
     }
+
+    /// Locks a file that was opened at this path; returns `None` if another run holds the lock, or has
+    /// given the file another name meanwhile.
+    ///
+    /// # Errors
+    /// The errors of [`take`](Self::take).
+    pub fn take_at(path: &Path, file: File) -> io::Result<Option<Self>> {
+        let lock = Self::take(file)?;
+        Ok(lock.filter(|Self(file)| {
+            let both = file
+                .metadata()
+                .and_then(|own| Ok((own, fs::symlink_metadata(path)?)));
+            both.is_ok_and(|(own, other)| is_same(&own, &other))
+        }))
+    }
 }
 
 impl Drop for Lock {

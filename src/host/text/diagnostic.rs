@@ -171,11 +171,12 @@ pub fn shortened(text: String, n_most: usize) -> String {
     start.chain(['…']).chain(end).collect()
 }
 
-/// Returns the text as one line of at most `n_most` characters.
-fn truncated(text: &str, n_most: usize) -> String {
-    match text.char_indices().nth(n_most) {
-        None => one_line(text).into_owned(),
-        Some((end, _)) => one_line(&text[..end]).into_owned() + "…",
+/// Returns the text as one line of at most `n_most` characters, and an ellipsis if it is longer.
+pub fn truncated(text: &str, n_most: usize) -> String {
+    let line = one_line(text);
+    match line.char_indices().nth(n_most) {
+        None => line.into_owned(),
+        Some((end, _)) => format!("{}…", &line[..end]),
     }
 }
 

@@ -141,8 +141,8 @@ impl Checkpoint {
         }
     }
 
-    /// Returns a tile of a rendering that came from a file or was kept, after flushing all tiles to
-    /// the system, or `None` if it is missing or cannot be read.
+    /// Returns a tile of a rendering that came from a file, or was kept and has been
+    /// [flushed](Self::flush), or `None` if it is missing or cannot be read.
     pub fn tile(&self, rendering: u8, tile: u32) -> Option<TileRecord<'static>> {
         let kept = self.sink.as_ref().and_then(|sink| {
             let stored = *locked(&sink.kept).get(&(rendering, tile))?;

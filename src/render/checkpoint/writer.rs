@@ -31,7 +31,7 @@ impl TileWriter {
         let mut options = OpenOptions::new();
         options.write(true).create(true).truncate(false);
         let file = files::open_to_change(&mut options, path)?;
-        let lock = lock(&file)?;
+        let lock = lock(path, &file)?;
         file.set_len(0)?;
         let mut this = Self::new(file, lock, [0, MAGIC.len() as u64]);
         this.file.write_all(MAGIC)?;
@@ -44,7 +44,7 @@ impl TileWriter {
     /// Continues after the last whole block of a file.
     pub(super) fn behind(found: &CheckpointFile) -> io::Result<Self> {
         let mut file = files::open_to_change(OpenOptions::new().write(true), &found.path)?;
-        let lock = lock(&file)?;
+        let lock = lock(&found.path, &file)?;
         file.set_len(found.n_bytes)?;
         file.seek(SeekFrom::End(0))?;
         Ok(Self::new(file, lock, [found.n_blocks, found.n_bytes]))
@@ -111,8 +111,8 @@ impl TileWriter {
     }
 }
 
-/// Locks a file.
-fn lock(file: &File) -> io::Result<Lock> {
-    let lock = Lock::take(file.try_clone()?)?;
+/// Locks a file that was opened at this path.
+fn lock(path: &Path, file: &File) -> io::Result<Lock> {
+    let lock = Lock::take_at(path, file.try_clone()?)?;
     lock.ok_or_else(|| io::Error::other("another run is writing it"))
 }

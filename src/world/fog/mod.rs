@@ -42,8 +42,8 @@ pub struct Fog {
     /// tracing; 0, the same in all directions, by default.
     #[serde(default, with = "Anisotropy")]
     pub anisotropy: f32,
-    /// The radius of the fog around the center of the objects; by default it holds the objects and
-    /// the camera.
+    /// The radius of the fog around the center of the box of all objects, in which an instance has its
+    /// turned box; by default it holds the objects and the camera.
     #[serde(default, with = "values::Positive")]
     pub radius: Option<f32>,
 }

@@ -59,7 +59,8 @@ pub(in crate::shade) fn sample<R: Real>(
     let side = R::select(chosen.is_refracted, -one, one);
     let cos = side * chosen.direction.dot(at.point.normal);
     let height = chosen.direction.dot(at.point.geometric_normal);
-    let is_lost = zero.lt(tilt) & zero.lt(cos) & (side * height).lt(zero);
+    let is_candidate = zero.lt(tilt) & zero.lt(cos);
+    let is_lost = is_candidate & (side * height).lt(zero);
     // Turn those directions up; for the others, find the direction that would turn to them.
     let least = tilt.max(one.splat(f32::MIN_POSITIVE));
     let to = R::select(
@@ -68,7 +69,7 @@ pub(in crate::shade) fn sample<R: Real>(
         -height * tilt,
     );
     let turned = turn(at, chosen.direction, to);
-    let is_found = zero.lt(tilt) & zero.lt(cos) & zero.lt(side * turned.dot(at.point.normal));
+    let is_found = is_candidate & zero.lt(side * turned.dot(at.point.normal));
     // Add the densities of both ways to choose the direction.
     let of_turned = bsdf.evaluate(at, boundary, turned).density;
     let density = R::select(
