@@ -504,6 +504,23 @@ fn the_job_array_of_the_book_renders_all_parts() {
     assert_success(&folder.run(&["check", &format!("out/{}", out[0])]));
 }
 
+/// As a run leaves it that ends between the last tile and the final name.
+#[test]
+fn a_whole_part_that_was_not_renamed_is_kept() {
+    let folder = Folder::new();
+    two_parts(&folder);
+    let part = folder.part("out", "part-1-of-2.tiles");
+    let bytes = fs::read(&part).unwrap();
+    fs::rename(&part, part.with_extension("unfinished")).unwrap();
+    let command = ["render", "configs/seed_extended.yaml", "--part=1/2", "--out=out"];
+    let flags = ["--width=40", "--height=40", "--cost=counters"];
+    let output = folder.run(&[command.as_slice(), &flags].concat());
+    assert_success(&output);
+    // Another rendering would have other times.
+    assert_eq!(fs::read(&part).unwrap(), bytes);
+    assert!(!part.with_extension("unfinished").exists());
+}
+
 #[test]
 fn a_part_is_rendered_by_one_run_at_a_time() {
     let folder = Folder::new();
