@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Failure, keyword, list_of, on_threads, shell_word, shown};
+use super::{Failure, keyword, names_and_lengths, on_threads, shell_word, shown};
 use host::folder::{OutputFolder, Written};
 use host::text::{self, Diagnostic};
 use output::results::read_unchanged;
@@ -154,7 +154,7 @@ fn written_line(out: &Path, written: &[Written]) -> String {
     format!(
         "wrote     {}: {}\n",
         shown(out),
-        list_of(written).join(", ")
+        names_and_lengths(written).join(", ")
     )
 }
 

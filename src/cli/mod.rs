@@ -131,7 +131,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> Result<(), Failure> {
     }
 }
 
-/// Maximum number of words of a name with spaces that is meant.
+/// Maximum number of words of a file name with spaces that a message recognizes.
 const MAX_WORDS: usize = 16;
 
 /// Returns the failure of a command line that has a file in the place of the command, or a name
@@ -149,7 +149,7 @@ fn file_as_command(usage: &clap::Error, arguments: &[OsString]) -> Option<Diagno
         }
         ErrorKind::UnknownArgument => {
             let joined = (2..arguments.len()).flat_map(|end| {
-                (end.saturating_sub(MAX_WORDS).max(1)..end)
+                (end.saturating_sub(MAX_WORDS - 1).max(1)..end)
                     .map(move |start| arguments[start..=end].join(OsStr::new(" ")))
             });
             let Some(file) = joined.map(PathBuf::from).find(|file| file.is_file()) else {
@@ -234,8 +234,8 @@ impl Cli {
     }
 }
 
-/// Returns the names and the lengths of files.
-fn list_of<'a>(written: impl IntoIterator<Item = &'a Written>) -> Vec<String> {
+/// Returns the name and the length of each file.
+fn names_and_lengths<'a>(written: impl IntoIterator<Item = &'a Written>) -> Vec<String> {
     let one = |file: &Written| format!("{} ({})", file.file, bytes(file.bytes));
     written.into_iter().map(one).collect()
 }

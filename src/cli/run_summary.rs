@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::scene::SceneArguments;
-use super::{charges, hints, hottest, lanes, list_of, shell_word, shown, timing_quality};
+use super::{charges, hints, hottest, lanes, names_and_lengths, shell_word, shown, timing_quality};
 use base::Keyword;
 use base::numbers::{bytes, count, counted, duration};
 use host::folder::Written;
@@ -150,7 +150,7 @@ fn list_files(written: &[Written]) -> String {
         0 => None,
         n => Some(format!("{} ({})", counted(n, "piece"), bytes(n_bytes))),
     };
-    let mut list = list_of(files);
+    let mut list = names_and_lengths(files);
     list.extend(of_pieces);
     list.join(", ")
 }

@@ -1,13 +1,14 @@
 //! Some tiles of a picture, in a file.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 use std::time::Duration;
 
 use super::tiles::{self, PictureRun, TileFiles};
 use super::{Observer, PicturePart};
 use crate::session::RenderError;
-use host::folder::{WriteError, create_within};
+use host::folder::{Lock, WriteError, create_within};
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS};
 
@@ -23,6 +24,18 @@ pub enum PartDone {
     Partial(Partial),
     /// Already complete.
     Kept,
+}
+
+/// Gives a whole file its name, which no other run does meanwhile.
+fn name_whole(unfinished: &Path, path: &Path, sync: bool) -> io::Result<()> {
+    let file = File::open(unfinished)?;
+    if sync {
+        file.sync_all()?;
+    }
+    match Lock::take_at(unfinished, file)? {
+        Some(_lock) => fs::rename(unfinished, path),
+        None => Err(io::Error::other("another run is writing it")),
+    }
 }
 
 impl PictureRun<'_> {
@@ -49,7 +62,8 @@ impl PictureRun<'_> {
         let checkpoint = match tiles::open(&unfinished)?.filter(is_same) {
             // A run ended before it gave the whole file its name.
             Some(file) if is_whole(&file) => {
-                fs::rename(&unfinished, &path).map_err(|error| WriteError::new(&path, error))?;
+                name_whole(&unfinished, &path, self.job.sync)
+                    .map_err(|error| WriteError::new(&path, error))?;
                 return Ok(PartDone::Kept);
             }
             Some(file) if !file.is_complete => Checkpoint::resume(file)?,

@@ -210,7 +210,7 @@ fn a_wrong_command_line_ends_with_2() {
 }
 
 #[test]
-fn what_would_do_nothing_or_harm_to_an_output_is_refused() {
+fn a_command_that_would_do_nothing_or_damage_an_output_is_refused() {
     let folder = folder();
     let rendered = raycost(
         folder.path(),

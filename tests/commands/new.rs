@@ -255,7 +255,7 @@ fn low_surfaces_and_stl_stand_upright() {
 #[test]
 fn a_scene_that_cannot_be_written_is_not_left_in_part() {
     let folder = tempfile::tempdir().unwrap();
-    for blocks in ["0", "1", "2"] {
+    for blocks in ["0", "1"] {
         let mut shell = Command::new("sh");
         shell.args(["-c", &format!("ulimit -f {blocks}; exec \"$@\""), "sh"]);
         shell
@@ -263,7 +263,6 @@ fn a_scene_that_cannot_be_written_is_not_left_in_part() {
             .args(["new", "scene.yaml"]);
         let failed = shell.current_dir(folder.path()).output().unwrap();
         assert_eq!(failed.status.code(), Some(1), "{}", text(&failed.stderr));
-        let _ = fs::remove_file(folder.path().join("scene.yaml"));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{blocks}");
     }
 }

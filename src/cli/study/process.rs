@@ -161,6 +161,7 @@ fn output_of(command: &mut Command, is_other: bool) -> io::Result<Output> {
             end();
         }
         let output = child.wait_with_output();
+        // From here on the id may be of another process.
         drop(take());
         output
     })?

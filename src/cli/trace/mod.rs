@@ -9,7 +9,7 @@ use super::progress::StageBar;
 use super::rectangle::PixelRectangle;
 use super::scene::SceneArguments;
 use super::thread_pool;
-use super::{Failure, hottest, keyword, list_of, shell_word, shown};
+use super::{Failure, hottest, keyword, names_and_lengths, shell_word, shown};
 use crate::job::{OpenScene, SceneSource};
 use crate::session::{Input, Options};
 use base::numbers::counted;
@@ -272,7 +272,7 @@ fn closing_lines(pixels: &[ObservedPixel], written: &[Written], out: &Path) -> S
         counted(n_rays as u64, "ray"),
         counted(pixels.len() as u64, "pixel"),
         shown(out),
-        list_of(written).join(", "),
+        names_and_lengths(written).join(", "),
         shell_word(&out.join(RAYS_STATE)),
     )
 }

@@ -14,11 +14,12 @@ use host::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
 /// The flags of `raycost render` that override a value of the scene.
-const OVERRIDING: [(&str, &str); 15] = [
+const OVERRIDING: [(&str, &str); 17] = [
     ("width", "image.width"),
     ("height", "image.height"),
     ("crop", "image.crop"),
     ("spp", "image.samples_per_pixel"),
+    ("samples", "image.samples_per_pixel"),
     ("until-noise", "image.adaptive"),
     ("seed", "image.seed"),
     ("max-depth", "shading.max_depth"),
@@ -26,6 +27,7 @@ const OVERRIDING: [(&str, &str); 15] = [
     ("tone-curve", "film.tone_curve"),
     ("acceleration", "acceleration"),
     ("cost", "cost"),
+    ("no-cost", "cost"),
     ("repeats", "repeats"),
     ("tile-size", "tiles.size"),
     ("tile-order", "tiles.order"),

@@ -95,7 +95,7 @@ impl RunLog {
                 raycost_study: FORMAT,
                 made_by: made_by.clone(),
             };
-            // Otherwise the next run takes half a header for another file.
+            // Otherwise the next run would refuse half a header as a file of another program.
             append(&mut file, &header)
                 .inspect_err(|_| drop(fs::remove_file(path)))
                 .map_err(failed)?;
