@@ -53,7 +53,10 @@ fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
         None => arguments.folder.join(view::FILE),
     };
     // Otherwise `--out` could name a table or a state that it would replace.
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+    if !path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("html"))
+    {
         let message = format!("`{}` is not the name of a page", shown(&path));
         return Err(Diagnostic::new(message)
             .with_help("give it the extension `.html`")

@@ -40,6 +40,7 @@ pub use log_law::LogLaw;
 pub use metric_list::{MetricNeed, StudyMetric};
 pub use overhead::overhead_rows;
 pub use plan::{PlannedRun, QuickPlan, StudyPlan};
+pub use plan_check::OVERRIDING;
 pub use plot::{Ceiling, Figure, PlotPoint, Series};
 pub use plot_spec::PlotSpec;
 pub use point::{StudyPoint, label_of};

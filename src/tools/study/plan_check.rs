@@ -13,8 +13,8 @@ use super::{Case, Factor, FlagFactor, PlotSpec, StudyPlan, StudyStep, Vary};
 use host::text::did_you_mean;
 use scene::yaml::{Fault, FieldPath};
 
-/// The flags of `raycost render` that override a value of the scene.
-const OVERRIDING: [(&str, &str); 17] = [
+/// The flags of `raycost render` that override a value of the scene, and the value.
+pub const OVERRIDING: [(&str, &str); 18] = [
     ("width", "image.width"),
     ("height", "image.height"),
     ("crop", "image.crop"),
@@ -32,6 +32,7 @@ const OVERRIDING: [(&str, &str); 17] = [
     ("tile-size", "tiles.size"),
     ("tile-order", "tiles.order"),
     ("compress", "compress"),
+    ("count", "sphere_cloud.count"),
 ];
 
 /// Maximum number of bytes of a file's name on most systems.
@@ -154,12 +155,8 @@ impl StudyPlan {
             let Factor::Setting(setting) = factor else {
                 continue;
             };
-            let overrides = |value: &str| {
-                setting == value
-                    || setting
-                        .strip_prefix(value)
-                        .is_some_and(|rest| rest.starts_with('.'))
-            };
+            let overrides =
+                |value: &str| setting.ends_with(value) || setting.starts_with(&format!("{value}."));
             let found = OVERRIDING
                 .iter()
                 .find(|(flag, value)| given.contains(flag) && overrides(value));

@@ -4,6 +4,7 @@ use super::{STUDY, folder, raycost, run, stderr_of};
 use crate::common::assert_success;
 use std::fs;
 use std::process::Command;
+use tools::study::OVERRIDING;
 
 #[cfg(unix)]
 #[test]
@@ -22,6 +23,23 @@ fn a_log_that_cannot_be_written_ends_with_1_and_leaves_none() {
         stderr_of(&failed)
     );
     assert!(!folder.path().join("out/runs.jsonl").exists());
+}
+
+#[test]
+fn every_flag_that_overrides_the_file_is_known() {
+    let help = raycost().args(["render", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    let words: Vec<&str> = help.split_whitespace().collect();
+    let known = OVERRIDING.map(|(flag, _)| flag);
+    let (mut flag, mut n_found) = ("", 0);
+    for (at, word) in words.iter().enumerate() {
+        flag = word.strip_prefix("--").unwrap_or(flag);
+        if words[at..].starts_with(&["instead", "of", "the", "file's"]) {
+            assert!(known.contains(&flag), "{flag}");
+            n_found += 1;
+        }
+    }
+    assert!(n_found > 10, "{n_found}");
 }
 
 #[test]
