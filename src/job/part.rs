@@ -1,6 +1,6 @@
 //! Some tiles of a picture, in a file.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::Path;
 use std::time::Duration;
@@ -8,6 +8,7 @@ use std::time::Duration;
 use super::tiles::{self, PictureRun, TileFiles};
 use super::{Observer, PicturePart};
 use crate::session::RenderError;
+use host::files;
 use host::folder::{Lock, WriteError, create_within};
 use output::summary::Partial;
 use render::checkpoint::{Checkpoint, CheckpointFile, PARTS};
@@ -28,7 +29,7 @@ pub enum PartDone {
 
 /// Gives a whole file its name, which no other run does meanwhile.
 fn name_whole(unfinished: &Path, path: &Path, sync: bool) -> io::Result<()> {
-    let file = File::open(unfinished)?;
+    let file = files::open(unfinished)?;
     if sync {
         file.sync_all()?;
     }

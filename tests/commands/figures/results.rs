@@ -82,7 +82,6 @@ pub const FIGURES: &[(&str, Figure)] = &[
         Some(format!("{:.0} %", 100.0 * (plan - 1.0)))
     }),
     ("ladder", Results::ladder),
-    ("ladder-16", Results::ladder_on_16_cores),
     ("threads-16", Results::speedup_of_16_threads),
 ];
 
@@ -264,13 +263,6 @@ impl Results {
             left_out.collect::<Option<String>>()?,
         ];
         Some(format!("{head}{rows}{left_out}\n"))
-    }
-
-    /// The greatest speedup of the ladder over its first step, on 16 cores.
-    fn ladder_on_16_cores(&self) -> Option<String> {
-        let points = self.list("ladder_on_16_cores", "points")?.iter();
-        let speedup = |point: &Value| point["metrics"]["speedup_over_start"][1].as_f64();
-        points.filter_map(speedup).reduce(f64::max).map(digits)
     }
 
     /// The speedups of 16 threads over one.
