@@ -1,5 +1,6 @@
 //! `raycost view`.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use super::{Failure, on_threads, refuse_file, shown};
@@ -52,14 +53,12 @@ fn write_page(arguments: &ViewArguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => arguments.folder.join(view::FILE),
     };
-    // Otherwise `--out` could name a table or a state that it would replace.
-    if !path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("html"))
-    {
-        let message = format!("`{}` is not the name of a page", shown(&path));
+    // A table or a state of raycost would be replaced, too.
+    let is_page = |extension: &OsStr| extension.eq_ignore_ascii_case("html");
+    if path.is_file() && !path.extension().is_some_and(is_page) {
+        let message = format!("`{}` is not a page", shown(&path));
         return Err(Diagnostic::new(message)
-            .with_help("give it the extension `.html`")
+            .with_help("name another file, such as `view.html`")
             .into());
     }
     refuse_foreign_file(&path, Replace::Marked)?;

@@ -222,10 +222,7 @@ fn a_command_that_would_do_nothing_or_damage_an_output_is_refused() {
             ["check", "o", "--width=3"].as_slice(),
             "do not change an output folder",
         ),
-        (
-            &["view", "o", "--out=o/summary.json"],
-            "is not the name of a page",
-        ),
+        (&["view", "o", "--out=o/summary.json"], "is not a page"),
         (&["states", "none"], "`none` does not exist"),
     ] {
         let message = failure(folder.path(), arguments, 2);
