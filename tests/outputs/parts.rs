@@ -512,15 +512,7 @@ fn a_whole_part_that_was_not_renamed_is_kept() {
     let part = folder.part("out", "part-1-of-2.tiles");
     let bytes = fs::read(&part).unwrap();
     fs::rename(&part, part.with_extension("unfinished")).unwrap();
-    let command = [
-        "render",
-        "configs/seed_extended.yaml",
-        "--part=1/2",
-        "--out=out",
-    ];
-    let flags = ["--width=40", "--height=40", "--cost=counters"];
-    let output = folder.run(&[command.as_slice(), &flags].concat());
-    assert_success(&output);
+    two_parts(&folder);
     // Another rendering would have other times.
     assert_eq!(fs::read(&part).unwrap(), bytes);
     assert!(!part.with_extension("unfinished").exists());

@@ -1,5 +1,7 @@
 //! Steps that cannot be made here, and the report on the others.
 
+use std::collections::HashMap;
+
 use super::intervals::{interval_of, shown_ms};
 use super::launcher::check_startable;
 use crate::cli::device::parse_device;
@@ -11,7 +13,7 @@ use tools::study::{LeftOutStep, StatisticsRow, StudyPlan, StudyStep, label_of};
 pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutStep> {
     let launcher = plan.launcher.clone();
     // A device is tried once: its library compiles a kernel, and proves its arithmetic.
-    let mut tried: Vec<(String, Option<String>)> = Vec::new();
+    let mut tried = HashMap::new();
     plan.leave_out(|step: &StudyStep| {
         if step.command.is_some() && !any_command {
             return Some("starts another program, which needs `--allow-commands`".to_owned());
@@ -23,12 +25,8 @@ pub(super) fn leave_out(plan: &mut StudyPlan, any_command: bool) -> Vec<LeftOutS
             .or_else(|| step.lacks_instructions())
             .or_else(|| {
                 let device = step.device()?;
-                if let Some((_, why)) = tried.iter().find(|(name, _)| name == device) {
-                    return why.clone();
-                }
-                let why = why_not_on(device);
-                tried.push((device.to_owned(), why.clone()));
-                why
+                let why = tried.entry(device.to_owned());
+                why.or_insert_with(|| why_not_on(device)).clone()
             })
     })
 }

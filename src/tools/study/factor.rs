@@ -7,7 +7,7 @@ use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer, MapAcce
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::factor_level::{BoundedCount, Depth, FactorForm, ImageSize, ProcessorCount, text_of};
+use super::factor_level::{BoundedCount, FactorForm, ImageSize, ProcessorCount, text_of};
 use scene::config::{
     CostMode, MAX_SAMPLES, MAX_SHAPES, Pinning, SimdSet, Structure, TileOrder, Tiling, Traversal,
 };
@@ -79,7 +79,7 @@ factors! {
     /// Number of spheres per generator of the scene.
     Objects "objects": BoundedCount<{ MAX_SHAPES as u64 }> => ["count"];
     /// Maximum number of bounces of a path.
-    MaxDepth "max_depth": Depth => ["max-depth"];
+    MaxDepth "max_depth": BoundedCount<255, 0> => ["max-depth"];
     /// Side of a tile in pixels.
     TileSize "tile_size": BoundedCount<{ Tiling::MAX_SIZE as u64 }> => ["tile-size"];
     /// The order in which threads take tiles.

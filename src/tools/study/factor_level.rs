@@ -22,27 +22,15 @@ pub(super) enum FactorForm {
     One,
 }
 
-/// A number from 1 to `MAX`.
+/// A number from `MIN` to `MAX`.
 #[derive(Serialize)]
-pub(super) struct BoundedCount<const MAX: u64>(u64);
+pub(super) struct BoundedCount<const MAX: u64, const MIN: u64 = 1>(u64);
 
-schema_of_form!(BoundedCount<MAX> where [const MAX: u64], Whole(1..=MAX));
+schema_of_form!(BoundedCount<MAX, MIN> where [const MAX: u64, const MIN: u64], Whole(MIN..=MAX));
 
-impl<'de, const MAX: u64> Deserialize<'de> for BoundedCount<MAX> {
+impl<'de, const MAX: u64, const MIN: u64> Deserialize<'de> for BoundedCount<MAX, MIN> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        Whole(1..=MAX).deserialize(d).map(Self)
-    }
-}
-
-/// A number of bounces.
-#[derive(Serialize)]
-pub(super) struct Depth(u64);
-
-schema_of_form!(Depth, Whole(0..=255));
-
-impl<'de> Deserialize<'de> for Depth {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        Whole(0..=255).deserialize(d).map(Self)
+        Whole(MIN..=MAX).deserialize(d).map(Self)
     }
 }
 
